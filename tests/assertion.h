@@ -8,7 +8,7 @@
 
 #include <string>
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// What was claimed, and the values that it was claimed of when it does not hold.
 struct Claim {
@@ -80,7 +80,7 @@ Claim claimOf(const LeftSide<L>& whole) {
 /// Ends the running case as a failure.
 [[noreturn]] void failCase(const char* file, int line, const char* assertion, const std::string& values);
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test
 
 #undef RC_ASSERT
 #define RC_ASSERT(expression)                                                                     \

@@ -8,7 +8,7 @@
 
 #include "tests/run_property.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 int caseCount(int cases) {
   const char* percent = std::getenv("LPC_TEST_CASES");
@@ -109,4 +109,4 @@ void failCase(const char* file, int line, const char* assertion, const std::stri
                                rc::detail::makeExpressionMessage(file, line, assertion, values));
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

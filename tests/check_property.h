@@ -18,7 +18,7 @@
 
 #include "tests/assertion.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Draws what it needs (tests/draw.h) and fails by RC_ASSERT. Of one type, so that RapidCheck is compiled once, in
 /// check_property.cpp, and not for each property.
@@ -56,4 +56,4 @@ void recordPlantedBug(const std::string& bug, int took, int allowed);
 /// Never fewer than it says: the search ends at the first one, so there is nothing to save.
 void expectFalsified(const std::string& bug, const Property& property, int cases = kCases);
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -7,7 +7,7 @@
 #include "tests/assertion.h"
 #include "tests/contact_scene.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// A drawn pair with a margin. The bodies' frames are not the shapes' in half of the cases.
 template <int D>
@@ -491,4 +491,4 @@ void deepBodiesGoBack(ContactGenerator<D>& generator) {
   RC_ASSERT(fresh[0].normal[1] > 0);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

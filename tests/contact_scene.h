@@ -9,7 +9,7 @@
 #include "oracles/referee/referee.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 template <int D>
 struct ContactScene {
@@ -91,4 +91,4 @@ Real worldSeparation(const ContactScene<D>& scene, const Vec<D>& n) {
   return static_cast<Real>(along.middle());
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

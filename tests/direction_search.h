@@ -3,7 +3,7 @@
 
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// The largest value of f(d) over unit vectors d, by trying many and refining the best: never above the true maximum,
 /// usually within a percent of the sizes in play. What is separated, and how far, is such a maximum for convex sets; it
@@ -30,4 +30,4 @@ Real maxOverDirections(F&& f, std::uint64_t seed = 7) {
   return value;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -7,7 +7,7 @@
 
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 int RapidCheckDraw::below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
 
@@ -49,13 +49,13 @@ template class Gen<Pose<3>>;
 template class Gen<Vec<2>>;
 template class Gen<Vec<3>>;
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template std::ostream& operator<< <2>(std::ostream&, const Shape<2>&);
 template std::ostream& operator<< <3>(std::ostream&, const Shape<3>&);
 template std::ostream& operator<< <2>(std::ostream&, const Pose<2>&);
 template std::ostream& operator<< <3>(std::ostream&, const Pose<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

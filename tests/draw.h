@@ -21,7 +21,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline constexpr Real kEps = std::numeric_limits<Real>::epsilon();
 
@@ -258,11 +258,11 @@ Real sizeOf(const Shape<D>& s) {
   return boundingRadius(s.view());
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test
 
 // Beside the types, so that RapidCheck and GoogleTest print counterexamples: in the terms of a scene file
 // (docs/manual.md), with all digits. Rotations become angles, which may cost a bit; a kept input has them all.
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// "[1, 2.5, 3]"
 template <int D>
@@ -329,4 +329,4 @@ extern template std::ostream& operator<< <3>(std::ostream&, const Shape<3>&);
 extern template std::ostream& operator<< <2>(std::ostream&, const Pose<2>&);
 extern template std::ostream& operator<< <3>(std::ostream&, const Pose<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <functional>
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// f(target) with the best that the processor has, and each lesser one; then the best again.
 inline void forEachTarget(const std::function<void(std::int64_t)>& f) {
@@ -19,4 +19,4 @@ inline void forEachTarget(const std::function<void(std::int64_t)>& f) {
   hwy::GetChosenTarget().Update(all);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -9,7 +9,7 @@
 
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline bool competes(const Registered& r) { return r.info.role == AlgorithmRole::competitor; }
 
@@ -116,4 +116,4 @@ bool declares(const std::string& spec, const std::string& property) {
   return false;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

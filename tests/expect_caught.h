@@ -4,7 +4,7 @@
 
 #include "tests/check_property.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// `holds`: what the property says of the planted bug. It enters the list of planted bugs as caught by its one case.
 inline void expectCaught(const std::string& bug, bool holds) {
@@ -12,4 +12,4 @@ inline void expectCaught(const std::string& bug, bool holds) {
   if (!holds) recordPlantedBug(bug, 1, 1);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -12,7 +12,7 @@
 #include "framework/shape/support_map.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 template <int D>
 struct ShapePairCase {
@@ -306,4 +306,4 @@ Gen<Vec<D>> directions() {
   return Gen<Vec<D>>(drawDirection<D>);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

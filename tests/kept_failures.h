@@ -12,7 +12,7 @@
 #include <sstream>
 #include <string>
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// FNV-1a; `start` is the offset basis or a value derived from it.
 inline std::uint64_t hashOf(const std::string& text, std::uint64_t start = 0xcbf29ce484222325u) {
@@ -85,4 +85,4 @@ class KeptFailures {
   std::filesystem::path m_folder;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -11,7 +11,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// What an answer may be off by, against the size of the pair; of a witness point, which is ill-conditioned where the
 /// answer is not, more (a vertex that slides along a nearly parallel face).
@@ -360,4 +360,4 @@ class PairQueryProperties {
   double m_size = 0, m_T = 0;  // of the pair that is judged
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

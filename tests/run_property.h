@@ -9,7 +9,7 @@
 #include "tests/check_property.h"
 #include "tests/kept_failures.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class Shrink { no, yes };
 
@@ -22,4 +22,4 @@ rc::detail::TestResult runProperty(const std::string& name, const Property& prop
 std::string counterexample(const KeptFailures& kept, const std::string& id, const std::string& name,
                            const Property& property, int cases);
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -11,7 +11,7 @@
 
 #include "framework/stage/stage_sleep.h"
 
-namespace lpc::inline LPC_PRECISION::test::sleep_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace sleep_test {
 
 inline constexpr Real kG = Real(9.81), kDt = Real(1) / 60;
 
@@ -415,4 +415,4 @@ constexpr Duty<D> kDuties[] = {{"Sleep.StaysAwakeInFlight", staysAwakeInFlight<D
                                {"Sleep.BySeconds", sleepsBySeconds<D>},
                                {"Sleep.PendulumSleeps", pendulumSleeps<D>}};
 
-}  // namespace lpc::inline LPC_PRECISION::test::sleep_test
+}}}}  // namespace lpc::LPC_PRECISION::test::sleep_test

@@ -12,7 +12,7 @@
 #include "framework/math/random.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 template <int D>
 Vec<D> at(double x, double y, double z = 0) {
@@ -130,4 +130,4 @@ void addJointed(World<D>& world, const Vec<D>& place) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

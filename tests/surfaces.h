@@ -8,7 +8,7 @@
 #include "framework/shape/surface.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class GroundOf { surface, loosePart };
 
@@ -63,4 +63,4 @@ Shape<D> roughGround(std::uint64_t seed, GroundOf of, const std::function<double
 
 inline double level(double) { return 0; }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

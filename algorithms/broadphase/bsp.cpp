@@ -4,7 +4,7 @@
 #include "algorithms/broadphase/gathered_box.h"
 #include "algorithms/broadphase/packed_box.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace broadphase;
@@ -312,4 +312,4 @@ class Bsp final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, Bsp, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A tree of fat boxes that lives from step to step (Presson's btDbvt in Bullet; Catto 2019). A box is taken out and put
@@ -388,4 +388,4 @@ class DynamicTree final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, DynamicTree, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION::broadphase {
+namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 
 template <int D>
 struct GatheredBox {
@@ -66,4 +66,4 @@ inline void emitIfPair(const GatheredBox<D>& a, const GatheredBox<D>& b, std::ve
   out.push_back(i < j ? ProxyPair{i, j} : ProxyPair{j, i});
 }
 
-}  // namespace lpc::inline LPC_PRECISION::broadphase
+}}}  // namespace lpc::LPC_PRECISION::broadphase

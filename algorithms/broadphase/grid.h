@@ -8,7 +8,7 @@
 
 #include "algorithms/broadphase/gathered_box.h"
 
-namespace lpc::inline LPC_PRECISION::broadphase {
+namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 
 template <int D>
 class Grid {
@@ -80,4 +80,4 @@ inline void tellOnce(std::vector<StructureBox<D>>& out, std::size_t from) {
   out.erase(std::unique(begin, out.end(), same), out.end());
 }
 
-}  // namespace lpc::inline LPC_PRECISION::broadphase
+}}}  // namespace lpc::LPC_PRECISION::broadphase

@@ -3,7 +3,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Every pair of boxes: the reference that all other broadphases are compared with.
@@ -66,4 +66,4 @@ class Naive final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, Naive, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "algorithms/broadphase/gathered_box.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace broadphase;
@@ -86,4 +86,4 @@ class NaiveSphere final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, NaiveSphere, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

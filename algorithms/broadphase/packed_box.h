@@ -7,7 +7,7 @@
 
 #include "algorithms/broadphase/window.h"
 
-namespace lpc::inline LPC_PRECISION::broadphase {
+namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 
 struct PackedBox {
   std::uint64_t lo, hi;
@@ -99,4 +99,4 @@ inline std::int32_t* listOverlaps(const PackedBox* boxes, const PackedBox& a, st
   return hits;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::broadphase
+}}}  // namespace lpc::LPC_PRECISION::broadphase

@@ -6,7 +6,7 @@
 #include "algorithms/broadphase/packed_box.h"
 #include "algorithms/broadphase/radix_sort.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace broadphase;
@@ -437,4 +437,4 @@ class RebuiltBvh final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, RebuiltBvh, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "algorithms/broadphase/radix_sort.h"
 #include "algorithms/broadphase/window.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace broadphase;
@@ -177,4 +177,4 @@ class SortAndSweep final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, SortAndSweep, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "algorithms/broadphase/grid.h"
 #include "algorithms/broadphase/packed_box.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace broadphase;
@@ -247,4 +247,4 @@ class SpatialHash final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, SpatialHash, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

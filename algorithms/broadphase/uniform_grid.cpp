@@ -5,7 +5,7 @@
 #include "algorithms/broadphase/grid.h"
 #include "algorithms/broadphase/packed_box.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace broadphase;
@@ -257,4 +257,4 @@ class UniformGrid final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, UniformGrid, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

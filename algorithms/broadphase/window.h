@@ -9,7 +9,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION::broadphase {
+namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 
 /// Where the boxes are. Everything outside is clamped to the border, so that one body lost at 1e7 m does not cost the
 /// others their resolution.
@@ -101,4 +101,4 @@ struct Scale {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::broadphase
+}}}  // namespace lpc::LPC_PRECISION::broadphase

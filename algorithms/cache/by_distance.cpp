@@ -3,7 +3,7 @@
 
 #include "algorithms/cache/inherit.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Matches points by where their anchors are, the nearest pair first; an old point gives its impulse once. A place is
@@ -62,4 +62,4 @@ class ByDistance final : public ContactCache<D> {
 
 LPC_REGISTER(ContactCache, ByDistance, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/cache/inherit.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Matches points by the shapes' pair and the number of their pair of features.
@@ -29,4 +29,4 @@ class ByFeature final : public ContactCache<D> {
 
 LPC_REGISTER(ContactCache, ByFeature, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

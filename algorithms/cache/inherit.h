@@ -4,7 +4,7 @@
 
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::cache {
+namespace lpc { inline namespace LPC_PRECISION { namespace cache {
 
 /// Friction from the tangents of one normal to those of another. tangents(n) jumps where n_z changes its sign, so on a
 /// slope the two bases may differ by a mirror image although the normals differ by one rounding: friction is carried as
@@ -60,4 +60,4 @@ void forKnown(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fresh,
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::cache
+}}}  // namespace lpc::LPC_PRECISION::cache

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Forgets: every step starts cold.
@@ -31,4 +31,4 @@ class NoCache final : public ContactCache<D> {
 
 LPC_REGISTER(ContactCache, NoCache, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

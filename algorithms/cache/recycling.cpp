@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/cache/inherit.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Contact recycling: while two shapes have hardly moved against each other since their points were made, the points
@@ -144,4 +144,4 @@ class Recycling final : public ContactCache<D> {
 
 LPC_REGISTER(ContactCache, Recycling, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/contacts/patch/query_batches.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace contacts;
@@ -52,4 +52,4 @@ class DeepestPoint final : public ContactGenerator<D> {
 
 LPC_REGISTER(ContactGenerator, DeepestPoint, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

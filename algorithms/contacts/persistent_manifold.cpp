@@ -2,7 +2,7 @@
 #include "algorithms/contacts/patch/query_batches.h"
 #include "algorithms/contacts/patch/reduction.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace contacts;
@@ -138,4 +138,4 @@ class PersistentManifold final : public ContactGenerator<D> {
 
 LPC_REGISTER(ContactGenerator, PersistentManifold, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "algorithms/contacts/patch/plane_patch.h"
 #include "algorithms/contacts/patch/query_batches.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace contacts;
@@ -75,4 +75,4 @@ class QueryClip final : public ContactGenerator<D> {
 
 LPC_REGISTER(ContactGenerator, QueryClip, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

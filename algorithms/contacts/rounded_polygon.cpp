@@ -22,7 +22,7 @@
 #include "algorithms/contacts/patch/plane_patch.h"
 #include "algorithms/contacts/sat/sat_axes2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace contacts;
@@ -387,4 +387,4 @@ class RoundedPolygon final : public ContactGenerator<D> {
 
 LPC_REGISTER(ContactGenerator, RoundedPolygon, 2);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

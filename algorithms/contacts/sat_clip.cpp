@@ -3,7 +3,7 @@
 #include "algorithms/contacts/sat/sat_collide2.h"
 #include "algorithms/contacts/sat/sat_collide3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace contacts;
@@ -78,4 +78,4 @@ class SatClip final : public ContactGenerator<D> {
 
 LPC_REGISTER(ContactGenerator, SatClip, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/math/tolerances.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// The unit of those that rounding dictates: the rounding of one number (1). Larger or smaller it cannot be.
 inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
@@ -77,4 +77,4 @@ inline constexpr Real kLeansOnX = Real(0.8);
 /// Smaller: small things drop points that have hardly slid.
 inline constexpr Real kBreakingPart = Real(0.05);
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

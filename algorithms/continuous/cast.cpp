@@ -7,7 +7,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/stage_continuous.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace continuous;
@@ -99,4 +99,4 @@ class Cast final : public ContinuousCollision<D> {
 
 LPC_REGISTER(ContinuousCollision, Cast, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

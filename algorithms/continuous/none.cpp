@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/stage_continuous.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Nobody looks between two steps: what a method of continuous collision is compared with.
@@ -34,4 +34,4 @@ class None final : public ContinuousCollision<D> {
 
 LPC_REGISTER(ContinuousCollision, None, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/stage_continuous.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // The way of a fast part's inner centre is a ray before the other, straight in the other's frame. It ends the inner
@@ -80,4 +80,4 @@ class Ray final : public ContinuousCollision<D> {
 
 LPC_REGISTER(ContinuousCollision, Ray, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

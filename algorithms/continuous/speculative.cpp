@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/stage_continuous.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Contacts that are still open: the solver lets their gaps close in this step, and no farther. A body that would pass
@@ -48,4 +48,4 @@ class Speculative final : public ContinuousCollision<D> {
 
 LPC_REGISTER(ContinuousCollision, Speculative, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

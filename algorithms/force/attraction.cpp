@@ -3,7 +3,7 @@
 
 #include "framework/problem/force.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Nearer than the floor it falls to nothing in proportion to the distance, as gravity does inside of a ball of even
@@ -66,4 +66,4 @@ class Attraction final : public ForceKind<D> {
 
 LPC_REGISTER(ForceKind, Attraction, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

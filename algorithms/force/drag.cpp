@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/problem/force.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // 9.4.4 of the report, which has the same two numbers for both. It takes no heed of the step: (linear + quadratic |v|)
@@ -45,4 +45,4 @@ class Drag final : public ForceKind<D> {
 
 LPC_REGISTER(ForceKind, Drag, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

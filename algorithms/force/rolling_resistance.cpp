@@ -4,7 +4,7 @@
 
 #include "framework/problem/force.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // What the report left open: a circle on a flat floor comes to rest. The load lies ahead of the contact by the
@@ -86,4 +86,4 @@ class RollingResistance final : public ForceKind<D> {
 
 LPC_REGISTER(ForceKind, RollingResistance, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "framework/problem/force.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Explicit, as integrators take it: stable up to w dt = 2. What has to be stiffer is a joint, `spring` or `distance`.
@@ -58,4 +58,4 @@ class LinearSpring final : public ForceKind<D> {
 
 LPC_REGISTER(ForceKind, LinearSpring, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 
 #include "framework/problem/force.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 enum class TorqueMode { constant, speed };
@@ -95,4 +95,4 @@ class TorqueGenerator final : public ForceKind<D> {
 
 LPC_REGISTER(ForceKind, TorqueGenerator, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

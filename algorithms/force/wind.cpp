@@ -3,7 +3,7 @@
 
 #include "framework/problem/force.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Drag against air that moves, at the centre of mass: it turns nobody. Gusts rise and fall in straight lines, since a
@@ -60,4 +60,4 @@ class Wind final : public ForceKind<D> {
 
 LPC_REGISTER(ForceKind, Wind, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

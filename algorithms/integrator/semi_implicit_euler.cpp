@@ -3,7 +3,7 @@
 
 #include "algorithms/solver/step/free_motion.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -38,4 +38,4 @@ class SemiImplicitEuler final : public Integrator<D> {
 
 LPC_REGISTER(Integrator, SemiImplicitEuler, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 enum class DistanceMode { rod, spring, rope };
@@ -79,4 +79,4 @@ class Distance final : public JointKind<D> {
 
 LPC_REGISTER(JointKind, Distance, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

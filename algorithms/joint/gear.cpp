@@ -3,7 +3,7 @@
 
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // The turn of a frame against the world about its own z, the twist of swing and twist: a turn about z adds to it just
@@ -89,4 +89,4 @@ class Gear final : public JointKind<D> {
 
 LPC_REGISTER(JointKind, Gear, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // The 2009 engine's only joint. The rows lie along the world's axes, so that nothing turns with the bodies and the last
@@ -29,4 +29,4 @@ class Pivot final : public JointKind<D> {
 
 LPC_REGISTER(JointKind, Pivot, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

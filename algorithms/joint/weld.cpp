@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -29,4 +29,4 @@ class Weld final : public JointKind<D> {
 
 LPC_REGISTER(JointKind, Weld, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "framework/stage/registry.h"
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // What engines do: for each pair of kinds the method that is measured to be the fastest of those that are exact on it
@@ -58,4 +58,4 @@ class ByKind final : public PairQuery<D> {
 
 LPC_REGISTER(PairQuery, ByKind, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

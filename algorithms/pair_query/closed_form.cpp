@@ -6,7 +6,7 @@
 #include "algorithms/pair_query/core/thin_triangle.h"
 #include "algorithms/pair_query/lanes/pair_lanes.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace pair_query;
@@ -222,4 +222,4 @@ class ClosedForm final : public PairQuery<D> {
 
 LPC_REGISTER(PairQuery, ClosedForm, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

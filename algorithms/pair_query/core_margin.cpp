@@ -5,7 +5,7 @@
 #include "algorithms/pair_query/gjk/epa3.h"
 #include "algorithms/pair_query/gjk/pair_warmth.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace pair_query;
@@ -213,4 +213,4 @@ class CoreMargin final : public PairQuery<D> {
 
 LPC_REGISTER(PairQuery, CoreMargin, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

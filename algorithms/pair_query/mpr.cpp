@@ -4,7 +4,7 @@
 #include "algorithms/pair_query/core/plane_pair.h"
 #include "algorithms/pair_query/gjk/gjk_simplex3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace pair_query;
@@ -279,4 +279,4 @@ class Mpr final : public PairQuery<D> {
 
 LPC_REGISTER(PairQuery, Mpr, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -2,7 +2,7 @@
 #include "algorithms/pair_query/lanes/pair_lanes.h"
 #include "algorithms/pair_query/sat/sat_answers.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace pair_query;
@@ -70,4 +70,4 @@ class Sat final : public PairQuery<D> {
 
 LPC_REGISTER(PairQuery, Sat, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

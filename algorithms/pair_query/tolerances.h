@@ -10,7 +10,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// The unit of all below: the rounding of one number (1). Larger or smaller it cannot be.
 inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
@@ -186,4 +186,4 @@ inline constexpr Real kCrossingSine = sizeof(Real) == 8 ? Real(1e-3) : Real(0.1)
 /// off their crossing. Smaller: the place where near-parallel edges cross is rounding, and jumps along them.
 inline constexpr Real kSharedStretchSine = 1024 * kEpsilon;
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

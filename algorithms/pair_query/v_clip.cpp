@@ -4,7 +4,7 @@
 #include "algorithms/pair_query/sat/sat_boxes.h"
 #include "algorithms/pair_query/sat/sat_polytope3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace pair_query;
@@ -401,4 +401,4 @@ class VClip final : public PairQuery<D> {
 
 LPC_REGISTER(PairQuery, VClip, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

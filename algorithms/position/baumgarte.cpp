@@ -4,7 +4,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Part of the position error is asked for as velocity, which stays in the bodies as kinetic energy.
@@ -48,4 +48,4 @@ class Baumgarte final : public PositionResolver<D> {
 
 LPC_REGISTER(PositionResolver, Baumgarte, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

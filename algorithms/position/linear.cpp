@@ -3,7 +3,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -79,4 +79,4 @@ class Linear final : public PositionResolver<D> {
 
 LPC_REGISTER(PositionResolver, Linear, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

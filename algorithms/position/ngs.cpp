@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/step/ngs_sweep.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -46,4 +46,4 @@ class Ngs final : public PositionResolver<D> {
 
 LPC_REGISTER(PositionResolver, Ngs, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

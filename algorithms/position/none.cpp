@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Position errors stay: what the others are measured against.
@@ -27,4 +27,4 @@ class NoPosition final : public PositionResolver<D> {
 
 LPC_REGISTER(PositionResolver, NoPosition, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

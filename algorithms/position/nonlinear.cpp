@@ -4,7 +4,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -204,4 +204,4 @@ class Nonlinear final : public PositionResolver<D> {
 
 LPC_REGISTER(PositionResolver, Nonlinear, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -110,4 +110,4 @@ class SplitImpulse final : public PositionResolver<D> {
 
 LPC_REGISTER(PositionResolver, SplitImpulse, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "algorithms/sleep/wake_rules.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // base^exponent, exponent > 0, from square roots alone: std::pow is not the same everywhere.
@@ -91,4 +91,4 @@ class Millington final : public SleepPolicy<D> {
 
 LPC_REGISTER(SleepPolicy, Millington, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/stage_sleep.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Nobody sleeps: what a sleeping policy is compared with. Bodies that were added asleep wake up, too.
@@ -32,4 +32,4 @@ class None final : public SleepPolicy<D> {
 
 LPC_REGISTER(SleepPolicy, None, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/sleep/wake_rules.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Sleeping of the 2009 report (6.5, 6.5.1): a recency-weighted average of the speed and one of the angular speed, each
@@ -74,4 +74,4 @@ class SplitAverage final : public SleepPolicy<D> {
 
 LPC_REGISTER(SleepPolicy, SplitAverage, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 
 #include "algorithms/sleep/wake_rules.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Sleeping of Box2D 2 (b2Island::Solve): bodies that touch or are jointed, an island, sleep when each of them has been
@@ -113,4 +113,4 @@ class TimerIsland final : public SleepPolicy<D> {
 
 LPC_REGISTER(SleepPolicy, TimerIsland, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

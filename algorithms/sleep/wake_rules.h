@@ -10,7 +10,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/stage_sleep.h"
 
-namespace lpc::inline LPC_PRECISION::sleep {
+namespace lpc { inline namespace LPC_PRECISION { namespace sleep {
 
 inline std::size_t index(std::int32_t slot) { return static_cast<std::size_t>(slot); }
 
@@ -335,4 +335,4 @@ class WakeRules {
   std::vector<Real> m_speed, m_next;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::sleep
+}}}  // namespace lpc::LPC_PRECISION::sleep

@@ -9,7 +9,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -495,4 +495,4 @@ class Avbd final : public Solver<D> {
 
 LPC_REGISTER(Solver, Avbd, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

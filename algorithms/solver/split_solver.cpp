@@ -9,7 +9,7 @@
 #include "framework/math/random.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -190,4 +190,4 @@ class SplitSolver final : public Solver<D> {
 
 LPC_REGISTER(Solver, SplitSolver, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -2,7 +2,7 @@
 #include "algorithms/solver/step/substep.h"
 #include "framework/math/tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -88,4 +88,4 @@ class Tgs final : public Solver<D> {
 
 LPC_REGISTER(Solver, Tgs, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

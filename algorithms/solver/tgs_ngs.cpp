@@ -2,7 +2,7 @@
 #include "algorithms/solver/step/ngs_sweep.h"
 #include "algorithms/solver/step/substep.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -83,4 +83,4 @@ class TgsNgs final : public Solver<D> {
 
 LPC_REGISTER(Solver, TgsNgs, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "algorithms/solver/step/free_motion.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -262,4 +262,4 @@ class Xpbd final : public Solver<D> {
 
 LPC_REGISTER(Solver, Xpbd, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/time_of_impact/closing.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace continuous;
@@ -122,4 +122,4 @@ class Bilateral final : public TimeOfImpact<D> {
 
 LPC_REGISTER(TimeOfImpact, Bilateral, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

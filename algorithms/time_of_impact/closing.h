@@ -16,7 +16,7 @@
 #include "framework/shape/support_map.h"
 #include "framework/stage/stage_time_of_impact.h"
 
-namespace lpc::inline LPC_PRECISION::continuous {
+namespace lpc { inline namespace LPC_PRECISION { namespace continuous {
 
 enum class AxisFrame { world, bodyA, bodyB };
 
@@ -134,4 +134,4 @@ bool look(PairQuery<D>& query, const MovingPair<D>& pair, const Closing<D>& clos
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::continuous
+}}}  // namespace lpc::LPC_PRECISION::continuous

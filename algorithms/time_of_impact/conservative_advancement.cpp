@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/time_of_impact/closing.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace continuous;
@@ -65,4 +65,4 @@ class ConservativeAdvancement final : public TimeOfImpact<D> {
 
 LPC_REGISTER(TimeOfImpact, ConservativeAdvancement, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 #include "algorithms/solver/rows/row_sweep.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -211,4 +211,4 @@ class Admm final : public VelocityResolver<D> {
 
 LPC_REGISTER(VelocityResolver, Admm, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "algorithms/solver/rows/sequential_impulse.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -194,4 +194,4 @@ class Catto final : public VelocityResolver<D> {
 
 LPC_REGISTER(VelocityResolver, Catto, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "algorithms/solver/rows/row_sweep.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -433,4 +433,4 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
 
 LPC_REGISTER(VelocityResolver, DirectLcp, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

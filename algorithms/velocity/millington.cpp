@@ -4,7 +4,7 @@
 #include "algorithms/solver/rows/joint_rows.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -210,4 +210,4 @@ class Millington final : public VelocityResolver<D> {
 
 LPC_REGISTER(VelocityResolver, Millington, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

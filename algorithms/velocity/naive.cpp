@@ -3,7 +3,7 @@
 #include "algorithms/solver/rows/joint_rows.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -99,4 +99,4 @@ class NaiveVelocity final : public VelocityResolver<D> {
 
 LPC_REGISTER(VelocityResolver, NaiveVelocity, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

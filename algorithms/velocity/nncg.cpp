@@ -2,7 +2,7 @@
 #include "algorithms/solver/rows/row_sweep.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -107,4 +107,4 @@ class Nncg final : public VelocityResolver<D> {
 
 LPC_REGISTER(VelocityResolver, Nncg, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

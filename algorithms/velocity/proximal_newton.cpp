@@ -4,7 +4,7 @@
 #include "algorithms/solver/rows/row_sweep.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -249,4 +249,4 @@ class ProximalNewton final : public VelocityResolver<D> {
 
 LPC_REGISTER(VelocityResolver, ProximalNewton, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 #include "algorithms/solver/rows/sequential_impulse.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
@@ -153,4 +153,4 @@ class ShockPropagation final : public VelocityResolver<D> {
 
 LPC_REGISTER(VelocityResolver, ShockPropagation, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

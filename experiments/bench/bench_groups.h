@@ -11,7 +11,7 @@
 #include "framework/math/work.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 void addBroadphases();
 void addPairQueries();
@@ -26,4 +26,4 @@ std::vector<std::string> specsOf(const Registered& algorithm);
 /// Counters of the work, per operation.
 void report(benchmark::State& state, const WorkDone& work, double operations);
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -7,7 +7,7 @@
 
 #include "framework/math/random.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 namespace {
 
 // Of unit variance, without libm, whose last bits differ between machines.
@@ -134,4 +134,4 @@ template class BoxFrames<3>;
 template BoxFrames<2> boxFrames(BoxLayout, int);
 template BoxFrames<3> boxFrames(BoxLayout, int);
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

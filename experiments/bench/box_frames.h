@@ -6,7 +6,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 /// The inputs that broadphases are compared on.
 ///   uniform  unit boxes in a square or cube, about 5 overlaps per box
@@ -37,4 +37,4 @@ class BoxFrames {
 template <int D>
 BoxFrames<D> boxFrames(BoxLayout layout, int count);
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

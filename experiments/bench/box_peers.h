@@ -8,7 +8,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 /// Another library's broadphase on our boxes. In 2D the third axis is [0, 1] for all.
 class BoxPeer {
@@ -34,4 +34,4 @@ struct BoxPeerRegistrar {
   explicit BoxPeerRegistrar(BoxPeerEntry entry) { boxPeers().push_back(std::move(entry)); }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

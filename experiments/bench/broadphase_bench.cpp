@@ -7,7 +7,7 @@
 #include "experiments/bench/box_frames.h"
 #include "experiments/bench/box_peers.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 std::vector<BoxPeerEntry>& boxPeers() {
   static std::vector<BoxPeerEntry> peers;
@@ -178,4 +178,4 @@ void addBroadphases() {
   addDimension<3>();
 }
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/bench/bench_groups.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 std::vector<std::string> specsOf(const Registered& algorithm) {
   std::vector<std::string> specs = {algorithm.info.name};
@@ -21,7 +21,7 @@ void report(benchmark::State& state, const WorkDone& work, double operations) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);

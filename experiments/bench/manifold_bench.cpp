@@ -11,7 +11,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 std::vector<ManifoldPeerEntry>& manifoldPeers() {
   static std::vector<ManifoldPeerEntry> peers;
@@ -126,4 +126,4 @@ void addManifolds() {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -8,7 +8,7 @@
 
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 /// Another library's contacts of our polygons, boxes and hulls of up to eight corners, in 2D. Two entries are a pair.
 class ManifoldPeer {
@@ -30,4 +30,4 @@ struct ManifoldPeerRegistrar {
   explicit ManifoldPeerRegistrar(ManifoldPeerEntry entry) { manifoldPeers().push_back(std::move(entry)); }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -8,7 +8,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "oracles/witnesses/witness.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 namespace {
 
 constexpr int kHullPoints[] = {8, 32, 128};
@@ -200,4 +200,4 @@ void addContactGenerators() {
   addGenerators<3>();
 }
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -9,7 +9,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 inline Rot<2> drawTurn(Random& random, const Vec<2>&) { return Rot<2>::angle(random.uniform(-3, 3)); }
 inline Rot<3> drawTurn(Random& random, const Vec<3>&) {
@@ -82,4 +82,4 @@ struct PairData {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

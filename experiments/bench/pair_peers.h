@@ -8,7 +8,7 @@
 
 #include "experiments/bench/pair_data.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 /// Another library's contacts of our pairs, with all that can be prepared done before.
 class PairPeer {
@@ -29,4 +29,4 @@ struct PairPeerRegistrar {
   explicit PairPeerRegistrar(PairPeerEntry entry) { pairPeers().push_back(std::move(entry)); }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -10,7 +10,7 @@
 #include "framework/shape/support_map.h"
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
 inline constexpr Real kProved = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3);  // m
 
@@ -47,4 +47,4 @@ struct PairProof {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -4,8 +4,7 @@
 
 #include "experiments/bench/manifold_peers.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench { namespace {
 
 b2Vec2 vector(const Vec<2>& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1])}; }
 
@@ -58,4 +57,4 @@ const ManifoldPeerRegistrar box2dPolygons({"peer_box2d", [] { return std::make_u
 const ManifoldPeerRegistrar box2dInWorld({"peer_box2d_world", [] { return std::make_unique<Box2dPolygons>(true); }});
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

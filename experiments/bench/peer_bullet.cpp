@@ -8,8 +8,7 @@
 #include "experiments/bench/box_peers.h"
 #include "experiments/bench/pair_peers.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench { namespace {
 
 btVector3 vector(const std::array<double, 3>& v) {
   return {static_cast<btScalar>(v[0]), static_cast<btScalar>(v[1]), static_cast<btScalar>(v[2])};
@@ -129,4 +128,4 @@ const BoxPeerRegistrar deferred({"peer_bullet_dbvt_deferred", 100000,
 const BoxPeerRegistrar sweep({"peer_bullet_axis_sweep", 10000, [] { return std::make_unique<BulletSweep>(); }});
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -4,8 +4,7 @@
 
 #include "experiments/bench/box_peers.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench { namespace {
 
 // DynamicAABBTreeCollisionManager: a binary tree of tight boxes, refitted, then descended against itself. Its boxes are
 // computed anew from centre and size, so a pair that touches within rounding may differ.
@@ -49,4 +48,4 @@ class FclTree final : public BoxPeer {
 const BoxPeerRegistrar fclTree({"peer_fcl_dynamic_tree", 100000, [] { return std::make_unique<FclTree>(); }});
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -6,8 +6,7 @@
 
 #include "experiments/bench/pair_peers.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench { namespace {
 
 static_assert(sizeof(dReal) == sizeof(double), "Debian's ODE is in double precision");
 
@@ -62,4 +61,4 @@ const PairPeerRegistrar ode({"peer_ode",
                              [](const PairData<3>& data) { return std::make_unique<OdePairs>(data); }});
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -4,7 +4,7 @@
 #include "experiments/bench/bench_groups.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 namespace {
 
 constexpr int kSettle = 30, kSteps = 60;
@@ -111,4 +111,4 @@ void addSolvers() {
   addSolvers<3>();
 }
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

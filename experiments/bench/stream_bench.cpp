@@ -10,7 +10,7 @@
 #include "experiments/trial/stream_replay.h"
 #include "oracles/witnesses/witness.h"
 
-namespace lpc::inline LPC_PRECISION::bench {
+namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 namespace {
 
 constexpr std::size_t kMostMeetings = 300000;
@@ -129,4 +129,4 @@ void addStreams() {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::bench
+}}}  // namespace lpc::LPC_PRECISION::bench

@@ -6,7 +6,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct Camera {
@@ -42,4 +42,4 @@ inline Camera<3>::Camera() {
   up = towards.cross(right);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "experiments/film/picture.h"
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::size_t kCorners = 16;  // of an outline as it is compared
@@ -139,4 +139,4 @@ DepthOrder depthOrder(const std::vector<SeenPart>& seen) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

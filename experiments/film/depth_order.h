@@ -9,7 +9,7 @@
 #include "experiments/film/camera.h"
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A convex part as the camera sees it.
 struct SeenPart {
@@ -31,4 +31,4 @@ struct DepthOrder {
 /// Parts that cover each other in a ring have no order; it is cut at the first of them.
 DepthOrder depthOrder(const std::vector<SeenPart>& seen);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -15,7 +15,7 @@
 #include "experiments/film/temporary_recording.h"
 #include "experiments/runner/worker_pool.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -189,4 +189,4 @@ bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& option
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

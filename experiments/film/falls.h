@@ -3,7 +3,7 @@
 
 #include "experiments/runner/scheduler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Draws how runs of a sweep fell (diverged, exploded, collapsed): of each scene, dimension and kind of fall the run
 /// that fell last, six runs of a sweep at most, of at most 300 bodies. Only those are run again, with a recording, so
@@ -11,4 +11,4 @@ namespace lpc::inline LPC_PRECISION {
 /// without this program. False when Ctrl-C stopped it.
 bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& options);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "experiments/runner/worker_pool.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kStripWidth = 320, kFilmWidth = 720;  // px, of one picture
@@ -140,4 +140,4 @@ std::string compareRecordings(const std::string& a, const std::string& b, double
   return dimension == 2 ? compare<2>(a, b, tolerance, out) : compare<3>(a, b, tolerance, out);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

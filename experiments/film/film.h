@@ -5,7 +5,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Writes the film of a recording and says in one line what is seen of it. `out` names its kind (film_file.h). All
 /// throw UserError for what cannot be read or written, and Interrupted where an InterruptGuard lives and Ctrl-C comes.
@@ -19,4 +19,4 @@ std::string describeRecording(const std::string& recording);
 /// says so in a second line.
 std::string compareRecordings(const std::string& a, const std::string& b, double tolerance, const std::string& out);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

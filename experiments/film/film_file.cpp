@@ -9,7 +9,7 @@
 #include "experiments/film/raster.h"
 #include "experiments/trial/formats/output_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ void writeFilm(const std::string& path, FilmKind kind, const Film& film) {
   out.finish();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "experiments/film/picture.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What a film is written as; its name tells.
 enum class FilmKind {
@@ -29,4 +29,4 @@ struct Film {
 /// Writes the whole film or none.
 void writeFilm(const std::string& path, FilmKind kind, const Film& film);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

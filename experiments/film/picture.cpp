@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/film/picture.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 // Sutherland and Hodgman.
 std::vector<Vec<2>> cutPolygon(const std::vector<Vec<2>>& corners, const Vec<2>& inward, double least) {
@@ -29,4 +29,4 @@ void Picture::add(const Picture& other, const Vec<2>& offset) {
   for (const Label& l : other.labels) labels.push_back({l.at + offset, l.text, l.colour});
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

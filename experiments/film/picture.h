@@ -8,7 +8,7 @@
 
 #include "framework/draw/debug_draw.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// As #rrggbb, or #rrggbbaa where something shines through.
 inline std::string colourText(const DrawColour& c) {
@@ -41,4 +41,4 @@ struct Picture {
   void add(const Picture& other, const Vec<2>& offset);
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

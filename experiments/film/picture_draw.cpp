@@ -7,7 +7,7 @@
 
 #include "experiments/film/shape_patches.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Its edges alone.
@@ -103,4 +103,4 @@ Picture PictureDraw<D>::picture() {
 template class PictureDraw<2>;
 template class PictureDraw<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "experiments/film/picture.h"
 #include "framework/draw/draw_simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class PictureDraw final : public DebugDraw<D> {
@@ -47,4 +47,4 @@ Picture pictureOf(const Simulation<D>& simulation, const DrawLayers& layers, con
   return draw.picture();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

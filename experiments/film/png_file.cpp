@@ -5,7 +5,7 @@
 
 #include "experiments/trial/formats/output_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 void writePng(const std::string& path, int width, int height, std::span<const unsigned char> rgb) {
   png_image image{};
@@ -22,4 +22,4 @@ void writePng(const std::string& path, int width, int height, std::span<const un
   out.finish();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,9 +6,9 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A PNG file of red, green and blue, row by row from the top: whole or not at all (OutputFile). Throws CannotWrite.
 void writePng(const std::string& path, int width, int height, std::span<const unsigned char> rgb);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

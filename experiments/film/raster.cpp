@@ -8,7 +8,7 @@
 
 #include "experiments/film/png_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr int kSamples = 3;  // per pixel along each axis
@@ -92,4 +92,4 @@ void writePng(const std::string& path, const Picture& picture) {
   writePng(path, width, height, raster.pixels());
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,9 +5,9 @@
 
 #include "experiments/film/picture.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The picture as a PNG file, without its labels. Throws CannotWrite.
 void writePng(const std::string& path, const Picture& picture);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kFarthest = 1e100;  // m: of what is larger or farther no picture has a size
@@ -169,4 +169,4 @@ template class Reel<3>;
 template std::optional<Parting> partingOf(const Reel<2>&, const Reel<2>&, double);
 template std::optional<Parting> partingOf(const Reel<3>&, const Reel<3>&, double);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

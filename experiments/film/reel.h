@@ -13,7 +13,7 @@
 #include "framework/scene/recording.h"
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A part of the plane that cameras look at (m).
 struct Sight {
@@ -67,4 +67,4 @@ struct Parting {
 template <int D>
 std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tolerance);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -116,4 +116,4 @@ template std::vector<Patch> patchesOf(const ShapeView<2>&, const Pose<2>&, const
 template std::vector<Patch> patchesOf(const ShapeView<3>&, const Pose<3>&, const Camera<3>&, const DrawColour&,
                                       const DrawColour&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "experiments/film/picture.h"
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The outline (px) of a bounded shape: what lies farthest in each direction of the camera's plane.
 template <int D>
@@ -23,4 +23,4 @@ template <int D>
 std::vector<Patch> patchesOf(const ShapeView<D>& shape, const Pose<D>& X_WS, const Camera<D>& camera,
                              const DrawColour& fill, const DrawColour& edge);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "experiments/trial/formats/output_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 [[noreturn]] void fail(const std::string& why) {
@@ -32,4 +32,4 @@ TemporaryRecording::~TemporaryRecording() {
   std::filesystem::remove_all(m_folder, ignored);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

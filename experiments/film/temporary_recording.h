@@ -6,7 +6,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A place for a recording that only a film is made of, in a folder of its own, which goes with all that is in it: a
 /// worker that was stopped leaves what it had not finished.
@@ -24,4 +24,4 @@ class TemporaryRecording {
   std::filesystem::path m_folder;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -15,8 +15,7 @@
 #include "experiments/runner/sweep_cell.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 struct BreakOptions {
   BreakQuestion question;
@@ -244,4 +243,4 @@ void addBreak(CommandLine& app, Session& session) {
 LPC_COMMAND("break", addBreak);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -14,7 +14,7 @@ class App;
 class Option;
 }  // namespace CLI
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The command line, in front of CLI11: main.cpp alone compiles it.
 class Option {
@@ -79,4 +79,4 @@ struct CommandRegistrar {
 
 #define LPC_COMMAND(name, add) static const ::lpc::CommandRegistrar add##Registrar(name, add)
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,8 +10,7 @@
 #include "experiments/trial/formats/output_file.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 namespace fs = std::filesystem;
 
@@ -67,4 +66,4 @@ void addCorpus(CommandLine& app, Session&) {
 LPC_COMMAND("corpus", addCorpus);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

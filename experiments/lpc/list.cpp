@@ -18,8 +18,7 @@
 #include "framework/math/names.h"
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 using nlohmann::json;
 
@@ -349,4 +348,4 @@ void addList(CommandLine& app, Session&) {
 LPC_COMMAND("list", addList);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -25,7 +25,7 @@
 #include "framework/math/names.h"
 #include "framework/stage/plugin.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::map<std::string, AddCommand>& commands() {
@@ -229,6 +229,6 @@ template Option CommandLine::option(const char*, std::optional<double>&, const c
 template Option CommandLine::option(const char*, std::optional<long>&, const char*);
 template Option CommandLine::option(const char*, std::optional<std::uint64_t>&, const char*);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION
 
 int main(int argc, char** argv) { return lpc::run(argc, argv); }

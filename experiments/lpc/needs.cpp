@@ -16,8 +16,7 @@
 #include "experiments/trial/measure/metric.h"
 #include "experiments/trial/trial.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 struct NeedsOptions {
   NeedsQuestion question;
@@ -142,4 +141,4 @@ void addNeeds(CommandLine& app, Session& session) {
 LPC_COMMAND("needs", addNeeds);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -21,8 +21,7 @@
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 /// Both ends count.
 struct StepRange {
@@ -286,4 +285,4 @@ void addRecord(CommandLine& app, Session& session) {
 LPC_COMMAND("record", addRecord);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

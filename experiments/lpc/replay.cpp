@@ -8,8 +8,7 @@
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/formats/output_file.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 struct ReplayOptions {
   std::string recording, film, beside;
@@ -55,4 +54,4 @@ void addReplay(CommandLine& app, Session&) {
 LPC_COMMAND("replay", addReplay);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

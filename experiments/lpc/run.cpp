@@ -30,8 +30,7 @@
 #include "framework/math/names.h"
 #include "framework/world/stage_engine.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 using nlohmann::json;
 
@@ -313,4 +312,4 @@ void addRun(CommandLine& app, Session& session) {
 LPC_COMMAND("run", addRun);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -16,8 +16,7 @@
 #include "experiments/trial/plugin.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 using nlohmann::json;
 
@@ -204,4 +203,4 @@ void addSandbox(CommandLine& app, Session& session) {
 LPC_COMMAND("sandbox", addSandbox);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/world/settings.h"
 #include "framework/world/stage_engine.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 std::optional<double> finiteNumber(const std::string& text) {
   double value = 0;
@@ -44,4 +44,4 @@ std::string pipelineOf(const std::string& given, int dimension, bool noSleeping)
   return pipeline.text();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -91,4 +91,4 @@ std::string plot(const std::string& name, const std::vector<double>& series, con
   return out + "  step\n";
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The series in at most `width` columns, each as high as the largest of its steps, in eighths of a row from the
 /// smaller of 0 and the least value of all to the largest of all; light above the least of its steps; a blank where it
@@ -19,4 +19,4 @@ std::string sparkline(const std::string& name, const std::vector<double>& series
 /// Several rows with both axes.
 std::string plot(const std::string& name, const std::vector<double>& series, const std::string& unit);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -16,8 +16,7 @@
 #include "experiments/runner/locations.h"
 #include "experiments/runner/store.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 void addMerge(CommandLine& app, Session&) {
   CommandLine command = app.subcommand("merge", "Takes over into one store what others have and it lacks");
@@ -122,4 +121,4 @@ static const CommandRegistrar importRegistrar("import-benchmark", addImport);
 static const CommandRegistrar reportRegistrar("report", addReport);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,8 +10,7 @@
 #include "experiments/runner/scheduler.h"
 #include "experiments/runner/store_check.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 struct SweepOptions {
   std::string sweep, store, precision;
@@ -148,4 +147,4 @@ void addSweep(CommandLine& app, Session& session) {
 LPC_COMMAND("sweep", addSweep);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "experiments/trial/measure/metric.h"
 #include "experiments/trial/trial.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using Series = std::vector<double>;
@@ -127,4 +127,4 @@ std::string timeline(const std::map<std::string, Series>& series) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

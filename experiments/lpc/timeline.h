@@ -8,9 +8,9 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// From the series of a timed world trial. A run without steps has none; it is told.
 std::string timeline(const std::map<std::string, std::vector<double>>& series);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -18,8 +18,7 @@
 #include "oracles/verify/case_run.h"
 #include "oracles/verify/verdict.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 struct Arguments {
   VerificationOptions options;
@@ -210,4 +209,4 @@ void addVerify(CommandLine& app, Session& session) {
 LPC_COMMAND("verify", addVerify);
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

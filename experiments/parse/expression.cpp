@@ -12,7 +12,7 @@
 #include "framework/math/names.h"
 #include "framework/math/nesting.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // muParser's callbacks are plain functions; the stream that `rand` draws from is that of the evaluation under way.
@@ -185,4 +185,4 @@ double Expressions::valueOf(const std::string& text) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

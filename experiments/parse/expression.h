@@ -10,7 +10,7 @@
 #include "framework/math/random.h"
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// rad: the largest angle either way that a scene may name. Beyond it, sinCos is no sine.
 inline constexpr double kLargestAngle = 1e5;
@@ -60,4 +60,4 @@ class Expressions {
   bool m_drew = false;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

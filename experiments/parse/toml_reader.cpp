@@ -10,7 +10,7 @@
 #include "framework/math/names.h"
 #include "framework/math/nesting.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 namespace {
 
@@ -204,4 +204,4 @@ void TableReader::finish() const {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -14,7 +14,7 @@
 #define TOML_HEADER_ONLY 0
 #include <toml++/toml.h>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A mistake that is told with its place.
 struct PlacedError : UserError {
@@ -66,4 +66,4 @@ class TableReader {
   std::set<std::string> m_asked;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -12,7 +12,7 @@
 #include "experiments/trial/measure/metric.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kWidest = 2;       // step of a grid: a method may fail between two values and hold at both
@@ -233,4 +233,4 @@ void addLadder(PlannedSweep& sweep, Ladder ladder) {
   sweep.ladders.push_back(std::move(ladder));
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -12,7 +12,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/trial_plan.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 class Store;
 struct PlannedSweep;
@@ -130,4 +130,4 @@ void addLadder(PlannedSweep& sweep, Ladder ladder);
 void findBreaking(PlannedSweep& sweep, Store& store, const std::function<bool(const PlannedSweep&)>& run,
                   const std::function<bool(const std::string& key)>& done);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

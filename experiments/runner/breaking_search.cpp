@@ -13,7 +13,7 @@
 #include "experiments/trial/trial.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -237,4 +237,4 @@ void findBreaking(PlannedSweep& sweep, Store& store, const RunRound& run,
   breaker.addTrials();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -17,7 +17,7 @@
 #include "experiments/trial/trial.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -297,4 +297,4 @@ void calibrate(PlannedSweep& sweep, Store& store, const std::function<bool(const
   calibrator.addCells();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

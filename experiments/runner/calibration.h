@@ -10,7 +10,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/trial_plan.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 class Store;
 struct PlannedSweep;
@@ -59,4 +59,4 @@ void addCalibrated(PlannedSweep& sweep, CalibratedCell cell);
 void calibrate(PlannedSweep& sweep, Store& store, const std::function<bool(const PlannedSweep&)>& run,
                const std::function<bool(const std::string& key)>& done);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

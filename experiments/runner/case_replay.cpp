@@ -12,7 +12,7 @@
 #include "experiments/trial/formats/ledger_json.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -111,4 +111,4 @@ std::vector<CaseResult> replayFound(const std::string& path, const std::vector<C
   return rows;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

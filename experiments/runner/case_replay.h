@@ -8,11 +8,11 @@
 
 #include "oracles/verify/case_run.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Of every case of the file that has a finding, the row of its method, of the referee and of the other methods.
 /// `cases` are those of the file. Throws Interrupted.
 std::vector<CaseResult> replayFound(const std::string& path, const std::vector<Case>& cases,
                                     const std::vector<std::string>& plugins);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 #include "framework/math/check.h"
 #include "oracles/witnesses/witness.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 using nlohmann::json;
 
@@ -155,4 +155,4 @@ std::string withNames(const std::string& page) {
   return page.substr(0, from + begin.size()) + table + page.substr(to);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

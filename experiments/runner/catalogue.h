@@ -8,7 +8,7 @@
 #include "experiments/runner/store.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// All registered algorithms, one entry per name: stage, its group, name, summary, paper, complexity, guarantee, role,
 /// dimensions, params, failures. What `lpc list --json` prints.
@@ -30,4 +30,4 @@ std::string withNames(const std::string& page);
 
 std::string_view roleName(AlgorithmRole role);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -17,7 +17,7 @@
 
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 // What is read of a child at once: one that writes without end is looked after all the same.
 constexpr std::size_t kAtOnce = 16 << 20;
@@ -177,4 +177,4 @@ std::string Child::lastError() const {
                          end - (begin == std::string::npos ? 0 : begin + 1) + 1);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

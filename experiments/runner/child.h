@@ -11,7 +11,7 @@
 
 struct pollfd;
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A program that reads all its input, writes all its output and ends. It dies with this process, and a Ctrl-C on the
 /// terminal does not reach it: the parent decides.
@@ -61,4 +61,4 @@ class Child {
   std::chrono::steady_clock::time_point m_start;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

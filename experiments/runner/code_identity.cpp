@@ -15,7 +15,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/plugin.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -159,4 +159,4 @@ std::string machineDescription() {
       .dump();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// XXH128 in hexadecimal.
 std::string hexHash(std::string_view bytes);
@@ -35,4 +35,4 @@ void adoptPlugin(const std::string& path);
 /// JSON: cpu, cores, memory_gib, os, compiler, flags, governor.
 std::string machineDescription();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

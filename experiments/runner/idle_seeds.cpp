@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/idle_seeds.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 using nlohmann::json;
 
@@ -43,4 +43,4 @@ std::vector<std::string> IdleSeeds::notes() const {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 
 #include "experiments/runner/trial_plan.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 class IdleSeeds {
  public:
@@ -29,4 +29,4 @@ class IdleSeeds {
   std::map<std::string, Cell> m_cells;  // by the key that a trial has without its seed and its repeat
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "oracles/verify/metamorphic.h"
 #include "oracles/verify/verdict.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::size_t kMethodWidth = 20;  // or what the longest name needs
@@ -216,4 +216,4 @@ int printLedger(const Ledger& ledger, std::ostream& out) {
   return faults;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

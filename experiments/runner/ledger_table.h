@@ -5,10 +5,10 @@
 
 #include "oracles/verify/ledger.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// For people, per stage, dimension and precision: the verdicts of each method, the share of its faults by family,
 /// regime, scale and offset, and a line per pair of kinds. Returns how many methods of ours have a fault.
 int printLedger(const Ledger& ledger, std::ostream& out);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -12,7 +12,7 @@
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 namespace fs = std::filesystem;
 
@@ -122,4 +122,4 @@ std::string commitOfSources() {
   return commit.empty() || first(git + "status --porcelain --untracked-files=no").empty() ? commit : commit + "+";
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The directory with experiments/ in it: $LPC_HOME, or where the program was built.
 std::string homeDirectory();
@@ -26,4 +26,4 @@ std::string workerPath(const std::string& precision, bool engine = false);
 /// The commit of the sources, with "+" when they were changed; empty when unknown.
 std::string commitOfSources();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

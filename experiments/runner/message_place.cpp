@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::vector<std::string> quotedIn(const std::string& message) {
@@ -50,4 +50,4 @@ void failWhereWritten(const std::string& file, const std::string& message, const
   failAt(file, place ? *place->node : otherwise, message);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

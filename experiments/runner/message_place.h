@@ -7,7 +7,7 @@
 
 #include "experiments/parse/toml_reader.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Something that takes part in what went wrong.
 struct WrittenText {
@@ -22,4 +22,4 @@ struct WrittenText {
 [[noreturn]] void failWhereWritten(const std::string& file, const std::string& message,
                                    const std::vector<WrittenText>& texts, const toml::node& otherwise);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "framework/math/work.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 std::vector<std::string> namesOf(const MetricInfo& info) {
   if (info.name != "work_*") return {std::string(info.name)};
@@ -22,4 +22,4 @@ bool isMetric(const MetricInfo& info, std::string_view name) {
   });
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

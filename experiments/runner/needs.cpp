@@ -14,7 +14,7 @@
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr const char* kSeedsMove = "perturb";  // the parameter of a scene by which a seed moves its bodies
@@ -209,4 +209,4 @@ NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store) try {
   failStore(store, e);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

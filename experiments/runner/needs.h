@@ -4,7 +4,7 @@
 
 #include "experiments/runner/sweep_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct NeedsQuestion {
   std::string scene, pipeline;
@@ -49,4 +49,4 @@ std::string remarkOn(const ModelSeen& model, const ModelSeen& again);
 /// From the trials in the store.
 NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "oracles/corpus/cases.h"
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -139,4 +139,4 @@ PairCorpus pairCorpus(const PairCorpusOptions& options) {
 
 std::string pairCorpusRunner() { return kRunner; }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct PairCorpusOptions {
   std::string cases;  // the kept ones; empty: none
@@ -29,4 +29,4 @@ PairCorpus pairCorpus(const PairCorpusOptions& options);
 /// A program of Python that counts the wrong answers of a function to be filled in.
 std::string pairCorpusRunner();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

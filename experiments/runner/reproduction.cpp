@@ -15,7 +15,7 @@
 #include "oracles/verify/verify.h"
 #include "oracles/witnesses/witness.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 const Case& caseOf(const std::vector<Case>& cases, const std::string& path, const std::string& which) {
@@ -135,4 +135,4 @@ Reproduction reproduce(const std::string& casesFile, const std::string& which, c
   return std::visit([&](const auto& g) { return reproduceIn(c, g, spec, file); }, c.geometry);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The cases that `lpc verify --repro` and `lpc corpus` take when none are named: published inputs that broke
 /// libraries.
@@ -23,4 +23,4 @@ struct Reproduction {
 Reproduction reproduce(const std::string& casesFile, const std::string& which, const std::string& witness,
                        const std::string& file);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::vector<std::string> listOf(const std::string& features) {
@@ -57,4 +57,4 @@ std::vector<std::string> otherModels(const SceneFile& file, int dimension) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "experiments/runner/trial_plan.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What the scene's file asks for, and nothing else.
 inline constexpr const char* kMinimalModel = "minimal";
@@ -20,4 +20,4 @@ void applyModel(const SceneFile& file, const std::string& model, WorldCell& cell
 /// each feature that it needs taken away, and each that it does not need added.
 std::vector<std::string> otherModels(const SceneFile& file, int dimension);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

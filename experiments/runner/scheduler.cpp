@@ -15,7 +15,7 @@
 #include "framework/stage/registry.h"
 #include "oracles/referee/pair_truth.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -234,4 +234,4 @@ RunSummary runSweeps(std::vector<PlannedSweep>& sweeps, Store& store, const RunO
   return scheduler.run(sweeps);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

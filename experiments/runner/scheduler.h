@@ -8,7 +8,7 @@
 #include "experiments/runner/store.h"
 #include "experiments/runner/sweep_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct RunOptions {
   int jobs = 0;                      // untimed trials at once; 0: one per core
@@ -38,4 +38,4 @@ void checkWorkers(const std::vector<PlannedSweep>& sweeps);
 /// their trials by it.
 RunSummary runSweeps(std::vector<PlannedSweep>& sweeps, Store& store, const RunOptions& options);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -15,7 +15,7 @@
 #include "experiments/runner/locations.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -436,4 +436,4 @@ std::string timeStamp() {
   return text;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

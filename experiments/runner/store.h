@@ -15,7 +15,7 @@
 #include "experiments/trial/trial.h"
 #include "oracles/verify/ledger.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Whose ledger it is.
 struct LedgerMethod {
@@ -116,4 +116,4 @@ T storedJson(const std::string& text) try {
 /// Now, UTC, as 2026-11-21T04:05:06Z.
 std::string timeStamp();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

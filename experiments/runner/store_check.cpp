@@ -7,7 +7,7 @@
 #include "experiments/trial/formats/output_file.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 void checkExisting(const std::string& path) try {
@@ -39,4 +39,4 @@ void checkStore(const std::string& path) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

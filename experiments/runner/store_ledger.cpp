@@ -4,7 +4,7 @@
 #include "experiments/runner/store.h"
 #include "oracles/verify/verdict.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -199,4 +199,4 @@ void Store::mergeLedger() {
       "(excluded.vertices = vertices AND excluded.size < size)");
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -15,7 +15,7 @@
 
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A runner that was killed while it started a worker leaves a copy that has yet to see that it died.
@@ -56,4 +56,4 @@ StoreLock::StoreLock(const std::string& path) : m_file(open(path.c_str(), O_RDON
 
 StoreLock::~StoreLock() { close(m_file); }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Keeps other runners off a store, and readers not. It is a lock of the file itself, which goes with the process,
 /// however that ends. Where it ends, so do all locks that SQLite has on the file: it outlives the database.
@@ -21,4 +21,4 @@ class StoreLock {
   int m_file;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

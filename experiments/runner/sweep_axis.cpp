@@ -9,7 +9,7 @@
 #include "framework/math/names.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // What messages begin with: "sweep.toml:12".
@@ -333,4 +333,4 @@ std::vector<nlohmann::json> seedsOf(const std::vector<Axis>& axes) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -16,7 +16,7 @@
 
 #include "experiments/parse/toml_reader.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Who has written a value: the sweep's file, or the command line.
 enum class WrittenBy { file, with, set };
@@ -73,4 +73,4 @@ std::vector<std::string> commandOf(const std::string& name, const std::set<std::
                                    const std::set<std::string>& used, const std::vector<std::string>& with,
                                    const std::vector<std::string>& set);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/math/names.h"
 #include "framework/stage/stages.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -103,4 +103,4 @@ PlannedTrial frozenTrial(Planner& planner, const std::string& kind, const json& 
   return kind == "boxes" ? planner.boxes(std::move(cell)) : planner.pairs(std::move(cell));
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 #include "experiments/runner/trial_plan.h"
 #include "framework/stage/spec.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Where a file is that a sweep file names: one that lies beside it comes before those in experiments/.
 std::string beside(const std::string& sweep, const std::string& given, const char* ending = ".toml");
@@ -39,4 +39,4 @@ std::string readWorldAxes(const SceneFile& file, const nlohmann::json& axes, con
 PlannedTrial frozenTrial(Planner& planner, const std::string& kind, const nlohmann::json& axes, bool timed,
                          std::map<std::string, std::string>& roles, std::set<std::string>& names);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

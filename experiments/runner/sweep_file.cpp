@@ -19,7 +19,7 @@
 #include "experiments/runner/sweep_size.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -497,4 +497,4 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

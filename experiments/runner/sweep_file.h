@@ -11,7 +11,7 @@
 #include "experiments/runner/breaking.h"
 #include "experiments/runner/calibration.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct PlannedSweep {
   std::string name, kind, summary;
@@ -42,4 +42,4 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
                                      const std::vector<std::string>& with = {},
                                      const std::vector<std::string>& set = {});
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A trial of a world takes 7 kB and 0.3 ms to plan: this many are 0.7 GB and half a minute, before they run for hours.
@@ -43,4 +43,4 @@ void SweepSize::add(const Product& product, const std::string& file, const toml:
   m_trials += trials;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/sweep_axis.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 class SweepSize {
  public:
@@ -28,4 +28,4 @@ class SweepSize {
   double m_trials = 0;  // holds what is too large for whole numbers
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -14,7 +14,7 @@
 #include "framework/math/names.h"
 #include "framework/world/stage_engine.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -393,4 +393,4 @@ PlannedTrial Planner::pairs(json cell) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -12,7 +12,7 @@
 #include "experiments/trial/scene/scene_file.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// One trial before it runs: what its key is made of, and what the worker needs beside it.
 struct PlannedTrial {
@@ -83,4 +83,4 @@ long wholeNumber(const nlohmann::json& axes, const std::string& name, long lo, l
 /// The key of a canonical trial.
 std::string trialKey(const nlohmann::json& canonical);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -23,7 +23,7 @@
 #include "oracles/verify/metamorphic.h"
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -449,4 +449,4 @@ std::vector<std::string> writeFoundCases(Store& store, const std::string& storeP
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "experiments/runner/store.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Inputs are booked in blocks of this many; with their images, of which there are a dozen, in smaller ones: of a
 /// witness that hangs on one question of seven for half a second each, a block must end within minutes.
@@ -59,4 +59,4 @@ std::vector<Spec> specsToVerify(const Registered& method);
 /// STORE.found. Returns lines that say what is where.
 std::vector<std::string> writeFoundCases(Store& store, const std::string& storePath);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

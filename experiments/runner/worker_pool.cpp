@@ -17,7 +17,7 @@
 #include "experiments/runner/store.h"
 #include "experiments/trial/plugin.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 volatile std::sig_atomic_t interruptFlag = 0;
@@ -157,4 +157,4 @@ std::string clockText(double seconds) {
   return fmt::format("{}:{:02}", s / 60, s % 60);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -12,7 +12,7 @@
 
 #include "experiments/runner/child.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct WorkerLimits {
   double seconds = 120, bytes = 4294967296.0;
@@ -86,4 +86,4 @@ std::vector<int> processors();
 /// As 3:07.
 std::string clockText(double seconds);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

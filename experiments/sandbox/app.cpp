@@ -24,7 +24,7 @@
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr const char* kSaved = "sandbox.toml";      // F1 and F2
@@ -438,4 +438,4 @@ void show(Window& window, Opening opening, InputScript* script) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

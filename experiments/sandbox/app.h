@@ -18,7 +18,7 @@
 #include "framework/draw/draw_simulation.h"
 #include "framework/math/random.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What the world computes in, as the command line calls it.
 inline constexpr const char* kPrecision = std::is_same_v<Real, float> ? "f32" : "f64";
@@ -186,4 +186,4 @@ void drawPanels(App<D>& app);
 /// Shows what is asked for until the window is closed. Throws UserError for what cannot be opened at first.
 void show(Window& window, Opening opening, InputScript* script);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 
 #include "experiments/sandbox/app.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -128,4 +128,4 @@ const std::vector<Command<D>>& commands() {
 template const std::vector<Command<2>>& commands();
 template const std::vector<Command<3>>& commands();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "framework/world/stage_engine.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -100,4 +100,4 @@ template class Cast<3>;
 template void play(const Deed<2>&, int, Simulation<2>&, Cast<2>&);
 template void play(const Deed<3>&, int, Simulation<3>&, Cast<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 
 #include "framework/scene/director.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Bodies by number: those of the scene in the order in which they come, then those that came by hand.
 template <int D>
@@ -101,4 +101,4 @@ struct Deed {
 template <int D>
 void play(const Deed<D>& deed, int lane, Simulation<D>& world, Cast<D>& cast);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

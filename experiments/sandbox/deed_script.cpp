@@ -5,7 +5,7 @@
 
 #include "experiments/trial/scene/script_writer.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -87,4 +87,4 @@ std::string scriptOf(std::span<const Deed<D>> deeds, const SceneSpec<D>& scene, 
 template std::string scriptOf(std::span<const Deed<2>>, const SceneSpec<2>&, const SceneFile&, long);
 template std::string scriptOf(std::span<const Deed<3>>, const SceneSpec<3>&, const SceneFile&, long);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

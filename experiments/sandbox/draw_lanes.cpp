@@ -12,7 +12,7 @@
 #include "experiments/sandbox/panels.h"
 #include "experiments/sandbox/pick.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr int kPad = 4;                // px, around the words of a title
@@ -203,4 +203,4 @@ template void App<3>::drawSideBySide();
 template const std::vector<LaneLook>& App<2>::laneLooks();
 template const std::vector<LaneLook>& App<3>::laneLooks();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr Real kLeast = Real(0.01);  // m: smaller is a slip of the hand
@@ -90,4 +90,4 @@ std::optional<BodyDef<D>> drawnShape(DrawnKind kind, std::span<const Vec<2>> poi
 template std::optional<BodyDef<2>> drawnShape(DrawnKind, std::span<const Vec<2>>, const DrawingPlane<2>&);
 template std::optional<BodyDef<3>> drawnShape(DrawnKind, std::span<const Vec<2>>, const DrawingPlane<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/problem/body.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What a drag from one point to another draws, or clicks one by one.
 enum class DrawnKind { circle, box, capsule, polygon };
@@ -24,4 +24,4 @@ struct DrawingPlane {
 template <int D>
 std::optional<BodyDef<D>> drawnShape(DrawnKind kind, std::span<const Vec<2>> points, const DrawingPlane<D>& plane);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/stage/registry.h"
 #include "framework/world/stage_engine.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 enum class Scaled { hasNone, atLimit, changed };
@@ -92,4 +92,4 @@ template void equaliseCost(Session<3>&);
 template std::string whyCostStays(const Session<2>&, std::size_t);
 template std::string whyCostStays(const Session<3>&, std::size_t);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 
 #include "experiments/sandbox/session.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The pipeline with so many times the iterations (or sub-steps) of its solver, rounded, at least one more or less, and
 /// within what it takes; nothing where its solver has neither, or has as many as it may.
@@ -28,4 +28,4 @@ void equaliseCost(Session<D>& session);
 template <int D>
 std::string whyCostStays(const Session<D>& session, std::size_t lane);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::size_t kMostMeshes = 20000;  // then all are forgotten: their bodies may be gone
@@ -421,4 +421,4 @@ void GlCanvas<D>::end() {
 template class GlCanvas<2>;
 template class GlCanvas<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "experiments/sandbox/view_camera.h"
 #include "framework/draw/debug_draw.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// To be made and used while a Window lives, `end` within a frame of it: words are ImGui's.
 template <int D>
@@ -98,4 +98,4 @@ class GlCanvas final : public DebugDraw<D> {
   unsigned m_array = 0, m_vertices = 0, m_indices = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/draw/draw_simulation.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr Real kSpring = 12;  // rad/s, of the spring that drags: half a second for a swing
@@ -421,4 +421,4 @@ void Hand<D>::draw(DebugDraw<D>& out) const {
 template class Hand<2>;
 template class Hand<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "experiments/sandbox/session.h"
 #include "framework/draw/debug_draw.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 enum class Tool { grab, circle, box, capsule, polygon, compound, joint };
 struct ToolInfo {
@@ -105,4 +105,4 @@ class Hand {
   std::optional<FirstEnd> m_first;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

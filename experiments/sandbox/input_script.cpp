@@ -8,7 +8,7 @@
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 struct OrderKind {
@@ -53,4 +53,4 @@ void InputScript::fail(const std::string& why) const {
   throw UserError(m_path + ":" + std::to_string(m_orders[m_next].line) + ": " + why);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// docs/sandbox.md has a table of them, `kKinds` (input_script.cpp) how many words each has.
 struct InputOrder {
@@ -42,4 +42,4 @@ class InputScript {
   std::set<int> m_down;  // keys
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

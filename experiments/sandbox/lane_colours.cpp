@@ -12,7 +12,7 @@
 #include "framework/stage/registry.h"
 #include "framework/world/stage_engine.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // PALETTE and SHADES of reports/style.py, which the test of the sandbox compares.
@@ -133,4 +133,4 @@ std::vector<DrawColour> laneColours(const std::vector<std::string>& texts, int d
   return all;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

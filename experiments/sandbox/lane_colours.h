@@ -7,7 +7,7 @@
 
 #include "framework/draw/debug_draw.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 inline constexpr std::size_t kMostLanes = 8;
 
@@ -21,4 +21,4 @@ inline constexpr double kToldApart = 25;
 /// from all that are there.
 std::vector<DrawColour> laneColours(const std::vector<std::string>& pipelines, int dimension);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "framework/stage/registry.h"
 #include "framework/world/stage_engine.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Without the parameters that it has anyhow.
@@ -104,4 +104,4 @@ std::vector<std::string> brokenIntoLines(const std::string& text, std::size_t wi
 template std::string laneState(const Session<2>&, std::size_t);
 template std::string laneState(const Session<3>&, std::size_t);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "experiments/sandbox/session.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What of a pipeline is not the default, as it would be typed: "solver=soft_step{substeps=2}". An engine as it is.
 std::string laneLabel(const std::string& pipeline, int dimension);
@@ -28,4 +28,4 @@ std::string lengthText(double length);
 /// with "...".
 std::vector<std::string> brokenIntoLines(const std::string& text, std::size_t width, std::size_t lines);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

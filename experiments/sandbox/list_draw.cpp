@@ -5,7 +5,7 @@
 
 #include "experiments/sandbox/panels.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 ImVec2 inPanel(const Vec<2>& pixel) { return {static_cast<float>(pixel[0]), static_cast<float>(pixel[1])}; }
@@ -35,4 +35,4 @@ void ListDraw<D>::text(const Vec<D>& p, std::string_view text, const DrawColour&
 template class ListDraw<2>;
 template class ListDraw<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

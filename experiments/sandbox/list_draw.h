@@ -7,7 +7,7 @@
 
 struct ImDrawList;
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class ListDraw final : public DebugDraw<D> {
@@ -25,4 +25,4 @@ class ListDraw final : public DebugDraw<D> {
   ImDrawList& m_list;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "framework/math/aabb.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // As low as the lowest top of what never moves beneath them, which they will fall on: but no farther than they are
@@ -51,4 +51,4 @@ void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world) {
 template void lookAtAll(ViewCamera<2>&, const Simulation<2>&);
 template void lookAtAll(ViewCamera<3>&, const Simulation<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,10 +4,10 @@
 #include "experiments/sandbox/view_camera.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// All that moves, or of a world at rest all that has an end.
 template <int D>
 void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

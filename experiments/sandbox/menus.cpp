@@ -8,7 +8,7 @@
 #include "experiments/sandbox/app.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -85,4 +85,4 @@ void drawMenus(App<D>& app) {
 template void drawMenus(App<2>&);
 template void drawMenus(App<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

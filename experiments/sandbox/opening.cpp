@@ -10,7 +10,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/locations.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 using nlohmann::json;
 
@@ -80,4 +80,4 @@ std::string runOf(const Opening& o, const SceneFile& file, const std::string& sc
 template SceneSpec<2> specOf(const SceneFile&, const Opening&);
 template SceneSpec<3> specOf(const SceneFile&, const Opening&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

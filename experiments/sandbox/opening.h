@@ -9,7 +9,7 @@
 
 #include "experiments/trial/scene/scene_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct Opening {
   std::string scene, script;  // paths; no script: empty
@@ -37,4 +37,4 @@ SceneSpec<D> specOf(const SceneFile& file, const Opening& opening);
 /// The command that plays it without a window, as the first competitor does, with that script.
 std::string runOf(const Opening& opening, const SceneFile& file, const std::string& script);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -89,4 +89,4 @@ std::size_t PairLook<D>::found() const {
 template class PairLook<2>;
 template class PairLook<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/stage/pair_trace.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class PairLook {
@@ -44,4 +44,4 @@ class PairLook {
   long m_made = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

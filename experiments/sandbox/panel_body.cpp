@@ -7,7 +7,7 @@
 #include "experiments/sandbox/panels.h"
 #include "experiments/trial/formats/body_type_name.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -52,4 +52,4 @@ void bodyPanel(App<D>& app) {
 template void bodyPanel(App<2>&);
 template void bodyPanel(App<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "experiments/sandbox/lane_label.h"
 #include "experiments/sandbox/panels.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // How far from the first, over all steps: a nanometre at the foot and ten metres at the top, by powers of ten. A grey
@@ -93,4 +93,4 @@ void comparePanel(App<D>& app) {
 template void comparePanel(App<2>&);
 template void comparePanel(App<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/shape/support_map.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -119,4 +119,4 @@ template void lookIntoPair(App<3>&);
 template void pairPanel(App<2>&);
 template void pairPanel(App<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

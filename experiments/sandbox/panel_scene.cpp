@@ -9,7 +9,7 @@
 #include "framework/math/check.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A number that the scene refuses may be a count, of which a slider gives fractions. What it refuses then is not kept:
@@ -116,4 +116,4 @@ void scenePanel(App<D>& app) {
 template void scenePanel(App<2>&);
 template void scenePanel(App<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

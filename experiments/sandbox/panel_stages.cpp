@@ -9,7 +9,7 @@
 #include "framework/stage/registry.h"
 #include "framework/world/stage_engine.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // All of these say whether the user has changed something for good.
@@ -128,4 +128,4 @@ void stagesPanel(App<D>& app) {
 template void stagesPanel(App<2>&);
 template void stagesPanel(App<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

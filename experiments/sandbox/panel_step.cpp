@@ -9,7 +9,7 @@
 
 #include "experiments/sandbox/panels.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <class Value>
@@ -60,4 +60,4 @@ void stepPanel(App<D>& app) {
 template void stepPanel(App<2>&);
 template void stepPanel(App<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

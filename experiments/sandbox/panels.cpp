@@ -14,7 +14,7 @@
 
 #include "experiments/sandbox/lane_label.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A key, and behind it what it does, in as many lines as it needs.
@@ -247,4 +247,4 @@ template int statusHeight(App<3>&);
 template void drawPanels(App<2>&);
 template void drawPanels(App<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

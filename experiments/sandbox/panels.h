@@ -6,7 +6,7 @@
 
 #include "experiments/sandbox/app.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 void scenePanel(App<D>& app);
@@ -35,4 +35,4 @@ void swatch(const DrawColour& colour);
 template <int D>
 int statusHeight(App<D>& app);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // f(body, view, X_WP) of all convex parts but planes.
@@ -94,4 +94,4 @@ std::vector<std::int32_t> within(const Simulation<D>& world, const ViewCamera<D>
 template std::vector<std::int32_t> within(const Simulation<2>&, const ViewCamera<2>&, const Vec<2>&, const Vec<2>&);
 template std::vector<std::int32_t> within(const Simulation<3>&, const ViewCamera<3>&, const Vec<2>&, const Vec<2>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "experiments/sandbox/view_camera.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct Picked {
@@ -34,4 +34,4 @@ template <int D>
 std::vector<std::int32_t> within(const Simulation<D>& world, const ViewCamera<D>& camera, const Vec<2>& corner,
                                  const Vec<2>& other);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

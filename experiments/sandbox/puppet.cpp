@@ -12,7 +12,7 @@
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -228,4 +228,4 @@ void playOrder(App<D>& app, InputScript& script) {
 template void playOrder(App<2>&, InputScript&);
 template void playOrder(App<3>&, InputScript&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 
 #include "experiments/sandbox/input_script.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class App;
@@ -13,4 +13,4 @@ class App;
 template <int D>
 void playOrder(App<D>& app, InputScript& script);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

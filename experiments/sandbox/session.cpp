@@ -9,7 +9,7 @@
 #include "framework/math/check.h"
 #include "framework/world/invariants.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr long kKeepEvery = 30;                // steps: so many are done again at most to go one back
@@ -291,4 +291,4 @@ template double timedStep(Simulation<3>&, Real);
 template class Session<2>;
 template class Session<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

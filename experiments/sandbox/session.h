@@ -13,7 +13,7 @@
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Of one lane after one step. NaN: nobody looked, or an engine does not tell its contacts.
 struct Sample {
@@ -131,4 +131,4 @@ class Session {
   std::vector<std::vector<Keyframe>> m_kept;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr Real kFullTurn = 2 * std::numbers::pi_v<Real>;
@@ -275,4 +275,4 @@ void meshOf(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct ShapeMesh {
@@ -23,4 +23,4 @@ struct ShapeMesh {
 void meshOf(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh);
 void meshOf(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "experiments/runner/locations.h"
 #include "experiments/sandbox/app.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr int kShowEvery = 60;  // steps between two fireworks of a show
@@ -96,4 +96,4 @@ void App<D>::spawnDue() {
 LPC_SPAWN(2)
 LPC_SPAWN(3)
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

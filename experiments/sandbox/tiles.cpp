@@ -5,7 +5,7 @@
 
 #include "experiments/sandbox/look_at_all.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 std::vector<Tile> tilesOf(std::size_t count, int columns, const Tile& area) {
   const int rows = (static_cast<int>(count) + columns - 1) / columns;
@@ -34,4 +34,4 @@ int columnsFor(ViewCamera<D> camera, const Simulation<D>& world, std::size_t cou
 template int columnsFor(ViewCamera<2>, const Simulation<2>&, std::size_t, const Tile&, int);
 template int columnsFor(ViewCamera<3>, const Simulation<3>&, std::size_t, const Tile&, int);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "experiments/sandbox/view_camera.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct Tile {  // px, from the window's upper left corner
   int left = 0, top = 0, width = 0, height = 0;
@@ -25,4 +25,4 @@ std::vector<Tile> tilesOf(std::size_t count, int columns, const Tile& area);
 template <int D>
 int columnsFor(ViewCamera<D> camera, const Simulation<D>& world, std::size_t count, const Tile& area, int head);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -14,7 +14,7 @@
 #include "experiments/sandbox/window.h"
 #include "framework/draw/draw_simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 void drag(ViewCamera<2>& camera, bool, Real dx, Real dy) { camera.pan(dx, dy); }
@@ -75,4 +75,4 @@ void view(Simulation<D>& world, Real dt) {
 template void view(Simulation<2>&, Real);
 template void view(Simulation<3>&, Real);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "framework/draw/debug_draw.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Steps the world by dt (s), as many times a second as it has seconds, in a window, until that is closed. p: pause;
 /// space or right arrow: one step, and pause. Mouse: the left button turns what it drags (in 2D: moves), the right one
@@ -16,4 +16,4 @@ namespace lpc::inline LPC_PRECISION {
 template <int D>
 void view(Simulation<D>& world, Real dt);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

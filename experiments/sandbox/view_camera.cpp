@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr Real kRim = Real(1.1);         // what a box that is looked at is grown by
@@ -125,4 +125,4 @@ ViewMatrix ViewCamera<3>::matrix() const {
   return m;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

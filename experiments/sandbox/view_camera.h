@@ -7,7 +7,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What both dimensions share: the part of the window.
 class ViewFrame {
@@ -93,4 +93,4 @@ class ViewCamera<3> : public ViewFrame {
   Real m_distance = 20;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -17,7 +17,7 @@
 #include <link.h>
 #endif
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr float kBackground[] = {247 / 255.0f, 247 / 255.0f, 245 / 255.0f};  // that of films
@@ -202,4 +202,4 @@ Window::Picture Window::screenshot() const {
   return picture;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

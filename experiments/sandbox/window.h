@@ -11,7 +11,7 @@
 
 #include "framework/draw/debug_draw.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 class Window {
  public:
@@ -79,4 +79,4 @@ class Window {
   bool m_down[3] = {false, false, false};  // ImGui's order: left, right, middle
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

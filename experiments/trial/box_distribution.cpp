@@ -3,7 +3,7 @@
 
 #include "framework/math/random.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kHalf = 0.5;  // half side of a box (m)
@@ -194,4 +194,4 @@ const std::vector<BoxDistribution>& boxDistributions() {
   return all;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "experiments/trial/entry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Boxes that fly about in a room and bounce off its walls.
 template <int D>
@@ -46,4 +46,4 @@ Flock<D> makeFlock(const Spec& distribution, int n, std::uint64_t seed) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

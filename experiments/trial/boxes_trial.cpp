@@ -12,7 +12,7 @@
 #include "experiments/trial/trial.h"
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -153,4 +153,4 @@ TrialResult runBoxesTrial(const json& request) {
   return t.at("dimension").get<int>() == 2 ? runBoxes<2>(t) : runBoxes<3>(t);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -12,7 +12,7 @@
 #include "framework/math/names.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct EntryInfo {
   std::string name;  // stable for ever: it stands in result files
@@ -48,4 +48,4 @@ const Entry& findEntry(const std::vector<Entry>& table, const std::string& what,
   throw UserError("unknown " + what + " '" + name + "'" + validNames(names, name));
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Of a circle each in its own part, of a sphere anywhere: no two so near that a hull would take them for one.
@@ -199,4 +199,4 @@ const std::vector<PairDrawing>& pairDrawings() {
   return all;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/math/random.h"
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct DrawnPair {
@@ -44,4 +44,4 @@ DrawnPair<D> drawPair(const Spec& drawing, const PairRequest<D>& request, Random
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

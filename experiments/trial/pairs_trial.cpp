@@ -15,7 +15,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -231,4 +231,4 @@ TrialResult runPairsTrial(const json& request) {
   return flat ? runStream<2>(t, file) : runStream<3>(t, file);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::string_view kMark = "LPC-ABI|";
@@ -49,4 +49,4 @@ void loadPlugin(const std::string& path) {
   if (!dlsym(library, "lpc_abi")) throw UserError("plugin " + path + ": it does not export lpc_abi");
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

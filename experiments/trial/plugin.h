@@ -7,7 +7,7 @@
 
 #include "framework/stage/plugin.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The precision that a plugin was built for ("f64"), read from its bytes without loading it. Throws UserError when the
 /// file is no plugin.
@@ -17,4 +17,4 @@ std::string pluginPrecision(const std::string& path);
 /// differ from this program's.
 void loadPlugin(const std::string& path);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -18,7 +18,7 @@
 #include "framework/stage/profiler.h"
 #include "oracles/witnesses/witness_resolver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -265,4 +265,4 @@ TrialResult runProblemsTrial(const json& request) {
   return file.dimension == 2 ? runProblem<2>(request.at("trial"), file) : runProblem<3>(request.at("trial"), file);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 #include "experiments/trial/trial.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 using nlohmann::json;
 
@@ -28,4 +28,4 @@ TrialResult runTrial(const json& request) {
   throw UserError("unknown trial kind '" + kind + "'; valid: world, boxes, pairs, problems");
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

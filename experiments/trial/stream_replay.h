@@ -9,7 +9,7 @@
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The pairs of steps [from, from + steps) of a scene, in a world of the default pipeline; of less steps when there
 /// would be more than `most` meetings.
@@ -100,4 +100,4 @@ void askStream(PairQuery<D>& method, const StreamReplay<D>& replay, bool warm, s
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What a scope of the profiler used over all steps, without the scopes in it.
 struct ScopeMemory {
@@ -49,4 +49,4 @@ TrialResult resultFromJson(const nlohmann::json& json);
 /// Processor time of this thread (s): what other processes do does not count.
 double cpuSeconds();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

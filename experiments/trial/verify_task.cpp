@@ -9,7 +9,7 @@
 #include "oracles/verify/case_run.h"
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <class Names>
@@ -55,4 +55,4 @@ nlohmann::json runVerifyTask(const nlohmann::json& request) {
   return toJson(verify(task));
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

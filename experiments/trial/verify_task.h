@@ -5,7 +5,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// {"verify": {"stage", "dimension", "kind_a", "kind_b", "seed", "first", "count", "methods": [...], "ended": tally,
 ///  "relations": true}, "plugins": [...]} -> what came out (see ledger_json.h). "ended" is there when a worker that was
@@ -17,4 +17,4 @@ nlohmann::json runVerifyTask(const nlohmann::json& request);
 /// row each (see ledger_json.h).
 nlohmann::json runCasesTask(const nlohmann::json& request);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

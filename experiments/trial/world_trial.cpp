@@ -27,7 +27,7 @@
 #include "framework/world/pose_penetration.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -445,4 +445,4 @@ TrialResult runWorldTrial(const json& request) {
   return request.at("trial").at("dimension").get<int>() == 2 ? runWorld<2>(request) : runWorld<3>(request);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

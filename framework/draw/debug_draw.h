@@ -10,7 +10,7 @@
 
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct DrawColour {
   unsigned char red = 0, green = 0, blue = 0, alpha = 255;
@@ -45,4 +45,4 @@ class DebugDraw {
   virtual void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/problem/contact_graph.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kContactPixels = 6, kAnchorPixels = 5, kCentrePixels = 4;
@@ -230,4 +230,4 @@ void drawSimulation(const Simulation<D>& simulation, const DrawLayers& layers, D
 template void drawSimulation(const Simulation<2>&, const DrawLayers&, DebugDraw<2>&);
 template void drawSimulation(const Simulation<3>&, const DrawLayers&, DebugDraw<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

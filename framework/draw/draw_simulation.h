@@ -10,7 +10,7 @@
 #include "framework/draw/debug_draw.h"
 #include "framework/stage/params.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 // Colours that mean something, for legends.
 inline constexpr DrawColour kDrawnFixed{205, 205, 200};  // a body that never moves
@@ -82,4 +82,4 @@ bool isPlace(const Pose<D>& X_WC) {
 template <int D>
 void drawSimulation(const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

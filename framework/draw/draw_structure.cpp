@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // From the root on, and again; neighbours are far apart.
@@ -59,4 +59,4 @@ void drawStructure(const World<D>& world, DebugDraw<D>& draw, const std::optiona
 template void drawStructure(const World<2>&, DebugDraw<2>&, const std::optional<DrawColour>&);
 template void drawStructure(const World<3>&, DebugDraw<3>&, const std::optional<DrawColour>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

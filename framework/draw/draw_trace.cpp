@@ -7,7 +7,7 @@
 #include "framework/shape/support_map.h"
 #include "framework/stage/pair_trace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr DrawColour kGrey{130, 130, 130, 255}, kBlue{40, 90, 220, 255}, kYellow{230, 160, 0, 255},
@@ -193,4 +193,4 @@ template void drawTrace(const PairTrace<3>&, std::size_t, DebugDraw<3>&);
 template void drawTraceOnShapes(const PairTrace<2>&, std::size_t, const Pose<2>&, DebugDraw<2>&);
 template void drawTraceOnShapes(const PairTrace<3>&, std::size_t, const Pose<3>&, DebugDraw<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

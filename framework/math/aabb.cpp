@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 // The bounds are compared before they are subtracted, so that t = 0 says the same as Aabb::overlaps.
 template <int D>
@@ -34,4 +34,4 @@ template Real castBox(const Aabb<3>&, const Vec<3>&, Real, const Aabb<3>&);
 template Real castRay(const Aabb<2>&, const Vec<2>&, const Vec<2>&, Real);
 template Real castRay(const Aabb<3>&, const Vec<3>&, const Vec<3>&, Real);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

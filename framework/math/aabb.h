@@ -5,7 +5,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Axis-aligned box in the world, closed: boxes that only touch do overlap. A fresh one is empty and overlaps nothing.
 template <int D>
@@ -39,4 +39,4 @@ Real castRay(const Aabb<D>& box, const Vec<D>& p, const Vec<D>& direction, Real 
 template <int D>
 Real castBox(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include <concepts>
 #include <type_traits>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <class M>
 using PlainMatrix = Eigen::Matrix<typename M::Scalar, M::RowsAtCompileTime, M::ColsAtCompileTime, M::Options>;
@@ -70,4 +70,4 @@ template <SmallMatrix A, class B>
 requires SmallMatrix<std::remove_const_t<B>> ProductOf<A, A::RowsAtCompileTime, B::RowsAtCompileTime>
 operator*(const A& a, const Eigen::Transpose<B>& b) { return a.operator*(b.nestedExpression().transpose()); }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

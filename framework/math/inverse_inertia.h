@@ -7,7 +7,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Scaled by a power of two, so that the determinant of the inertia of what is a millimetre or a kilometre long is a
 /// float, too. Of what is no number neither is the inverse. Precondition: the trace is not below or at 0.
@@ -30,4 +30,4 @@ std::optional<Inertia<D>> inverseInertia(const Inertia<D>& inertia) {
   return inverse;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

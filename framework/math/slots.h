@@ -8,7 +8,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Gives out the slots of a table, the lowest free one first: the same calls give the same slots, and a table stays as
 /// short as it can. Free slots are a heap; `visits` is raised by the number of them that were looked at.
@@ -80,4 +80,4 @@ class SlotLists {
   std::vector<std::vector<std::int32_t>> m_lists;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

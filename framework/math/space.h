@@ -20,7 +20,7 @@
 
 #include "framework/math/eager.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 using Real = LPC_REAL;  // double (f64) or float (f32), fixed when the library is built
 
@@ -218,4 +218,4 @@ inline RealMatrix<3, 2> tangents(const Vec<3>& n) {
   return t;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Depth that contacts keep on purpose, so that resting contacts do not come and go (m). Larger: visible sinking.
 /// Smaller: flicker, lost warm starts. The 2009 engine's penetrationEpsilon.
@@ -20,4 +20,4 @@ inline constexpr Real kRestitutionThreshold = Real(0.2);
 /// A unit vector may be off by this (1). Larger: stretched shapes, false depths. Smaller: rounded ones are refused.
 inline constexpr Real kUnitTolerance = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "framework/math/space.h"
 #include "framework/math/tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 inline bool isUnit(const Rot<2>& q) { return std::abs(q.c * q.c + q.s * q.s - 1) < 4 * kUnitTolerance; }
 inline bool isUnit(const Rot<3>& q) { return std::abs(q.w * q.w + q.imag().squaredNorm() - 1) < 4 * kUnitTolerance; }
@@ -32,4 +32,4 @@ inline void checkAmount(Real value, std::string_view who, const char* what) {
   throw UserError(std::string(who) + ": " + what + " is " + std::to_string(value) + "; valid: a finite number >= 0");
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The larger of two errors. NaN is the worst, and stays: std::max(x, NaN) is x, and who judges by it calls NaN right.
 inline double worse(double a, double b) { return std::isnan(b) ? b : std::max(a, b); }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

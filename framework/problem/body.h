@@ -10,7 +10,7 @@
 #include "framework/shape/mass.h"
 #include "framework/shape/shape_def.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A public handle: a slot, and which of its successive tenants is meant. Those of bodies, joints and forces are types
 /// of their own, so that none is taken for another's.
@@ -103,4 +103,4 @@ struct ShapeRecord {
   Real density = 0;  // kg/m^D, for whoever weighs the body anew
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 enum class RowLaw : std::uint8_t {
   rigid,   // error = 0; where one limit of the force is 0 a stop: error >= 0 or error <= 0
@@ -59,4 +59,4 @@ Real rowSpeed(const ConstraintRow<D>& row, const Vec<D>& vA, const Ang<D>& wA, c
   return row.d.dot(vB) + row.armB.dot(wB) - row.d.dot(vA) - row.armA.dot(wA);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 
 #include "framework/problem/body.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct ContactPoint {
@@ -98,4 +98,4 @@ struct MixRules {
   bool operator==(const MixRules&) const = default;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -180,4 +180,4 @@ void ContactGraph<D>::colour(std::span<const int> contacts, std::vector<int>& or
 template class ContactGraph<2>;
 template class ContactGraph<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

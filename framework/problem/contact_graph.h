@@ -9,7 +9,7 @@
 #include "framework/problem/contact.h"
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Who touches and who is jointed to whom: bodies are nodes, manifolds that no listener vetoed and joints are edges.
 /// The world, and a static or kinematic body, whose motion no contact changes, connects nobody and may have any colour.
@@ -72,4 +72,4 @@ class ContactGraph {
   mutable std::vector<std::uint64_t> m_taken;  // colours, by body
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/problem/contact_order.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 void ContactOrder::add(const decltype(Manifold<2>{}.key()) & key) {
   const auto from = static_cast<std::uint32_t>(m_entries.size());
@@ -33,4 +33,4 @@ void ContactOrder::sortEntries() {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

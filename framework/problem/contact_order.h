@@ -7,7 +7,7 @@
 #include "framework/math/check.h"
 #include "framework/problem/contact.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Brings pairs or manifolds into the order of Manifold::key, in time linear in their number: keys are added one by one
 /// and sorted by their bytes, then apply() moves each item once. Equal keys keep their order. Comparing sorts look at
@@ -57,4 +57,4 @@ class ContactOrder {
   bool m_sorted = true;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

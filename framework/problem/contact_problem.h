@@ -24,7 +24,7 @@
 #include "framework/problem/contact_rows.h"
 #include "framework/problem/given_problem.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 enum class ProblemLaw : std::uint8_t { free, interval, normal, tangent };
 
@@ -438,4 +438,4 @@ class ContactProblem {
   std::vector<std::int32_t> m_parent, m_number, m_of, m_next, m_grouped, m_islands;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/problem/constraint_row.h"
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Appends D rows per point of the manifold: a stop along the normal, then the tangents of its cone, which name the
 /// stop by its place in `out`. Without friction the tangents are absent. Impulses act midway between the anchors, so
@@ -46,4 +46,4 @@ void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<C
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/problem/force.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 ForceRecord<D> makeForce(const ForceDef<D>& def, const Bodies<D>& bodies) {
@@ -39,4 +39,4 @@ ForceRecord<D> makeForce(const ForceDef<D>& def, const Bodies<D>& bodies) {
 template ForceRecord<2> makeForce(const ForceDef<2>&, const Bodies<2>&);
 template ForceRecord<3> makeForce(const ForceDef<3>&, const Bodies<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

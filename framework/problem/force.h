@@ -12,7 +12,7 @@
 #include "framework/problem/contact.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct Wrench {
@@ -147,4 +147,4 @@ class Forces {
   virtual void eval(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/problem/given_problem.h"
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The rows that a joint had, whatever kind it was of.
 template <int D>
@@ -159,4 +159,4 @@ FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// u = W x + velocity, rows in the order: of each contact its normal and its D - 1 tangents, which are at right angles
 /// and measure alike, then those of equalities. The laws are those of ContactProblem; the signs, too: u_n > 0 parts.
@@ -35,4 +35,4 @@ struct GivenProblem {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "framework/math/user_numbers.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 JointRecord<D> makeJoint(const JointDef<D>& def, const Pose<D>& X_WA, const Pose<D>& X_WB) {
@@ -64,4 +64,4 @@ LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -15,7 +15,7 @@
 #include "framework/problem/constraint_row.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 inline constexpr int kJointRows = 8;
 
@@ -160,4 +160,4 @@ struct JointLoad {
 template <int D>
 JointLoad jointLoad(std::span<const ConstraintRow<D>> rows, std::span<const Real> impulse, Real dt);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 Director<D>::Director(SceneSpec<D> scene)
     : m_scene(std::move(scene)),
@@ -98,4 +98,4 @@ void Director<D>::finish(Simulation<D>& world) {
 template class Director<2>;
 template class Director<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "framework/scene/scene_spec.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Plays a scene's script: bodies come, are joined, pushed and set, forces come and go at step numbers, never at clock
 /// times, so every run is the same (the 2009 report, 6.6.1). Within a step come bodies, their joints and forces, then
@@ -77,4 +77,4 @@ class Director {
   std::vector<Ending> m_ending;  // forces that are there and end
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "framework/math/user_numbers.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr char kRecordingMagic[] = "LPCREC1";
@@ -196,4 +196,4 @@ template struct Recording<3>;
 template class Recorder<2>;
 template class Recorder<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Poses over time, for looking at a run afterwards. Numbers are stored as double in both precisions.
 template <int D>
@@ -60,4 +60,4 @@ class Recorder {
   std::vector<std::uint64_t> m_known;  // generation + 1 by slot; 0 = never written
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class Director;
@@ -91,4 +91,4 @@ struct SceneSpec {
   bool seeded = false;  // whether the seed decided anything: another one is then another scene
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

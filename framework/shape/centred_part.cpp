@@ -3,7 +3,7 @@
 #include "framework/shape/shape.h"
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 ShapePart<D> centredPart(const ShapePart<D>& part) {
@@ -29,4 +29,4 @@ ShapePart<D> centredPart(const ShapePart<D>& part) {
 template ShapePart<2> centredPart(const ShapePart<2>&);
 template ShapePart<3> centredPart(const ShapePart<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "framework/shape/support_gap.h"
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -87,4 +87,4 @@ template Aabb<3> boundingBox(const Shape<3>&, const Pose<3>&);
 template MassProperties<2> massProperties(const Shape<2>&, Real);
 template MassProperties<3> massProperties(const Shape<3>&, Real);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,8 +4,7 @@
 
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 // A solid cone along x: its base at x = -half_height, its tip at x = half_height.
 template <int D>
@@ -60,4 +59,4 @@ class Cone final : public CurvedBase<D, Cone<D>> {
 const CurvedRegistrar<Cone, 3> coneRegistrar{ShapeKind::cone, {{"half_height", "radius"}}};
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,8 +3,7 @@
 
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 // A solid cylinder along x, as a capsule is: flat ends at x = -half_length and x = half_length.
 template <int D>
@@ -57,4 +56,4 @@ class Cylinder final : public CurvedBase<D, Cylinder<D>> {
 const CurvedRegistrar<Cylinder, 3> cylinderRegistrar{ShapeKind::cylinder, {{"half_length", "radius"}}};
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,8 +3,7 @@
 
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 // A solid ellipsoid with its axes along the frame's; in 2D an ellipse.
 template <int D>
@@ -54,4 +53,4 @@ const CurvedRegistrar<Ellipsoid, 2, 3> ellipsoidRegistrar{ShapeKind::ellipsoid,
                                                           {{"half_x", "half_y"}, {"half_x", "half_y", "half_z"}}};
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Convex cores without a list of corners: a cylinder, an ellipsoid. A kind of them is one file,
-// framework/shape/core_<kind>.cpp, which registers how it is made, and one name in ShapeKind; nobody else knows it by name.
-// A plugin registers its own as ShapeKind::custom, of which there is one.
+// framework/shape/core_<kind>.cpp, which registers how it is made, and one name in ShapeKind; nobody else knows it by
+// name. A plugin registers its own as ShapeKind::custom, of which there is one.
 //
 //   template <int D> struct Ball : CurvedBase<D, Ball<D>> {
 //     template <class N> std::array<N, D> extreme(const std::array<N, D>& d) const;   // farthest along d
@@ -15,7 +15,7 @@
 
 #include "framework/shape/mass.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class CurvedCore {
@@ -105,4 +105,4 @@ class CurvedRegistrar {
 };
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

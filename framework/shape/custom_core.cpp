@@ -5,7 +5,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::size_t kMostFaceCorners = 64;  // that contact generators clip
@@ -93,4 +93,4 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
 template void requireConvexCore(const CurvedCore<2>&, const std::string&);
 template void requireConvexCore(const CurvedCore<3>&, const std::string&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

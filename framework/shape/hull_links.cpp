@@ -22,7 +22,7 @@
 #include "framework/shape/shape.h"
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using Point3 = Eigen::Vector3d;
@@ -91,4 +91,4 @@ void linkVertices(Polytope<3>& hull) {
   hull.slack = static_cast<Real>(slackOf(hull));
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

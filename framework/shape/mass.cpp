@@ -6,7 +6,7 @@
 #include "framework/math/tolerances.h"
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 Inertia<3> rotateInertia(const Rot<3>& q, const Inertia<3>& inertia) {
   const Mat<3> r = q.matrix();
@@ -195,4 +195,4 @@ template MassProperties<3> transformed(const MassProperties<3>&, const Pose<3>&)
 template MassProperties<2> combined(const MassProperties<2>&, const MassProperties<2>&);
 template MassProperties<3> combined(const MassProperties<3>&, const MassProperties<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

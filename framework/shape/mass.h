@@ -3,7 +3,7 @@
 
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct MassProperties {
@@ -34,4 +34,4 @@ MassProperties<D> transformed(const MassProperties<D>& m, const Pose<D>& X_AS);
 template <int D>
 MassProperties<D> combined(const MassProperties<D>& a, const MassProperties<D>& b);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

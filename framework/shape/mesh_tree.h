@@ -9,7 +9,7 @@
 #include "framework/math/aabb.h"
 #include "framework/math/work.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Boxes that never move, split at the median of their longest spread until a leaf has few (Ericson 2005, 6.2). Nodes
 /// lie in the order of a walk from the root, each with the number of the one that follows when it is passed over.
@@ -84,4 +84,4 @@ class MeshTree {
   std::vector<Node> m_nodes;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "framework/shape/shape_tolerances.h"
 #include "framework/shape/surface.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A box around `box_W` as it lies in frame S.
 template <int D>
@@ -36,4 +36,4 @@ void forPartsNear(const Shape<D>& shape, const Pose<D>& X_AS, const Pose<D>& X_W
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -14,7 +14,7 @@ extern "C" {
 #include "framework/shape/shape.h"
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -355,4 +355,4 @@ std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points) {
   throw UserError("convex hull: the points are too near to one plane for a hull with whole faces");
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/math/names.h"
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::array<std::string_view, kShapeKinds> kKindNames = {
@@ -250,4 +250,4 @@ template Aabb<3> boundingBox(const ShapeView<3>&, const Pose<3>&);
 template Real boundingRadius(const ShapeView<2>&);
 template Real boundingRadius(const ShapeView<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

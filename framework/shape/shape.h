@@ -17,7 +17,7 @@
 #include "framework/math/aabb.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// In this order batches are sorted: a pair of kinds always comes with kindA <= kindB. New kinds are appended: the
 /// numbers stand in saved worlds. `custom` is whatever a plugin gives by its support function.
@@ -270,4 +270,4 @@ template <int D>
 RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction,
                      Real maxT);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "framework/math/tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A turn of the x axis into a direction (unit).
@@ -47,4 +47,4 @@ LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

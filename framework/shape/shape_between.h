@@ -4,7 +4,7 @@
 
 #include "framework/shape/shape_def.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The box with these two opposite corners (m), in the frame in which they are told, whose axes are turned by q.
 template <int D>
@@ -15,4 +15,4 @@ ShapeDef<D> capsuleBetween(const Vec<D>& from, const Vec<D>& to, Real radius);
 /// 2D: a line without width; its density is kg/m.
 ShapeDef<2> segmentBetween(const Vec<2>& from, const Vec<2>& to);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A shape on a body, as a user adds it.
 template <int D>
@@ -20,4 +20,4 @@ struct ShapeDef {
   std::uint64_t userData = 0;  // the user's own: kept, saved and shown, never read
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "framework/shape/support_gap.h"
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr Real kInf = std::numeric_limits<Real>::infinity();
@@ -424,4 +424,4 @@ template bool overlapsBox(const ShapeView<3>&, const Pose<3>&, const Aabb<3>&);
 template RayEntry<2> rayEntry(const ShapeView<2>&, const Pose<2>&, const Vec<2>&, const Vec<2>&, Real);
 template RayEntry<3> rayEntry(const ShapeView<3>&, const Pose<3>&, const Vec<3>&, const Vec<3>&, Real);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 
 #include "framework/math/tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What rounding may have moved the points of a hull by: this part of the largest coordinate (1). Points that stand out
 /// by less lie on the face. Larger: true corners are dropped. Smaller: eight corners of a turned box give twelve faces.
@@ -116,4 +116,4 @@ inline constexpr Real kPartOverlap = sizeof(Real) == 8 ? Real(1e-4) : Real(1e-2)
 /// is taken. Smaller: honest rounding is refused.
 inline constexpr Real kSupportRounding = 64 * std::numeric_limits<Real>::epsilon();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How far a convex set lies from the origin at least, and along which unit direction n: n . m >= gap on all of it.
 template <int D>
@@ -85,4 +85,4 @@ Gap<D> gapToOrigin(const Support& support, Vec<D> start, Real left = 0,
   return best;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

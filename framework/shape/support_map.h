@@ -4,7 +4,7 @@
 #include "framework/math/check.h"
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A point of the shape's core (its rounding left out) that lies farthest along `d`, in the shape's frame. `d` may have
 /// any length; for d = 0 it is some point of the core. Not for a plane. For a polytope `hint`, when given, receives the
@@ -50,4 +50,4 @@ inline Real supportValue(const ShapeView<D>& shape, const Vec<D>& d) {
   return coreSupport(shape, d).dot(d) + shape.radius * d.norm();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

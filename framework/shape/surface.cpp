@@ -7,7 +7,7 @@
 
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -214,4 +214,4 @@ template Shape<3> Shape<3>::chain(std::span<const Vec<3>>, bool);
 template std::span<const PlacedView<2>> Shape<2>::surfaceParts() const;
 template std::span<const PlacedView<3>> Shape<3>::surfaceParts() const;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 #include "framework/shape/mesh_tree.h"
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class Surface {
@@ -53,4 +53,4 @@ class Surface {
   MeshTree<D> m_tree;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

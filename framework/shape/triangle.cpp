@@ -6,7 +6,7 @@
 #include "framework/shape/shape.h"
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view who) {
   using Point = Eigen::Vector3d;
@@ -58,4 +58,4 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

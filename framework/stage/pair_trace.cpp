@@ -3,7 +3,7 @@
 
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::string digits(Real value) {
@@ -89,4 +89,4 @@ template std::string describe(const TraceStep<3>&);
 template std::string describe(const PairTrace<2>&);
 template std::string describe(const PairTrace<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

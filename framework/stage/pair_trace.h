@@ -12,7 +12,7 @@
 
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 enum class TraceKind {
   support,    // GJK asks for a support point
@@ -82,4 +82,4 @@ void drawTrace(const PairTrace<D>& trace, std::size_t step, DebugDraw<D>& draw);
 template <int D>
 void drawTraceOnShapes(const PairTrace<D>& trace, std::size_t step, const Pose<D>& X_WA, DebugDraw<D>& draw);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

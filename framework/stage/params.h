@@ -20,7 +20,7 @@
 #include "framework/math/space.h"
 #include "framework/stage/spec.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 class ParamVisitor {
  public:
@@ -63,4 +63,4 @@ struct ParamInfo {
   const StageInfo* stage = nullptr;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <ostream>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 void Profiler::countMemory(MemoryUse (*counter)()) {
   m_counter = counter;
@@ -90,4 +90,4 @@ void Profiler::writeCsv(std::ostream& out) const {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

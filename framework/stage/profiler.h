@@ -11,7 +11,7 @@
 #include "framework/math/space.h"
 #include "framework/math/work.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What was allocated and given back.
 struct MemoryUse {
@@ -96,4 +96,4 @@ class Profiler {
   std::vector<Frame> m_frames;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

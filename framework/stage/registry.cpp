@@ -7,7 +7,7 @@
 
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // The shortest text that reads back as the same number.
@@ -273,4 +273,4 @@ std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm
   return name + " is no part of a pipeline: scenes choose it";
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

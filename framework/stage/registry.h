@@ -17,7 +17,7 @@
 
 #include "framework/stage/params.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 enum class Guarantee { exact, conservative, approximate };
 enum class AlgorithmRole { competitor, witness, referee, engine };
@@ -170,4 +170,4 @@ class Registrar {
 #define LPC_REGISTER(StageOf, Algorithm, ...) \
   static const ::lpc::Registrar<StageOf, Algorithm, __VA_ARGS__> registrar##Algorithm { __FILE__ }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

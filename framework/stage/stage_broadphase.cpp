@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
@@ -89,4 +89,4 @@ template struct Proxies<3>;
 template class Broadphase<2>;
 template class Broadphase<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/math/work.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 using ProxyId = std::int32_t;  // a dense slot, the lowest free one reused
 
@@ -105,4 +105,4 @@ class Broadphase : public Stage {
                      std::vector<RayHit<D>>& out) const;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

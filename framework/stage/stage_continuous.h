@@ -9,7 +9,7 @@
 
 #include "framework/stage/stage_time_of_impact.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A ball inside a convex shape, about a point of it (in the shape's frame), and one around the shape's own origin.
 template <int D>
@@ -64,4 +64,4 @@ void requireCasts(const ContinuousCollision<D>& continuous, const std::array<boo
   requirePairs([&](ShapeKind a, ShapeKind b) { return continuous.supports(a, b); }, kinds, who);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 std::string_view queryStatusName(QueryStatus status) {
   constexpr std::array<std::string_view, 5> kNames = {"converged", "iteration_limit", "degenerate", "refused",
@@ -147,4 +147,4 @@ template void requireContacts(const ContactGenerator<3>&, const std::array<bool,
 template PairAnswer<2> queryPair(PairQuery<2>&, const ShapeView<2>&, const ShapeView<2>&, const Pose<2>&, QueryNeed);
 template PairAnswer<3> queryPair(PairQuery<3>&, const ShapeView<3>&, const ShapeView<3>&, const Pose<3>&, QueryNeed);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "framework/shape/parts_near.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Two shapes as a method sees them, kind of a <= kind of b: everything is expressed in A's frame.
 template <int D>
@@ -213,4 +213,4 @@ class ContactCache : public Stage {
   virtual void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/problem/joint.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What may wake a body. Gravity and the scene's own forces wake nobody.
 struct SleepEvent {
@@ -53,4 +53,4 @@ class SleepPolicy : public Stage {
                       std::span<std::array<Real, 2>> memory) = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

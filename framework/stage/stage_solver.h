@@ -12,7 +12,7 @@
 #include "framework/problem/joint.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 class Profiler;
 
@@ -164,4 +164,4 @@ class Integrator : public Stage {
   virtual void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How a shape moves through a step: its body's centre of mass at constant v, turning at constant w, as
 /// `integrateRotation` turns it.
@@ -58,4 +58,4 @@ class TimeOfImpact : public Stage {
                     WorkDone& work) = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 void BoxIndex<D>::add(std::size_t shape, const ShapeRecord<D>& record) {
@@ -112,4 +112,4 @@ void BoxIndex<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, std::
 template class BoxIndex<2>;
 template class BoxIndex<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "framework/problem/body.h"
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The box of each shape of a world, the broadphase over them, and what it has not heard of yet. Changes are noted at
 /// once and brought up to date by sync(), in one walk over the shapes however many there were.
@@ -59,4 +59,4 @@ class BoxIndex {
   bool m_anyActive = false;  // as of the last sync()
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

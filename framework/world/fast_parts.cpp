@@ -5,7 +5,7 @@
 
 #include "framework/math/tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A point at r that turns by an angle is never farther than r angle^2 / 8, nor than 2 r, from where it would be on the
@@ -132,4 +132,4 @@ std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& w
 template class FastParts<2>;
 template class FastParts<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "framework/world/box_index.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How bodies go through a step: body i from start[i] at constant velocity[i].
 template <int D>
@@ -67,4 +67,4 @@ class FastParts {
   std::vector<Pair> m_pairs;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "framework/shape/support_map.h"
 #include "framework/shape/surface.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 /// As kLeans, of a curved body, whose normals are found by steps that end (1, the sine). Larger: it is slowed by what
@@ -192,4 +192,4 @@ template void correctSurfaceContacts(std::span<const ShapeRecord<2>>, std::span<
 template void correctSurfaceContacts(std::span<const ShapeRecord<3>>, std::span<const Pose<3>>, Real, std::size_t,
                                      std::vector<Manifold<3>>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

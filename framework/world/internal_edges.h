@@ -6,7 +6,7 @@
 
 #include "framework/problem/contact.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Contacts with parts of surfaces, in the manifolds from `first` on, as the whole surface would have them; all others
 /// stay as they are. A pair of convex parts sees a triangle alone: it has normals across edges where the surface goes
@@ -19,4 +19,4 @@ template <int D>
 void correctSurfaceContacts(std::span<const ShapeRecord<D>> shapes, std::span<const Pose<D>> pose, Real margin,
                             std::size_t first, std::vector<Manifold<D>>& manifolds);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

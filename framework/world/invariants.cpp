@@ -7,7 +7,7 @@
 #include "framework/math/inverse_inertia.h"
 #include "framework/math/worse.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <class Numbers>
@@ -137,4 +137,4 @@ template bool stateIsFinite(const Simulation<3>&);
 template ContactInvariants contactInvariants(const Simulation<2>&);
 template ContactInvariants contactInvariants(const Simulation<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

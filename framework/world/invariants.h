@@ -5,7 +5,7 @@
 
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What physics says about a state, whatever the algorithms are: from poses, velocities and the scene's masses.
 /// Computed in double for both precisions.
@@ -46,4 +46,4 @@ Invariants<D> invariants(const Simulation<D>& simulation) {
   return {stateInvariants(simulation), contactInvariants(simulation)};
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

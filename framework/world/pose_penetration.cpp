@@ -5,7 +5,7 @@
 
 #include "framework/math/worse.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 // The one competitor that takes every kind of shape.
 template <int D>
@@ -76,4 +76,4 @@ typename PosePenetration<D>::Depths PosePenetration<D>::of(const Simulation<D>& 
 template class PosePenetration<2>;
 template class PosePenetration<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

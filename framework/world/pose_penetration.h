@@ -8,7 +8,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How deep shapes are in each other at the poses of a moment: one query for everybody, whatever the simulation calls a
 /// contact. Pairs are those that may collide: of two bodies, one of them dynamic, by category and mask, and not joined
@@ -43,4 +43,4 @@ class PosePenetration {
   std::vector<PairAnswer<D>> m_answers;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 #include "framework/math/user_numbers.h"
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 void require(bool sound, std::string_view otherwise, std::string_view rest = "") {
@@ -207,4 +207,4 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
 template void requireSound(const SavedState<2>&, const ContactGenerator<2>&);
 template void requireSound(const SavedState<3>&, const ContactGenerator<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

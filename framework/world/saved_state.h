@@ -7,7 +7,7 @@
 
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Everything that a saved world holds.
 template <int D>
@@ -39,4 +39,4 @@ SavedKind savedKind(std::istream& in);
 template <int D>
 void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contacts);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

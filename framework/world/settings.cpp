@@ -6,7 +6,7 @@
 #include "framework/math/names.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 Spec shortest(Real number) {  // the shortest text that reads back as this number
@@ -99,4 +99,4 @@ template ShapeDef<3> Settings::shape(const Shape<3>&) const;
 template std::optional<ForceDef<2>> Settings::air() const;
 template std::optional<ForceDef<3>> Settings::air() const;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

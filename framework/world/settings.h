@@ -9,7 +9,7 @@
 #include "framework/stage/spec.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// `Settings{}` is what World, Pipeline and ShapeDef are by themselves.
 struct Settings {
@@ -72,4 +72,4 @@ struct Settings {
   std::optional<ForceDef<D>> air() const;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -15,7 +15,7 @@
 #include "framework/stage/profiler.h"
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 Vec<D> defaultGravity() {
@@ -90,4 +90,4 @@ class Simulation {
   virtual std::uint64_t hash() const = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

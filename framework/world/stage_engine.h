@@ -7,7 +7,7 @@
 #include "framework/stage/registry.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A whole engine of other people's, where a pipeline of stages stands: "engine=bullet{iterations=10}". What scenes say
 /// is set as our worlds have it: masses, sizes, friction and its mixing, restitution with its threshold, gravity, dt,
@@ -37,4 +37,4 @@ class ChangesGravity {
 template <int D>
 void changeGravity(Simulation<D>& simulation, const Vec<D>& gravity);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

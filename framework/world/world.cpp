@@ -7,7 +7,7 @@
 
 #include "framework/math/user_numbers.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
@@ -155,4 +155,4 @@ void World<D>::removeListener(ContactListener<D>* listener) {
 template class World<2>;
 template class World<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

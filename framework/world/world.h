@@ -21,7 +21,7 @@
 #include "framework/world/fast_parts.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class World;
@@ -404,4 +404,4 @@ void World<D>::endContacts(const Gone& gone) {
   std::erase_if(m_records, [&](const PairRecord& r) { return gone(r) >= 0; });
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

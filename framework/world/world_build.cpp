@@ -11,7 +11,7 @@
 #include "framework/math/user_numbers.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -406,4 +406,4 @@ LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/world/stage_engine.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 BodyDef<D> World<D>::definition(Handle body) const {
@@ -361,4 +361,4 @@ LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "framework/shape/parts_near.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // meet(view, X_WP) for each part whose box, grown by rounding, the ray meets. A surface has two sides for rays: what
@@ -151,4 +151,4 @@ LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

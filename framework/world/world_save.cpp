@@ -15,7 +15,7 @@
 #include "framework/world/saved_state.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr char kMagic[] = "LPCWORLD9";  // a change of the format is a new number
@@ -374,4 +374,4 @@ template void World<3>::save(std::ostream&) const;
 template void World<2>::load(std::istream&);
 template void World<3>::load(std::istream&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

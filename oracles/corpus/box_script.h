@@ -8,7 +8,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What becomes of one slot in a step.
 template <int D>
@@ -77,4 +77,4 @@ class BoxSet {
 template <int D>
 std::string scriptText(const BoxScript<D>& script);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "oracles/corpus/hard_pairs.h"
 #include "oracles/referee/posed_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::ostringstream exactStream() {
@@ -138,4 +138,4 @@ template std::string expectedText(const RefereeAnswer<3>&);
 template std::string caseText(const std::string&, StageKind, const HardPair<2>&, const std::string&);
 template std::string caseText(const std::string&, StageKind, const HardPair<3>&, const std::string&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "framework/shape/curved_core.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using Json = nlohmann::json;
@@ -456,4 +456,4 @@ std::vector<Case> parseCases(const std::string& text, const std::string& path) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -16,7 +16,7 @@
 #include "oracles/corpus/box_script.h"
 #include "oracles/corpus/hard_pairs.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 enum class CaseQuery { signedDistance, contacts, broadphase, convexHull, massProperties, timeOfImpact, unknown };
 
@@ -84,4 +84,4 @@ std::vector<Case> readCases(const std::string& path);
 /// The same of a file's text; `path` is for messages.
 std::vector<Case> parseCases(const std::string& text, const std::string& path);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/math/random.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 enum class ProblemFamily { heap, frictionless, massRatio, hyperstatic, sliding, jointed };
@@ -110,4 +110,4 @@ DrawnProblem<D> drawProblem(std::uint64_t seed, int number) {
 template DrawnProblem<2> drawProblem(std::uint64_t, int);
 template DrawnProblem<3> drawProblem(std::uint64_t, int);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

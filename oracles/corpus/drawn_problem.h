@@ -8,7 +8,7 @@
 
 #include "framework/problem/frozen_problem.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct DrawnProblem {
@@ -26,4 +26,4 @@ struct DrawnProblem {
 template <int D>
 DrawnProblem<D> drawProblem(std::uint64_t seed, int number);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -428,4 +428,4 @@ HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
 template HardPair<2> hardPair(ShapeKind, ShapeKind, std::uint64_t, int);
 template HardPair<3> hardPair(ShapeKind, ShapeKind, std::uint64_t, int);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

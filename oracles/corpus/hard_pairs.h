@@ -14,7 +14,7 @@
 #include "framework/stage/params.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct HardPair {
@@ -56,4 +56,4 @@ std::string numberText(double x);
 template <int D>
 int coreVertexCount(const ShapeView<D>& shape);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 #include <box2d/box2d.h>
 #endif
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 struct Box2dParams {
@@ -263,4 +263,4 @@ class Box2d final : public Engine<D> {
 
 LPC_REGISTER(Engine, Box2d, 2);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -26,7 +26,7 @@
 #include "framework/shape/curved_core.h"
 #endif
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 struct BulletParams {
@@ -415,4 +415,4 @@ class Bullet final : public Engine<D> {
 
 LPC_REGISTER(Engine, Bullet, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

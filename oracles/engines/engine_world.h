@@ -11,7 +11,7 @@
 #include "framework/world/world.h"
 #include "oracles/engines/joint_spec.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
@@ -259,4 +259,4 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
   long m_steps = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

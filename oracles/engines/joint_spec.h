@@ -10,7 +10,7 @@
 
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class JointSpec {
@@ -55,4 +55,4 @@ class JointSpec {
   std::string m_engine;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

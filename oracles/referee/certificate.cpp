@@ -9,7 +9,7 @@
 #include "oracles/referee/proof.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr int kMaxIterations = 64;
@@ -154,4 +154,4 @@ template RefereeAnswer<3> refereeByCertificate(const ShapeView<3>&, const Pose<3
 template RefereeAnswer<2> referee(const ShapeView<2>&, const Pose<2>&, const ShapeView<2>&, const Pose<2>&);
 template RefereeAnswer<3> referee(const ShapeView<3>&, const Pose<3>&, const ShapeView<3>&, const Pose<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

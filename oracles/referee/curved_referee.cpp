@@ -8,7 +8,7 @@
 #include "oracles/referee/posed_support.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // What an interval must be narrower than to count, times s: apart, and overlapping.
@@ -370,4 +370,4 @@ template RefereeAnswer<3> refereeOfPlane(const ShapeView<3>&, const Pose<3>&, co
 template RefereeAnswer<2> refereeOfCurved(const ShapeView<2>&, const Pose<2>&, const ShapeView<2>&, const Pose<2>&);
 template RefereeAnswer<3> refereeOfCurved(const ShapeView<3>&, const Pose<3>&, const ShapeView<3>&, const Pose<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

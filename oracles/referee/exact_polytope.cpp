@@ -12,7 +12,7 @@
 #include "oracles/referee/expansion3.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Keeps argument-dependent lookup at home: the searches in M call sign() and squareRatio() of their number type.
@@ -203,4 +203,4 @@ RefereeAnswer<D> refereeExactly(const ShapeView<D>& a, const Pose<D>& X_WA, cons
 template RefereeAnswer<2> refereeExactly(const ShapeView<2>&, const Pose<2>&, const ShapeView<2>&, const Pose<2>&);
 template RefereeAnswer<3> refereeExactly(const ShapeView<3>&, const Pose<3>&, const ShapeView<3>&, const Pose<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

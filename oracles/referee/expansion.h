@@ -3,7 +3,7 @@
 
 #include "oracles/referee/minkowski.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How a search in M ended. `direction` . `on` / |direction| is the distance of the origin to the plane (line) through
 /// `on`; the sign of phi and of the normal is the caller's.
@@ -143,4 +143,4 @@ SearchEnd<N, D> expand(const Difference<N, D>& m, const Simplex<N, D>& s, InnerP
   return end;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "oracles/referee/expansion.h"
 #include "oracles/referee/simplex2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <class N>
 void addEdge(InnerPolytope<N, 2>& p, int i, int j) {
@@ -35,4 +35,4 @@ bool grow(InnerPolytope<N, 2>& p, const typename Difference<N, 2>::Vertex& w, in
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 #include "oracles/referee/expansion.h"
 #include "oracles/referee/simplex3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <class N>
 void addFacet(InnerPolytope<N, 3>& p, int i, int j, int k) {
@@ -50,4 +50,4 @@ bool grow(InnerPolytope<N, 3>& p, const typename Difference<N, 3>::Vertex& w, in
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

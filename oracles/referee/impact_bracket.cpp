@@ -5,7 +5,7 @@
 #include <limits>
 #include <sstream>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -101,4 +101,4 @@ template ImpactBracket impactBracket(const MovingPair<3>&, Real);
 template std::string impactFault(const MovingPair<2>&, Real, const TimeOfImpactAnswer<2>&, const ImpactBracket&);
 template std::string impactFault(const MovingPair<3>&, Real, const TimeOfImpactAnswer<3>&, const ImpactBracket&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/stage/stage_time_of_impact.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What counts as contact, against the size s of the error measure.
 inline constexpr double kImpactBand = sizeof(Real) == 8 ? 1e-9 : 1e-4;
@@ -27,4 +27,4 @@ template <int D>
 std::string impactFault(const MovingPair<D>& pair, Real duration, const TimeOfImpactAnswer<D>& answer,
                         const ImpactBracket& bracket);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

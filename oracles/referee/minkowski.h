@@ -9,7 +9,7 @@
 
 #include "oracles/referee/posed_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 inline int sign(long double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 /// About num^2 / den, to 1e-12; what is too large or too small for a double may come out as infinite or 0.
@@ -108,4 +108,4 @@ struct NearestFace {
   Point<N, D> direction;  // parallel to the nearest point, any positive length
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "oracles/referee/pair_truth.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 PairTruth<D> pairTruth(const PairView<D>& pair) {
@@ -14,4 +14,4 @@ PairTruth<D> pairTruth(const PairView<D>& pair) {
 template PairTruth<2> pairTruth(const PairView<2>&);
 template PairTruth<3> pairTruth(const PairView<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

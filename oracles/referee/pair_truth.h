@@ -4,7 +4,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How far an answer about a pair may be from the truth, over the pair's `errorScale`: 1e-12, of what computes in
 /// single precision 1e-5.
@@ -19,4 +19,4 @@ struct PairTruth {
 template <int D>
 PairTruth<D> pairTruth(const PairView<D>& pair);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

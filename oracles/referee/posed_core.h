@@ -6,7 +6,7 @@
 
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A point with coordinates of any number type.
 template <class N, int D>
@@ -80,4 +80,4 @@ void poseVertices(const std::vector<Vec<D>>& vertices, const Pose<D>& X_WS, std:
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

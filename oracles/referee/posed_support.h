@@ -5,7 +5,7 @@
 #include "oracles/referee/posed_core.h"
 #include "oracles/referee/proof.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A bounded core in the world as its support function sees it, with error bounds. The pose is applied as the numbers
 /// say, so a rotation that is one only within rounding deforms a curved core just as it does a list of vertices.
@@ -80,4 +80,4 @@ Bounded separationOfCores(const PosedSupport<D>& a, const PosedSupport<D>& b, co
   return -(a.farthest(d).value + b.farthest(negative(d)).value) / sqrt(boundedDot(along, along));
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "oracles/referee/expansion2.h"
 #include "oracles/referee/expansion3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 using Real80 = long double;
 
@@ -75,4 +75,4 @@ inline bool isClosed(const InnerPolytope<Real80, 3>& p) {
   return edges == reversed && std::adjacent_find(edges.begin(), edges.end()) == edges.end();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

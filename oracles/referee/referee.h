@@ -14,7 +14,7 @@
 
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Directions and points of the referee are double whatever Real is.
 template <int D>
@@ -80,4 +80,4 @@ RefereeAnswer<D> refereeOfCurved(const ShapeView<D>& a, const Pose<D>& X_WA, con
 template <int D>
 RefereeAnswer<D> refereeOfPlane(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "oracles/referee/posed_support.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Largest |coordinate| of the shape's core in its own frame, in the world, and its longest side (m).
@@ -95,4 +95,4 @@ template double posedScale(const ShapeView<3>&, const ShapeView<3>&, double);
 template double errorScale(const ShapeView<2>&, const Pose<2>&, const ShapeView<2>&, const Pose<2>&, double);
 template double errorScale(const ShapeView<3>&, const Pose<3>&, const ShapeView<3>&, const Pose<3>&, double);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

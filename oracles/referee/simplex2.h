@@ -3,7 +3,7 @@
 
 #include "oracles/referee/minkowski.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Of the faces that contain the newest vertex. Which face it is follows from signs of polynomials alone (Johnson's
 /// conditions: all barycentric coordinates positive, no other vertex nearer along the face's direction).
@@ -44,4 +44,4 @@ NearestFace<N, 2> nearestFace(const Simplex<N, 2>& s) {
   return face;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "oracles/referee/minkowski.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// As in simplex2.h.
 template <class N>
@@ -63,4 +63,4 @@ NearestFace<N, 3> nearestFace(const Simplex<N, 3>& s) {
   return face;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

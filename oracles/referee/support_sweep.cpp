@@ -8,7 +8,7 @@
 #include "framework/shape/curved_core.h"
 #include "oracles/referee/posed_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A simplex of directions: an arc in 2D, a spherical triangle in 3D.
@@ -152,4 +152,4 @@ template Interval sweepDirections(const ShapeView<2>&, const Pose<2>&, const Sha
 template Interval sweepDirections(const ShapeView<3>&, const Pose<3>&, const ShapeView<3>&, const Pose<3>&,
                                   const SweepLimits&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A point of a convex body farthest along d (world frame, d unit).
 template <int D>
@@ -27,4 +27,4 @@ template <int D>
 Interval sweepDirections(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB,
                          const SweepLimits& limits);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "oracles/referee/impact_bracket.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -65,4 +65,4 @@ void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>&
 template void runImpact(const Case&, const CaseGeometry<2>&, std::vector<CaseResult>&);
 template void runImpact(const Case&, const CaseGeometry<3>&, std::vector<CaseResult>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

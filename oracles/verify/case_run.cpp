@@ -17,7 +17,7 @@
 #include "oracles/verify/verify.h"
 #include "oracles/witnesses/witness.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr bool kDouble = sizeof(Real) == 8;
@@ -473,4 +473,4 @@ int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv) {
   return printCases(runCases(readCases(path)), out, csv);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "oracles/corpus/cases.h"
 #include "oracles/verify/verdict.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 enum class CaseVerdict { ok, wrong, refused, failed, hang };
 std::string_view caseVerdictName(CaseVerdict verdict);
@@ -61,4 +61,4 @@ int printCases(const std::vector<CaseResult>& rows, std::ostream& out, std::ostr
 /// Reads, runs and prints, all in this precision.
 int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv = nullptr);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The first ones after `asked` are how a question can end, and add up to it; the last two come on top of an end.
 enum class Tally {
@@ -98,4 +98,4 @@ struct Verified {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/math/random.h"
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr bool kDouble = sizeof(Real) == 8;
@@ -306,4 +306,4 @@ std::optional<RelatedPairs<D>> relatedPairs(Relation relation, const HardPair<D>
 template std::optional<RelatedPairs<2>> relatedPairs(Relation, const HardPair<2>&, std::uint64_t);
 template std::optional<RelatedPairs<3>> relatedPairs(Relation, const HardPair<3>&, std::uint64_t);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

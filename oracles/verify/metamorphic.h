@@ -11,7 +11,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "oracles/corpus/hard_pairs.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 enum class Relation { swap, mirror, permutation, scale, translation, extraVertices, motion, kCount };
 inline constexpr std::size_t kRelations = static_cast<std::size_t>(Relation::kCount);
@@ -50,4 +50,4 @@ struct RelatedPairs {
 template <int D>
 std::optional<RelatedPairs<D>> relatedPairs(Relation relation, const HardPair<D>& pair, std::uint64_t choice);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -140,4 +140,4 @@ std::string_view regimeOf(const HardPair<D>& pair, const RefereeAnswer<D>& truth
 template std::string_view regimeOf(const HardPair<2>&, const RefereeAnswer<2>&);
 template std::string_view regimeOf(const HardPair<3>&, const RefereeAnswer<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

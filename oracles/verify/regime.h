@@ -7,7 +7,7 @@
 #include "oracles/corpus/hard_pairs.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What kind of question a pair is, once and for all methods, from the referee's answer. The first that applies of
 ///   huge_ratio      one shape is at least 100 times as large as the other
@@ -22,4 +22,4 @@ template <int D>
 std::string_view regimeOf(const HardPair<D>& pair, const RefereeAnswer<D>& truth);
 std::span<const std::string_view> regimeNames();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "oracles/corpus/hard_pairs.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::string decadeOf(double error) {
@@ -87,4 +87,4 @@ long faultsOfOurs(const LedgerKey& key, const LedgerEntry& entry) {
   return entry.faults() - entry[Tally::wrong] + entry[Tally::wrongSide];
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

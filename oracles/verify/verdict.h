@@ -12,7 +12,7 @@
 #include "oracles/verify/ledger.h"
 #include "oracles/witnesses/thread_time.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How one method did on one input.
 struct Verdict {
@@ -58,4 +58,4 @@ bool owesSideAlone(StageKind stage, const AlgorithmInfo& info);
 /// The faults in this entry for which `lpc verify` fails: those of a competitor, by what it owes.
 long faultsOfOurs(const LedgerKey& key, const LedgerEntry& entry);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

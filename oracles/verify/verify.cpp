@@ -10,7 +10,7 @@
 #include "framework/math/check.h"
 #include "oracles/verify/case_run.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <class StageOf>
@@ -128,4 +128,4 @@ Verified verify(const VerifyTask& task) {
   throw UserError("verify: the dimension is " + std::to_string(task.dimension) + "; valid: 2, 3");
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -20,7 +20,7 @@
 #include "oracles/verify/verdict.h"
 #include "oracles/witnesses/witness.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A method by the name that the ledger shall show.
 template <class StageOf>
@@ -124,4 +124,4 @@ struct VerifyTask {
 };
 Verified verify(const VerifyTask& task);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "oracles/verify/verdict.h"
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 /// A family of boxes: what it makes of a box that was scattered, per axis.
@@ -197,4 +197,4 @@ void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broad
 template void verifyBroadphases(const VerifyRange&, std::span<const Candidate<Broadphase<2>>>, Verified&);
 template void verifyBroadphases(const VerifyRange&, std::span<const Candidate<Broadphase<3>>>, Verified&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

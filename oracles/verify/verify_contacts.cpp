@@ -10,7 +10,7 @@
 #include "oracles/verify/verdict.h"
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::string_view kRestingFaces = "resting_faces";
@@ -372,4 +372,4 @@ template void verifyContacts(ShapeKind, ShapeKind, const VerifyRange&, std::span
 template void verifyContacts(ShapeKind, ShapeKind, const VerifyRange&, std::span<const Candidate<ContactGenerator<3>>>,
                              Verified&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

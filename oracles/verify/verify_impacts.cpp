@@ -7,7 +7,7 @@
 #include "oracles/referee/impact_bracket.h"
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -146,4 +146,4 @@ template void verifyImpacts(ShapeKind, ShapeKind, const VerifyRange&, std::span<
 template void verifyImpacts(ShapeKind, ShapeKind, const VerifyRange&, std::span<const Candidate<TimeOfImpact<3>>>,
                             Verified&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 #include "oracles/verify/metamorphic.h"
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -149,4 +149,4 @@ template void verifyRelations(ShapeKind, ShapeKind, const VerifyRange&, std::spa
 template void verifyRelations(ShapeKind, ShapeKind, const VerifyRange&, std::span<const Candidate<PairQuery<3>>>,
                               Verified&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

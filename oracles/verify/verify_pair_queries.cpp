@@ -9,7 +9,7 @@
 #include "oracles/verify/verify.h"
 #include "oracles/witnesses/witness.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A normal that differs from the referee's by more than this and is as good is a tie, not rounding.
@@ -204,4 +204,4 @@ template void verifyPairQueries(ShapeKind, ShapeKind, const VerifyRange&, std::s
 template void verifyPairQueries(ShapeKind, ShapeKind, const VerifyRange&, std::span<const Candidate<PairQuery<3>>>,
                                 Verified&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "oracles/verify/verify.h"
 #include "oracles/witnesses/witness_resolver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kSolved =
@@ -215,4 +215,4 @@ void verifyVelocities(const VerifyRange& range, std::span<const Candidate<Veloci
 template void verifyVelocities(const VerifyRange&, std::span<const Candidate<VelocityResolver<2>>>, Verified&);
 template void verifyVelocities(const VerifyRange&, std::span<const Candidate<VelocityResolver<3>>>, Verified&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Of capsules and cylinders that lie along z: ours lie along x.
 inline Eigen::Matrix3d turnFromZ() {
@@ -39,4 +39,4 @@ PairAnswer<D> depthAnswer(double depth, const Eigen::Vector<double, D>& normal, 
   return answer;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

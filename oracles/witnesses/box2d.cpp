@@ -11,7 +11,7 @@
 #include "oracles/witnesses/adapter.h"
 #include "oracles/witnesses/witness_process.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 b2Vec2 vector(const Vec<2>& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1])}; }
@@ -230,4 +230,4 @@ class Box2dPairs final : public IsolatedWitness<2> {
 
 LPC_REGISTER(PairQuery, Box2dPairs, 2);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

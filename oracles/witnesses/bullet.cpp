@@ -19,7 +19,7 @@
 #include "oracles/witnesses/adapter.h"
 #include "oracles/witnesses/prisms.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 static_assert(sizeof(btScalar) == sizeof(double), "BT_USE_DOUBLE_PRECISION and the -float64 libraries");
@@ -310,4 +310,4 @@ class BulletBoxBox<2> final : public Prisms<BulletBoxBox<3>> {
 LPC_REGISTER(PairQuery, BulletGjkEpa, 2, 3);
 LPC_REGISTER(PairQuery, BulletBoxBox, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

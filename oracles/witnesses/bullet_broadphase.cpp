@@ -7,7 +7,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 /// Bullet keeps fat pairs from step to step; the tight ones are filtered out of them within the stage, as who wants
@@ -84,4 +84,4 @@ class BulletDbvt final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, BulletDbvt, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "oracles/witnesses/adapter.h"
 #include "oracles/witnesses/witness_process.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 static_assert(sizeof(cpFloat) == sizeof(double), "the witness is Chipmunk's double precision build");
@@ -202,4 +202,4 @@ class Chipmunk final : public IsolatedWitness<2> {
 
 LPC_REGISTER(PairQuery, Chipmunk, 2);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

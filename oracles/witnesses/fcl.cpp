@@ -10,7 +10,7 @@
 #include "oracles/witnesses/adapter.h"
 #include "oracles/witnesses/prisms.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using Geometry = std::shared_ptr<fcl::CollisionGeometry<double>>;
@@ -380,4 +380,4 @@ LPC_REGISTER(PairQuery, FclLibccd, 2, 3);
 LPC_REGISTER(PairQuery, FclLibccdCollide, 3);
 LPC_REGISTER(PairQuery, FclIndep, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

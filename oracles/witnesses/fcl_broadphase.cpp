@@ -7,7 +7,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 /// FCL's tree of tight boxes, refitted and descended against itself. In 2D the third axis is [0, 1] for all. What the
@@ -94,4 +94,4 @@ class FclTree final : public Broadphase<D> {
 
 LPC_REGISTER(Broadphase, FclTree, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "oracles/witnesses/adapter.h"
 #include "oracles/witnesses/prisms.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A whole shape, rounding included, as libccd sees it: a support function in the frame of the pair's first shape.
@@ -274,4 +274,4 @@ class LibccdMpr<2> final : public Prisms<LibccdMpr<3>> {
 LPC_REGISTER(PairQuery, LibccdGjk, 2, 3);
 LPC_REGISTER(PairQuery, LibccdMpr, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 #include "oracles/witnesses/adapter.h"
 #include "oracles/witnesses/witness_process.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 static_assert(sizeof(dReal) == sizeof(double), "the witness is ODE's double precision build");
@@ -158,4 +158,4 @@ class Ode final : public IsolatedWitness<3> {
 
 LPC_REGISTER(PairQuery, Ode, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

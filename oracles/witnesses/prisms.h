@@ -9,7 +9,7 @@
 
 #include "oracles/witnesses/witness_process.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// `Solid` is an IsolatedWitness<3>. Its table of error bars in 2D is that of the class that derives from this one.
 template <class Solid>
@@ -125,4 +125,4 @@ class Prisms : public Witness<2> {
   std::vector<PairAnswer<3>> m_answers;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -33,7 +33,7 @@
 #include <siconos/numerics/SolverOptions.h>
 #endif
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
@@ -221,4 +221,4 @@ class Siconos final : public WitnessResolver<D> {
 
 LPC_REGISTER(VelocityResolver, Siconos, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "framework/math/check.h"
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::string coordinate(int k, const std::string& half) {
@@ -106,4 +106,4 @@ std::string Question::program(const std::string& title) const {
          "}\n";
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What an adapter says of its library.
 struct Snippet {
@@ -42,4 +42,4 @@ std::string literals(const Eigen::MatrixXd& m);
 /// along d, to the last bit as coreSupport has it. Throws UserError for a kind that nobody has written so.
 std::string coreSupportText(const std::string& name, const ShapeView<3>& shape);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "oracles/referee/pair_truth.h"
 #include "oracles/witnesses/snippet.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How one call of a witness ended. All but `answered` come with QueryStatus::failed.
 enum class Ending : std::uint8_t { answered, notFinite, threw, crashed, hung };
@@ -59,4 +59,4 @@ double verifyTolerance(const Witness<D>* witness = nullptr) {
   return witness ? pairTolerance(witness->computesInFloat()) : pairTolerance();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -22,7 +22,7 @@
 #include "framework/math/check.h"
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::size_t kBlock = 1000;                // pairs that the child is given at once
@@ -434,4 +434,4 @@ std::optional<Question> IsolatedWitness<D>::question(const PairView<D>& pair) {
 template class IsolatedWitness<2>;
 template class IsolatedWitness<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 
 #include "oracles/witnesses/witness.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Where the library is shown a pair: A in its own frame, at the origin, or both somewhere in a world, turned and about
 /// two sizes from its origin, as an engine would ask. Some (FCL) are right in the one and wrong in the other.
@@ -61,4 +61,4 @@ class IsolatedWitness : public Witness<D> {
   std::int64_t m_nanoseconds = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

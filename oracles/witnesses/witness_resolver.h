@@ -4,7 +4,7 @@
 
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 class WitnessResolver : public VelocityResolver<D> {
@@ -14,4 +14,4 @@ class WitnessResolver : public VelocityResolver<D> {
   virtual double nanoseconds() const = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,8 +11,7 @@
 #include <set>
 #include <sstream>
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 std::string read(const std::string& path) {
   std::ifstream in(std::string(LPC_SOURCE_DIR) + "/" + path);
@@ -187,4 +186,4 @@ TEST(RegistryRules, CanonicalTextIsAFixedPoint) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -15,8 +15,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::accuracy_test {
-namespace accuracy_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace accuracy_test { namespace accuracy_test {
 
 constexpr std::uint64_t kSeed = 2027;
 const std::string kPrecision = sizeof(Real) == 8 ? "f64" : "f32";
@@ -283,4 +282,4 @@ void print() {
 TEST(Accuracy, DISABLED_print) { print<2>(), print<3>(); }
 
 }  // namespace accuracy_test
-}  // namespace lpc::inline LPC_PRECISION::test::accuracy_test
+}}}}  // namespace lpc::LPC_PRECISION::test::accuracy_test

@@ -28,8 +28,7 @@ void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
 // Here, and inside the library, too.
 TEST(Allocations, AreCounted) {
@@ -191,4 +190,4 @@ void checkForces() {
 TEST(Allocations, Forces) { checkForces<2>(), checkForces<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

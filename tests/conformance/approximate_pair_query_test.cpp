@@ -12,8 +12,7 @@
 #include "tests/pair_query_properties.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace approximate_pair_query_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace approximate_pair_query_test {
 
 using namespace wrong_queries;
 
@@ -222,4 +221,4 @@ TEST(ApproximatePairQuery, WhatIsNoNumberHasFailed) {
 }
 
 }  // namespace approximate_pair_query_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -3,7 +3,7 @@
 
 #include <rapidcheck.h>
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 std::vector<Command> drawCommands() {
   return *rc::Gen<std::vector<Command>>([](const rc::Random& source, int size) {
@@ -34,4 +34,4 @@ std::vector<Command> drawCommands() {
   });
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -18,7 +18,7 @@
 #include "tests/assertion.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Where boxes are put: one family for a whole sequence, or another one for each box. The inputs on which published
 /// broadphases were seen to fail.
@@ -265,10 +265,10 @@ void checkPairs(const BroadphaseFactory<D>& create, Guarantee guarantee, BoxFami
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 inline std::ostream& operator<<(std::ostream& out, const ProxyPair& p) {
   return out << '(' << p.a << ',' << p.b << ')';
 }
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,8 +7,7 @@
 #include "tests/conformance/broadphase_model.h"
 #include "tests/conformance/broadphase_variants.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace broadphase_query_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace broadphase_query_test {
 
 /// When the box moved by t * displacement meets the target, for t in [0, maxT], and how sure that is.
 struct Meeting {
@@ -329,4 +328,4 @@ TEST(BroadphasePlantedBugs, KeepsTheGone) { expectWornOut<KeepsTheGone>("keeps w
 TEST(BroadphasePlantedBugs, LooksBack) { expectRefused<LooksBack>("looks back"); }
 
 }  // namespace broadphase_query_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

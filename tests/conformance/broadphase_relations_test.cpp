@@ -14,8 +14,7 @@
 #include "tests/generators.h"
 #include "tests/planted_bugs/broadphase.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace broadphase_relations_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace broadphase_relations_test {
 
 template <int D>
 struct Boxes {
@@ -374,4 +373,4 @@ TEST(BroadphaseRelations, PlantedBugs2) { bugsAreCaught<2>(); }
 TEST(BroadphaseRelations, PlantedBugs3) { bugsAreCaught<3>(); }
 
 }  // namespace broadphase_relations_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -6,8 +6,7 @@
 #include "tests/planted_bugs/broadphase_structures.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace broadphase_structure_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace broadphase_structure_test {
 
 /// Borders of cells are rounded by the largest number of their axis.
 template <int D>
@@ -250,4 +249,4 @@ TEST(BroadphaseStructurePlantedBugs, ByLevels) { expectRefused<TellsByLevels>("t
 TEST(BroadphaseStructurePlantedBugs, TellingTouches) { expectRefused<TellingTouches>("telling touches a step"); }
 
 }  // namespace broadphase_structure_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -13,8 +13,7 @@
 #include "tests/run_property.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace broadphase_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace broadphase_test {
 
 constexpr int kRuns = 60;  // histories of each method, and of each bug that they must catch
 
@@ -424,4 +423,4 @@ TEST(BroadphaseFailures, TwoDimensions) { checkDeclaredFailures<2>(); }
 TEST(BroadphaseFailures, ThreeDimensions) { checkDeclaredFailures<3>(); }
 
 }  // namespace broadphase_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

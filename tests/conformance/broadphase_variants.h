@@ -6,7 +6,7 @@
 
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// The default, each value of each choice, and both ends of each range.
 inline std::vector<Spec> variants(const Registered& algorithm) {
@@ -42,4 +42,4 @@ inline std::vector<Spec> variants(const Registered& algorithm) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -8,7 +8,7 @@
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Somebody who solves, by how often.
 template <int D>
@@ -28,4 +28,4 @@ Solves<D> twin(Bug bug) {
   return [bug](int iterations) { return std::make_unique<TwinResolver<D>>(bug, iterations); };
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -9,8 +9,7 @@
 #include "tests/conformance/moment.h"
 #include "tests/planted_bugs/cache_bugs.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace cache_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace cache_test {
 
 constexpr const char* kFriction = "Cache.CarriesFrictionAsAVector";
 constexpr const char* kImpulses = "Cache.CarriesImpulses";
@@ -425,4 +424,4 @@ TEST(Cache, SelectsEveryPairUnlessItBringsItBack) {
 }
 
 }  // namespace cache_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

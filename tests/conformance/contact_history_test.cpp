@@ -8,7 +8,7 @@
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/contact_bugs.h"
 
-namespace lpc::inline LPC_PRECISION::test::contact_history_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_history_test {
 namespace contact_history_test {
 
 // The competitors with their defaults, and where there is a choice of four points, with each other rule of it.
@@ -226,4 +226,4 @@ TEST(Contacts, FastFacesSpanThePatch) {
 }
 
 }  // namespace contact_history_test
-}  // namespace lpc::inline LPC_PRECISION::test::contact_history_test
+}}}}  // namespace lpc::LPC_PRECISION::test::contact_history_test

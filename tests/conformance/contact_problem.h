@@ -8,7 +8,7 @@
 #include "framework/problem/contact_problem.h"
 #include "tests/conformance/impact_scene.h"
 
-namespace lpc::inline LPC_PRECISION::test::contact_problem_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_problem_test {
 
 inline constexpr bool kDouble = sizeof(Real) == 8;
 inline constexpr double kRounding = kDouble ? 1e-12 : 1e-5;  // of inertias that were turned
@@ -99,4 +99,4 @@ struct Given {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test::contact_problem_test
+}}}}  // namespace lpc::LPC_PRECISION::test::contact_problem_test

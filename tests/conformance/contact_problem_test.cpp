@@ -16,8 +16,7 @@
 #include "tests/every_solver.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace contact_problem_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_problem_test {
 
 using solver::Lemke;
 
@@ -402,4 +401,4 @@ TEST(Lemke, SolvesWhatItSays) {
 }
 
 }  // namespace contact_problem_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

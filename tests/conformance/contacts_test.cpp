@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/contact_bugs.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace contacts_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contacts_test {
 
 // Runs a property on every competitor; `name` as it stands in info().failures.
 template <int D, class Property>
@@ -310,4 +309,4 @@ TEST(Contacts, PairsAreIndependent) {
 }
 
 }  // namespace contacts_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -10,8 +10,7 @@
 #include "tests/planted_bugs/continuous_twins.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::continuous_test {
-namespace continuous_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace continuous_test {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -444,5 +443,4 @@ TEST(Continuous, RefusesKindsThatItCannotAsk) {
   }
 }
 
-}  // namespace continuous_test
-}  // namespace lpc::inline LPC_PRECISION::test::continuous_test
+}}}}  // namespace lpc::LPC_PRECISION::test::continuous_test

@@ -16,8 +16,7 @@
 #include "tests/conformance/by_iterations.h"
 #include "tests/conformance/scene_change.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace convergence_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace convergence_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr Real kRounding = kDouble ? Real(1e-11) : Real(1e-5);  // of the energy, over a few sweeps
@@ -410,4 +409,4 @@ TEST(StepConvergence, PlantedBugsAreCaught3) {
 }
 
 }  // namespace convergence_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

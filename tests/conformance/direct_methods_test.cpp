@@ -11,8 +11,7 @@
 #include "tests/every_solver.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace contact_problem_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_problem_test {
 
 /// `n` boxes one on the other, as gravity has just pushed them down.
 template <int D>
@@ -222,4 +221,4 @@ TEST(DirectLcp, PathsSolveWhatActiveSetsDoNot) {
 }
 
 }  // namespace contact_problem_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -16,8 +16,7 @@
 #include "tests/planted_bugs/planted_stages.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace energy_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace energy_test {
 
 constexpr double kDt = 1.0 / 60;
 constexpr int kSteps = 20;
@@ -191,4 +190,4 @@ void print(int seeds) {
 TEST(EnergyConformance, DISABLED_print) { print<2>(1500), print<3>(1500); }
 
 }  // namespace energy_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

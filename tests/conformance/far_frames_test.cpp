@@ -13,8 +13,7 @@
 #include "tests/check_property.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::far_frames_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace far_frames_test { namespace {
 
 constexpr double kBound = sizeof(Real) == 8 ? 1e-13 : 1e-5;  // of the scale of what is posed
 
@@ -222,4 +221,4 @@ void worldsCentre() {
 TEST(FarFrames, WorldsCentreWhatTheyAreGiven) { worldsCentre<2>(), worldsCentre<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::far_frames_test
+}}}  // namespace lpc::LPC_PRECISION::far_frames_test

@@ -11,8 +11,7 @@
 #include "tests/planted_bugs/force_twins.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::force_kinds_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace force_kinds_test { namespace {
 
 constexpr int kRuns = 60;
 
@@ -288,4 +287,4 @@ TEST(ForceConformance, RecordsComeAndGo) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::force_kinds_test
+}}}}  // namespace lpc::LPC_PRECISION::test::force_kinds_test

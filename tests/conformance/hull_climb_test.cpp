@@ -10,8 +10,7 @@
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace hull_climb_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace hull_climb_test {
 
 using namespace pair_query;
 
@@ -149,4 +148,4 @@ TEST(HullClimb, GjkClimbsAsItScans) {
 }
 
 }  // namespace hull_climb_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

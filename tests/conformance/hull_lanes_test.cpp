@@ -11,8 +11,7 @@
 #include "tests/each_target.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace hull_lanes_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace hull_lanes_test {
 
 using namespace pair_query;
 
@@ -206,4 +205,4 @@ TEST(HullLanes, TripleIsAVector) {
 }
 
 }  // namespace hull_lanes_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

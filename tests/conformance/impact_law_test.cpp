@@ -8,8 +8,7 @@
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace impact_law_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace impact_law_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 
@@ -209,4 +208,4 @@ TEST(ImpactLaws, LimitsAreCounted) {
 }
 
 }  // namespace impact_law_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

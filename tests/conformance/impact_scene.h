@@ -14,7 +14,7 @@
 #include "framework/stage/stage_solver.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// A constant acceleration, a spring to the origin, and what draws all together, on every body that has mass.
 template <int D>
@@ -283,4 +283,4 @@ ImpactScene<D> drawImpact(Draw& draw, const Drawn& wanted) {
 template <int D>
 using Step = std::function<void(ImpactScene<D>&)>;
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -9,8 +9,7 @@
 
 #include "tests/conformance/impact_scene.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace integrator_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace integrator_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 
@@ -326,4 +325,4 @@ TEST(IntegratorConformance, PlantedBugIsCaught) {
 }
 
 }  // namespace integrator_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

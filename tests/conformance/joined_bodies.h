@@ -10,7 +10,7 @@
 #include "tests/conformance/scene_change.h"
 #include "tests/every_solver.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 template <int D>
 using Kind = std::shared_ptr<const JointKind<D>>;
@@ -168,4 +168,4 @@ auto drawn(const Named& p, const Subject& on) {
   };
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -9,8 +9,7 @@
 #include "tests/conformance/by_iterations.h"
 #include "tests/conformance/joined_bodies.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace joint_convergence_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_convergence_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
@@ -162,4 +161,4 @@ TEST(JointConvergence, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(JointConvergence, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
 }  // namespace joint_convergence_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

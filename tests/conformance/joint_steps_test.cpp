@@ -11,8 +11,7 @@
 #include "tests/planted_bugs/joint_twins.h"
 #include "tests/planted_bugs/solver_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace joint_steps_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_steps_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr int kSteps = 5, kRuns = 10;
@@ -214,4 +213,4 @@ TEST(JointStep, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(JointStep, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
 }  // namespace joint_steps_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/joint_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace joint_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_test {
 
 constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(5e-4);  // of one solve, relative to the speeds in it
 constexpr Real kConverged = sizeof(Real) == 8 ? Real(1e-6) : Real(2e-3);
@@ -459,4 +458,4 @@ TEST(JointConformance, ErrorsShrink2) { errorsShrink<2>(); }
 TEST(JointConformance, ErrorsShrink3) { errorsShrink<3>(); }
 
 }  // namespace joint_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -14,8 +14,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::metamorphic_test {
-namespace metamorphic_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace metamorphic_test {
 
 using namespace wrong_queries;
 
@@ -177,5 +176,4 @@ TEST(Metamorphic, PlantedBugsAreCaught3) {
   expectCaught("extra_vertices, 3D: one answer of two", entry[Tally::wrong] == 0);
 }
 
-}  // namespace metamorphic_test
-}  // namespace lpc::inline LPC_PRECISION::test::metamorphic_test
+}}}}  // namespace lpc::LPC_PRECISION::test::metamorphic_test

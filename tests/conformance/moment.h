@@ -9,7 +9,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// A ground and two bodies on it, one of two parts, and where they are a moment later: against each other by anything
 /// from nothing to a decimetre, all together anywhere.
@@ -86,4 +86,4 @@ Moment<D> drawMoment() {
   });
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

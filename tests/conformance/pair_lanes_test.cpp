@@ -13,8 +13,7 @@
 #include "tests/each_target.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace pair_lanes_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_lanes_test {
 
 using Kinds = std::pair<ShapeKind, ShapeKind>;
 constexpr Kinds kOfLanes[] = {
@@ -152,4 +151,4 @@ TEST(PairLanes, PlantedBugsAreSeen) {
 }
 
 }  // namespace pair_lanes_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

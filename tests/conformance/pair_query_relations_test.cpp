@@ -10,8 +10,7 @@
 #include "tests/pair_query_properties.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace pair_query_relations_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_query_relations_test {
 
 using namespace wrong_queries;
 
@@ -308,4 +307,4 @@ TEST(PairQueryRelations, PlantedBugs2) { bugsAreCaught<2>(); }
 TEST(PairQueryRelations, PlantedBugs3) { bugsAreCaught<3>(); }
 
 }  // namespace pair_query_relations_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -11,8 +11,7 @@
 #include "tests/pair_query_properties.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace pair_query_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_query_test {
 
 using namespace wrong_queries;
 
@@ -339,4 +338,4 @@ TEST(PairQuery, APointBesideATriangleInItsPlane) {
 }
 
 }  // namespace pair_query_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

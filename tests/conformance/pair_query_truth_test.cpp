@@ -15,8 +15,7 @@
 #include "tests/generators.h"
 #include "tests/kept_failures.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace pair_query_truth_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_query_truth_test {
 
 // |phi - phi_ref| / s, and how much less than phi_ref the separation along the returned normal is.
 constexpr double kBound = sizeof(Real) == 8 ? 1e-12 : 1e-5;
@@ -269,4 +268,4 @@ TEST(PairQueryTruth, BothPrecisions) {
 }
 
 }  // namespace pair_query_truth_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -15,8 +15,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/trace_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace pair_trace_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_trace_test {
 
 template <int D>
 struct Asked {
@@ -347,4 +346,4 @@ TEST(PairTrace, EveryStepIsDrawn2) { drawAllSteps<2>(); }
 TEST(PairTrace, EveryStepIsDrawn3) { drawAllSteps<3>(); }
 
 }  // namespace pair_trace_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -11,8 +11,7 @@
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace position_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace position_test {
 
 constexpr int kSteps = 60;
 constexpr Real kRounding = sizeof(Real) == 8 ? Real(1e-13) : Real(1e-4);  // kg m^2/s, of some 10
@@ -261,4 +260,4 @@ TEST(PositionConformance, NonlinearsSearchesAgree) {
 }
 
 }  // namespace position_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

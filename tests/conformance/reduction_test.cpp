@@ -11,8 +11,7 @@
 #include "tests/check_property.h"
 #include "tests/contact_properties.h"
 
-namespace lpc::inline LPC_PRECISION::test::reduction_test {
-namespace reduction_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace reduction_test { namespace reduction_test {
 
 using namespace contacts;
 
@@ -327,4 +326,4 @@ TEST(Reduction, RulesCompared) {
 }
 
 }  // namespace reduction_test
-}  // namespace lpc::inline LPC_PRECISION::test::reduction_test
+}}}}  // namespace lpc::LPC_PRECISION::test::reduction_test

@@ -10,8 +10,7 @@
 #include "tests/check_property.h"
 #include "tests/conformance/impact_scene.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace rows_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace rows_test {
 
 constexpr Real kRounding = sizeof(Real) == 8 ? Real(1e-11) : Real(5e-4);  // of impulses, relative to the largest
 
@@ -308,4 +307,4 @@ TEST(Rows, ContactKernelsAreEqualToThem2) { everyKernel<2>(); }
 TEST(Rows, ContactKernelsAreEqualToThem3) { everyKernel<3>(); }
 
 }  // namespace rows_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

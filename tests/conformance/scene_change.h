@@ -6,7 +6,7 @@
 #include "tests/check_property.h"
 #include "tests/conformance/impact_scene.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Fails the property, and shows both scenes, where the error between them is over the limit.
 template <int D>
@@ -94,4 +94,4 @@ Real difference(const ImpactScene<D>& a, const ImpactScene<D>& b, int first = 0)
   return d;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -8,8 +8,7 @@
 #include "tests/planted_bugs/sleep_twins.h"
 #include "tests/sleep_duties.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace sleep_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace sleep_test {
 
 template <int D>
 std::unique_ptr<SleepPolicy<D>> make(const std::string& spec) {
@@ -394,4 +393,4 @@ void hanging() {
 TEST(TimerIsland, SleepsOnlyWhereHeld) { hanging<2>(), hanging<3>(); }
 
 }  // namespace sleep_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

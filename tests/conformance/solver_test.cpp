@@ -7,8 +7,7 @@
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace solver_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace solver_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 
@@ -406,4 +405,4 @@ TEST(SoftStep, SagIsThatOfASpring) {
 }
 
 }  // namespace solver_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

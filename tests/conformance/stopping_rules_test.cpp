@@ -9,8 +9,7 @@
 #include "tests/expect_caught.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace stopping_rules_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace stopping_rules_test {
 
 template <int D>
 struct Pairs {
@@ -164,4 +163,4 @@ TEST(StoppingRules, LimitsAreStatuses2) { limitsAreStatuses<2>(); }
 TEST(StoppingRules, LimitsAreStatuses3) { limitsAreStatuses<3>(); }
 
 }  // namespace stopping_rules_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

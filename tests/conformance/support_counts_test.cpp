@@ -8,8 +8,7 @@
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace support_counts_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace support_counts_test {
 
 std::uint64_t g_calls = 0;
 
@@ -196,4 +195,4 @@ TEST(SupportCounts, LooserAsksNoMore2) { looserAsksNoMore<2>(); }
 TEST(SupportCounts, LooserAsksNoMore3) { looserAsksNoMore<3>(); }
 
 }  // namespace support_counts_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -14,8 +14,7 @@
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace symmetry_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace symmetry_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr int kSteps = 3, kRuns = 20;
@@ -236,4 +235,4 @@ TEST(Symmetry, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(Symmetry, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
 }  // namespace symmetry_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

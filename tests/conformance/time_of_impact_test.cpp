@@ -11,7 +11,7 @@
 #include "tests/generators.h"
 #include "tests/planted_bugs/time_of_impact_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::time_of_impact_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace time_of_impact_test {
 namespace time_of_impact_test {
 
 using namespace wrong_casts;
@@ -448,4 +448,4 @@ TEST(TimeOfImpact, ATurningRodReachesABall) {
 }
 
 }  // namespace time_of_impact_test
-}  // namespace lpc::inline LPC_PRECISION::test::time_of_impact_test
+}}}}  // namespace lpc::LPC_PRECISION::test::time_of_impact_test

@@ -11,8 +11,7 @@
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace velocity_test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace velocity_test {
 
 // Rounding: of one solve over a few contacts, relative to the speeds in it.
 constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-4);
@@ -398,4 +397,4 @@ TEST(VelocityConformance, BlocksAreSolvedAtOnce) {
 }
 
 }  // namespace velocity_test
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

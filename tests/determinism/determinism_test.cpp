@@ -9,8 +9,7 @@
 #include "tests/determinism/trace.h"
 #include "tests/planted_bugs/one_ulp.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
 LPC_REGISTER(ContactGenerator, UlpContacts, 2, 3);
 LPC_REGISTER(VelocityResolver, UlpVelocity, 2, 3);
@@ -58,4 +57,4 @@ TEST(FirstDifference, IsWhereAnUlpWasPlanted2) { locates<2>("pyramid_2d"); }
 TEST(FirstDifference, IsWhereAnUlpWasPlanted3) { locates<3>("pyramid_3d"); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -7,8 +7,7 @@
 #include "tests/determinism/pinned.h"
 #include "tests/determinism/trace.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
 constexpr const char* kUsage =
     "usage: determinism                  prints the hash of each scene\n"
@@ -62,7 +61,7 @@ int run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test
 
 int main(int argc, char** argv) {
   try {

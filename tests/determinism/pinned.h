@@ -13,7 +13,7 @@
 #define LPC_TEXT_OF_(x) #x
 #define LPC_TEXT_OF(x) LPC_TEXT_OF_(x)
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// "heap_2d f64 0123456789abcdef", for each scene.
 inline std::vector<std::string> hashLines() {
@@ -41,4 +41,4 @@ inline std::vector<std::string> pinnedLines(const std::string& path) {
   return lines;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

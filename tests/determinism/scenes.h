@@ -10,7 +10,7 @@
 
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 template <int D>
 struct PinnedScene {
@@ -31,4 +31,4 @@ void play(const PinnedScene<D>& scene, ContactListener<D>* listener, const std::
 template <int D>
 std::uint64_t historyHash(const PinnedScene<D>& scene);
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <type_traits>
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 namespace {
 
 using Bits = std::conditional_t<sizeof(Real) == 8, std::uint64_t, std::uint32_t>;
@@ -173,4 +173,4 @@ LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -12,7 +12,7 @@
 
 #include "tests/determinism/scenes.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// In the order of a step: boxes, pairs, contacts (as the solver gets them), sleep, impulses, velocities, positions.
 template <int D>
@@ -29,4 +29,4 @@ struct Difference {
 template <int D>
 std::optional<Difference> firstDifference(const PinnedScene<D>& scene, std::istream& trace);
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

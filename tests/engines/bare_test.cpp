@@ -4,8 +4,7 @@
 #include "experiments/bench/bare_pyramid.h"
 #include "tests/engines/engine_checks.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
 constexpr int kSteps = 60;
 
@@ -85,4 +84,4 @@ TEST(EngineBare, Box2dHasThePosesOfABareProgram) {
 #endif
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -5,8 +5,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/draw_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::engine_drawing_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace engine_drawing_test { namespace {
 
 // A box that rests, and one that hangs beside it.
 template <int D>
@@ -43,4 +42,4 @@ TEST(EngineDrawing, TellsWhatEnginesTell2) { enginesAreDrawn<2>(); }
 TEST(EngineDrawing, TellsWhatEnginesTell3) { enginesAreDrawn<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::engine_drawing_test
+}}}}  // namespace lpc::LPC_PRECISION::test::engine_drawing_test

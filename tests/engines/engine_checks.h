@@ -12,7 +12,7 @@
 #include "framework/world/world.h"
 #include "tests/planted_bugs/engine_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline constexpr Real kDt = Real(1) / 60;
 inline constexpr double kG = 10;
@@ -89,4 +89,4 @@ Start<D> ownWorld(const std::string& pipeline = "") {
   return [pipeline](const WorldSettings<D>& s) { return std::make_unique<World<D>>(Pipeline::parse(pipeline), s); };
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

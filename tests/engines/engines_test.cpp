@@ -11,8 +11,7 @@
 #include "framework/world/pose_penetration.h"
 #include "tests/engines/engine_checks.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
 // --- checks: true of a right adapter ---------------------------------------------------------------------------------
 
@@ -389,4 +388,4 @@ TEST(Engines, BulletKeepsSizes) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -4,8 +4,7 @@
 #include "framework/world/invariants.h"
 #include "tests/engines/engine_checks.h"
 
-namespace lpc::inline LPC_PRECISION::test::engine_joints_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace engine_joints_test { namespace {
 
 constexpr double kPi = 3.14159265358979;
 
@@ -417,4 +416,4 @@ TEST(EngineJoints, WhatTheyLackIsRefusedAndLeavesNoTrace) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::engine_joints_test
+}}}}  // namespace lpc::LPC_PRECISION::test::engine_joints_test

@@ -3,8 +3,7 @@
 #include "framework/world/invariants.h"
 #include "tests/engines/engine_checks.h"
 
-namespace lpc::inline LPC_PRECISION::test::engine_script_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace engine_script_test { namespace {
 
 // A cube of 2 kg whose frame is not at its centre.
 template <int D>
@@ -242,4 +241,4 @@ void refusesNonsense() {
 TEST(EngineScripts, NonsenseIsRefusedAndChangesNothing) { refusesNonsense<2>(), refusesNonsense<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::engine_script_test
+}}}}  // namespace lpc::LPC_PRECISION::test::engine_script_test

@@ -6,8 +6,7 @@
 #include "framework/math/check.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION::bad_input_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace bad_input_test { namespace {
 
 using test::ask;
 using test::Outcome;
@@ -455,4 +454,4 @@ TEST(BadInput, AReportWithoutItsPackages) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::bad_input_test
+}}}  // namespace lpc::LPC_PRECISION::bad_input_test

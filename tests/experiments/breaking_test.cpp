@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION::breaking_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace breaking_test { namespace {
 
 using nlohmann::json;
 using test::ask;
@@ -462,4 +461,4 @@ TEST(Breaking, MistakesInASweepNameTheLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::breaking_test
+}}}  // namespace lpc::LPC_PRECISION::breaking_test

@@ -6,8 +6,7 @@
 #include "framework/stage/registry.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::broadphase_witness_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace broadphase_witness_test { namespace {
 
 using test::ask;
 using test::Outcome;
@@ -74,4 +73,4 @@ broadphase = ["naive", "*witness"]
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::broadphase_witness_test
+}}}  // namespace lpc::LPC_PRECISION::broadphase_witness_test

@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::calibration_search_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace calibration_search_test { namespace {
 
 using nlohmann::json;
 using test::ask;
@@ -307,4 +306,4 @@ TEST(CalibrationSearch, TakesAMethodAndAValueOfTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::calibration_search_test
+}}}  // namespace lpc::LPC_PRECISION::calibration_search_test

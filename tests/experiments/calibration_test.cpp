@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::calibration_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace calibration_test { namespace {
 
 using nlohmann::json;
 using test::ask;
@@ -204,4 +203,4 @@ TEST(Calibration, MistakesAreOneLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::calibration_test
+}}}  // namespace lpc::LPC_PRECISION::calibration_test

@@ -13,8 +13,7 @@
 #include "framework/math/check.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::child_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace child_test { namespace {
 
 using test::Workspace;
 
@@ -156,4 +155,4 @@ TEST(Child, EndsWithItsOwn) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::child_test
+}}}  // namespace lpc::LPC_PRECISION::child_test

@@ -12,8 +12,7 @@
 #include "framework/stage/registry.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::command_line_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace command_line_test { namespace {
 
 using test::Outcome;
 using test::Workspace;
@@ -402,4 +401,4 @@ TEST(CommandLine, versionIsTheProjects) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::command_line_test
+}}}  // namespace lpc::LPC_PRECISION::command_line_test

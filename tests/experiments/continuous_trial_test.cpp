@@ -8,8 +8,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::continuous_trial_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace continuous_trial_test { namespace {
 
 using namespace test;
 
@@ -87,4 +86,4 @@ shapes = [{ kind = "sphere", radius = 0.2 }]
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::continuous_trial_test
+}}}  // namespace lpc::LPC_PRECISION::continuous_trial_test

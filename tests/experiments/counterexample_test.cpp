@@ -7,8 +7,7 @@
 #include "experiments/trial/scene/scene_file.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::counterexample_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace counterexample_test { namespace {
 
 template <int D>
 void readsBack() {
@@ -46,4 +45,4 @@ TEST(Counterexample, IsASceneFile2) { readsBack<2>(); }
 TEST(Counterexample, IsASceneFile3) { readsBack<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::counterexample_test
+}}}}  // namespace lpc::LPC_PRECISION::test::counterexample_test

@@ -12,8 +12,7 @@
 #include "tests/check_property.h"
 #include "tests/experiments/scene_states.h"
 
-namespace lpc::inline LPC_PRECISION::determinism_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace determinism_test { namespace {
 
 #if defined(LPC_SANITIZED)
 constexpr long kSteps = 15;  // thirty times slower
@@ -94,4 +93,4 @@ TEST(Determinism, OneBitOfDifferenceIsSeen) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::determinism_test
+}}}  // namespace lpc::LPC_PRECISION::determinism_test

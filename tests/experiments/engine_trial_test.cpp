@@ -6,8 +6,7 @@
 #include "experiments/runner/sweep_file.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::engine_trial_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace engine_trial_test { namespace {
 
 using nlohmann::json;
 using test::ask;
@@ -258,4 +257,4 @@ TEST(EngineTrial, TowersOfOursFallLater) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::engine_trial_test
+}}}  // namespace lpc::LPC_PRECISION::engine_trial_test

@@ -15,8 +15,7 @@
 #include "oracles/referee/referee.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::entry_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace entry_test { namespace {
 
 // FNV-1a of the bits of numbers.
 class Bits {
@@ -193,4 +192,4 @@ TEST(Entries, DescribeThemselves) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::entry_test
+}}}  // namespace lpc::LPC_PRECISION::entry_test

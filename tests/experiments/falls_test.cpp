@@ -9,8 +9,7 @@
 #include "experiments/film/camera.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::falls_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace falls_test { namespace {
 
 using nlohmann::json;
 using test::ask;
@@ -267,4 +266,4 @@ TEST(Falls, WhoAreTooManyAreNotDrawn) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::falls_test
+}}}  // namespace lpc::LPC_PRECISION::falls_test

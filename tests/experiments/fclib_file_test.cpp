@@ -17,8 +17,7 @@
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::fclib_file_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace fclib_file_test { namespace {
 
 using test::expectParts;
 using test::refused;
@@ -381,4 +380,4 @@ TEST(FclibFile, IsRecordedAndSwept) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::fclib_file_test
+}}}  // namespace lpc::LPC_PRECISION::fclib_file_test

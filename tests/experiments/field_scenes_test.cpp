@@ -7,8 +7,7 @@
 
 #include "tests/experiments/scene_play.h"
 
-namespace lpc::inline LPC_PRECISION::field_scenes_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace field_scenes_test { namespace {
 
 using test::Play;
 
@@ -259,4 +258,4 @@ TEST(FieldScenes, ProximalNewtonIsQuickWhereNothingMoves) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::field_scenes_test
+}}}  // namespace lpc::LPC_PRECISION::field_scenes_test

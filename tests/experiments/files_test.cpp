@@ -5,8 +5,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION::files_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace files_test { namespace {
 
 using test::filesIn;
 using test::Outcome;
@@ -175,4 +174,4 @@ TEST(Files, NamesAreUtf8) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::files_test
+}}}  // namespace lpc::LPC_PRECISION::files_test

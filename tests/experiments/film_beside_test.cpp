@@ -8,8 +8,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::film_beside_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace film_beside_test { namespace {
 
 using test::Outcome;
 using test::Workspace;
@@ -256,4 +255,4 @@ TEST(FilmBeside, TwinsAreTheSameBody) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::film_beside_test
+}}}  // namespace lpc::LPC_PRECISION::film_beside_test

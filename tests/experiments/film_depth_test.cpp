@@ -6,8 +6,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::film_depth_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace film_depth_test { namespace {
 
 using test::Outcome;
 using test::Workspace;
@@ -152,4 +151,4 @@ TEST(FilmDepth, NobodyIsLostWhereThereIsNoOrder) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::film_depth_test
+}}}  // namespace lpc::LPC_PRECISION::film_depth_test

@@ -5,8 +5,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::film_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace film_test { namespace {
 
 using test::Outcome;
 using test::Workspace;
@@ -215,4 +214,4 @@ TEST(Film, WhatFliesFarIsStillWritten) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::film_test
+}}}  // namespace lpc::LPC_PRECISION::film_test

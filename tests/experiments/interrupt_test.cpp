@@ -3,8 +3,7 @@
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::interrupt_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace interrupt_test { namespace {
 
 using test::ask;
 using test::Process;
@@ -66,4 +65,4 @@ TEST(Interrupt, EndsCases) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::interrupt_test
+}}}  // namespace lpc::LPC_PRECISION::interrupt_test

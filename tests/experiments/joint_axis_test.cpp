@@ -8,8 +8,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::joint_axis_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace joint_axis_test { namespace {
 
 using test::Outcome;
 using test::Workspace;
@@ -278,4 +277,4 @@ TEST(ShippedSweeps, HoldEveryKindOfJoint) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::joint_axis_test
+}}}  // namespace lpc::LPC_PRECISION::joint_axis_test

@@ -7,8 +7,7 @@
 #include "framework/world/invariants.h"
 #include "tests/experiments/scene_play.h"
 
-namespace lpc::inline LPC_PRECISION::joint_scenes_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace joint_scenes_test { namespace {
 
 using test::Play;
 
@@ -250,4 +249,4 @@ TEST(Variants, TgsRelaxesAfterEachSubstepOrTheLast) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::joint_scenes_test
+}}}  // namespace lpc::LPC_PRECISION::joint_scenes_test

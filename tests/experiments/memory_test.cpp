@@ -7,8 +7,7 @@
 
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::memory_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace memory_test { namespace {
 
 using nlohmann::json;
 using test::Outcome;
@@ -164,4 +163,4 @@ TEST(Memory, AnEngineHasItsOwn) {
 #endif
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::memory_test
+}}}  // namespace lpc::LPC_PRECISION::memory_test

@@ -14,8 +14,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::mesh_file_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace mesh_file_test { namespace {
 
 using test::Workspace;
 using Triangles = std::vector<std::array<int, 3>>;
@@ -386,4 +385,4 @@ TEST(MeshFile, AnotherFileIsAnotherTrial) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::mesh_file_test
+}}}  // namespace lpc::LPC_PRECISION::mesh_file_test

@@ -8,8 +8,7 @@
 #include "experiments/runner/scene_model.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::needs_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace needs_test { namespace {
 
 using test::Outcome;
 using test::Workspace;
@@ -132,4 +131,4 @@ TEST(Needs, GoesOnAfterCtrlC) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::needs_test
+}}}  // namespace lpc::LPC_PRECISION::needs_test

@@ -11,8 +11,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::pair_corpus_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_corpus_test { namespace {
 
 using nlohmann::json;
 using test::Outcome;
@@ -140,4 +139,4 @@ TEST(PairCorpus, WhatIsFilledInStaysAndMistakesWriteNothing) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::pair_corpus_test
+}}}  // namespace lpc::LPC_PRECISION::pair_corpus_test

@@ -15,8 +15,7 @@
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::pair_stream_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_stream_test { namespace {
 
 using test::expectParts;
 using test::Parts;
@@ -473,4 +472,4 @@ TEST(RecordPairs, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::pair_stream_test
+}}}  // namespace lpc::LPC_PRECISION::pair_stream_test

@@ -15,8 +15,7 @@
 #include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::pairs_trial_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace pairs_trial_test { namespace {
 
 // Wrong by a part of the size, now and then along a wrong normal, and sometimes silent.
 template <int D>
@@ -295,4 +294,4 @@ TEST(PairsTrial, ALibrarysVersionIsPartOfTheKeyOfItsWitness) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::pairs_trial_test
+}}}  // namespace lpc::LPC_PRECISION::pairs_trial_test

@@ -14,8 +14,7 @@
 #include "tests/experiments/scene_states.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::perturb_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace perturb_test { namespace {
 
 using test::ask;
 using test::Outcome;
@@ -197,4 +196,4 @@ TEST(Perturb, aSeedThatDecidesNothingIsTold) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::perturb_test
+}}}  // namespace lpc::LPC_PRECISION::perturb_test

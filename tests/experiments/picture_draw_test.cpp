@@ -15,8 +15,7 @@
 #include "tests/experiments/workspace.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::picture_draw_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace picture_draw_test { namespace {
 
 using namespace test;
 
@@ -151,4 +150,4 @@ TEST(PictureDraw, ShinesThroughAndHasWords) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::picture_draw_test
+}}}  // namespace lpc::LPC_PRECISION::picture_draw_test

@@ -5,8 +5,7 @@
 #include "experiments/runner/sweep_file.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION::planning_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace planning_test { namespace {
 
 using test::expectParts;
 using test::Outcome;
@@ -117,4 +116,4 @@ TEST(Planning, IsStoppedAtOnce) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::planning_test
+}}}  // namespace lpc::LPC_PRECISION::planning_test

@@ -14,8 +14,7 @@
 #include "framework/math/random.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::png_file_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace png_file_test { namespace {
 
 using namespace test;
 
@@ -88,4 +87,4 @@ TEST(PngFile, IsThereWholeOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::png_file_test
+}}}  // namespace lpc::LPC_PRECISION::png_file_test

@@ -14,8 +14,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::presets_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace presets_test { namespace {
 
 using test::expectCaught;
 
@@ -344,4 +343,4 @@ TEST(Presets, TheFanFallsAsAWhole) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::presets_test
+}}}  // namespace lpc::LPC_PRECISION::presets_test

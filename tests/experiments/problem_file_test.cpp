@@ -10,8 +10,7 @@
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::problem_file_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace problem_file_test { namespace {
 
 using test::expectParts;
 using test::Parts;
@@ -274,4 +273,4 @@ TEST(Record, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::problem_file_test
+}}}  // namespace lpc::LPC_PRECISION::problem_file_test

@@ -12,8 +12,7 @@
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::problems_trial_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace problems_trial_test { namespace {
 
 using nlohmann::json;
 using test::Workspace;
@@ -279,4 +278,4 @@ TEST(ProblemsTrial, SweepsNameProblemsBesideThem) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::problems_trial_test
+}}}  // namespace lpc::LPC_PRECISION::problems_trial_test

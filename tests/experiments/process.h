@@ -15,7 +15,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 class Process {
  public:
@@ -84,4 +84,4 @@ class Process {
   bool m_ended = false;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

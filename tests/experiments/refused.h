@@ -8,7 +8,7 @@
 
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 using Parts = std::vector<std::string>;
 
@@ -35,4 +35,4 @@ inline void refused(const Workspace& w, const std::string& arguments, const Part
   EXPECT_EQ(filesIn(w), before) << arguments << " left something behind";
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -4,8 +4,7 @@
 
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::repeats_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace repeats_test { namespace {
 
 using test::ask;
 using test::Workspace;
@@ -89,4 +88,4 @@ TEST(Repeats, afterTheFirstTellTimesAlone) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::repeats_test
+}}}  // namespace lpc::LPC_PRECISION::repeats_test

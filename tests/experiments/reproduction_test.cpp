@@ -14,8 +14,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::reproduction_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace reproduction_test { namespace {
 
 using test::Outcome;
 using test::Workspace;
@@ -221,4 +220,4 @@ TEST(Reproduction, TextsOfAFileAreNoCode) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::reproduction_test
+}}}  // namespace lpc::LPC_PRECISION::reproduction_test

@@ -10,8 +10,7 @@
 #include "experiments/trial/trial.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::rest_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace rest_test { namespace {
 
 using test::Workspace;
 
@@ -182,4 +181,4 @@ TEST(Rest, ABodyAloneFallsByTheClosedFormWhateverMovesIt) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::rest_test
+}}}  // namespace lpc::LPC_PRECISION::rest_test

@@ -6,8 +6,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::saved_scene_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace saved_scene_test { namespace {
 
 using nlohmann::json;
 using test::Outcome;
@@ -144,4 +143,4 @@ TEST(SavedScene, NothingSleepsWhereItIsAsked) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::saved_scene_test
+}}}  // namespace lpc::LPC_PRECISION::saved_scene_test

@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::scene_event_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace scene_event_test { namespace {
 
 using test::expectCaught;
 using test::Workspace;
@@ -483,4 +482,4 @@ TEST(SceneEvent, MistakesAreOneLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::scene_event_test
+}}}  // namespace lpc::LPC_PRECISION::scene_event_test

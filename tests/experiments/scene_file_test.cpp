@@ -9,8 +9,7 @@
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION::scene_file_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace scene_file_test { namespace {
 
 const std::string kHead = "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\n";  // lines 1 to 3
 
@@ -441,4 +440,4 @@ shapes = [{ kind = "circle", radius = 1, friction = 0.1, restitution = 0.8 }]
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::scene_file_test
+}}}  // namespace lpc::LPC_PRECISION::scene_file_test

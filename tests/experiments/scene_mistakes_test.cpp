@@ -7,8 +7,7 @@
 #include "tests/experiments/scene_text.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::scene_mistakes_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace scene_mistakes_test { namespace {
 
 using namespace test;
 
@@ -408,4 +407,4 @@ TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::scene_mistakes_test
+}}}  // namespace lpc::LPC_PRECISION::scene_mistakes_test

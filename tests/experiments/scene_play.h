@@ -9,7 +9,7 @@
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 template <int D>
 struct Play {
@@ -37,4 +37,4 @@ struct Play {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -13,8 +13,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::scene_script_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace scene_script_test { namespace {
 
 using test::expectCaught;
 using test::Workspace;
@@ -261,4 +260,4 @@ TEST(SceneScript, OfTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::scene_script_test
+}}}  // namespace lpc::LPC_PRECISION::scene_script_test

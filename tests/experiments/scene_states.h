@@ -11,7 +11,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 struct SceneState {
   std::size_t bodies = 0;
@@ -42,4 +42,4 @@ inline std::size_t bodiesOf(const std::string& scene, int dimension) {
   return it == sceneStates().end() ? 0 : it->second.bodies;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -12,8 +12,7 @@
 #include "experiments/runner/locations.h"
 #include "experiments/trial/scene/scene_file.h"
 
-namespace lpc::inline LPC_PRECISION::scene_states_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace scene_states_test { namespace {
 
 #if defined(LPC_SANITIZED)
 constexpr std::size_t kBodies = 1000;  // larger scenes take seconds to build
@@ -163,4 +162,4 @@ void print() {
 TEST(SceneStates, DISABLED_print) { print<2>(), print<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::scene_states_test
+}}}  // namespace lpc::LPC_PRECISION::scene_states_test

@@ -7,7 +7,7 @@
 #include "experiments/trial/scene/scene_file.h"
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 using Parts = std::vector<std::string>;
 struct BadScene {
@@ -47,4 +47,4 @@ void refused(const std::vector<BadScene>& cases) {
 }
 inline void refused(const std::vector<BadScene>& cases) { refused<2>(cases), refused<3>(cases); }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -3,8 +3,7 @@
 #include "framework/problem/joint.h"
 #include "tests/experiments/scene_text.h"
 
-namespace lpc::inline LPC_PRECISION::scene_turns_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace scene_turns_test { namespace {
 
 using namespace test;
 
@@ -163,4 +162,4 @@ TEST(SceneMistakes, AsManyTurnsAsMayBe) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::scene_turns_test
+}}}  // namespace lpc::LPC_PRECISION::scene_turns_test

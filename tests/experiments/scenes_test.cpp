@@ -6,8 +6,7 @@
 #include "experiments/trial/scene/scene_file.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::scenes_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace scenes_test { namespace {
 
 using Census = std::map<std::string, int>;
 
@@ -237,4 +236,4 @@ TEST(Scenes, directorTwoDrawsTheSameInBothDimensions) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::scenes_test
+}}}  // namespace lpc::LPC_PRECISION::scenes_test

@@ -15,8 +15,7 @@
 #include "tests/draw.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::script_writer_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace script_writer_test { namespace {
 
 using namespace test;
 
@@ -489,4 +488,4 @@ TEST(ScriptWriter, OfTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::script_writer_test
+}}}  // namespace lpc::LPC_PRECISION::script_writer_test

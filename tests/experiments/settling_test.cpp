@@ -10,8 +10,7 @@
 #include "tests/experiments/workspace.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::settling_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace settling_test { namespace {
 
 using test::Workspace;
 
@@ -194,4 +193,4 @@ shapes = [{ kind = "box", half = [2, 1, 2] }]
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::settling_test
+}}}  // namespace lpc::LPC_PRECISION::settling_test

@@ -9,8 +9,7 @@
 #include "oracles/witnesses/witness_resolver.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION::siconos_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace siconos_test { namespace {
 
 using test::Workspace;
 
@@ -105,4 +104,4 @@ TEST(Siconos, StageOfTheLedger) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::siconos_test
+}}}  // namespace lpc::LPC_PRECISION::siconos_test

@@ -10,8 +10,7 @@
 #include "experiments/runner/sweep_file.h"
 #include "experiments/trial/trial.h"
 
-namespace lpc::inline LPC_PRECISION::sleeping_trial_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace sleeping_trial_test { namespace {
 
 TrialResult run(const std::string& scene, const std::string& sleep, int dimension, const ParameterValues& params = {}) {
   Planner planner;
@@ -85,4 +84,4 @@ TEST(SleepingTrial, WithoutAnActNobodyIsWoken) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::sleeping_trial_test
+}}}  // namespace lpc::LPC_PRECISION::sleeping_trial_test

@@ -11,8 +11,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::sweep_axis_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace sweep_axis_test { namespace {
 
 using nlohmann::json;
 using test::Workspace;
@@ -436,4 +435,4 @@ TEST(SweepReport, TheChartsThatASweepIsForAreInTheStore) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::sweep_axis_test
+}}}  // namespace lpc::LPC_PRECISION::sweep_axis_test

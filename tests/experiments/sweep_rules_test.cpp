@@ -15,8 +15,7 @@
 #include "tests/experiments/workspace.h"
 #include "tests/planted_bugs/store_twins.h"
 
-namespace lpc::inline LPC_PRECISION::sweep_rules_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace sweep_rules_test { namespace {
 
 using nlohmann::json;
 using test::ask;
@@ -189,4 +188,4 @@ TEST(SweepRules, SurviveTwentyKills) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::sweep_rules_test
+}}}  // namespace lpc::LPC_PRECISION::sweep_rules_test

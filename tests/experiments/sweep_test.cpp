@@ -7,8 +7,7 @@
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::sweep_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace sweep_test { namespace {
 
 using test::ask;
 using test::Outcome;
@@ -414,4 +413,4 @@ TEST(Store, takesBenchmarks) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::sweep_test
+}}}  // namespace lpc::LPC_PRECISION::sweep_test

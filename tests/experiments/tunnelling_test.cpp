@@ -13,8 +13,7 @@
 #include "tests/experiments/workspace.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::tunnelling_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace tunnelling_test { namespace {
 
 using test::at;
 using test::body;
@@ -238,4 +237,4 @@ TEST(Tunnelling, IsMeasuredAlikeForEngines) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::tunnelling_test
+}}}  // namespace lpc::LPC_PRECISION::tunnelling_test

@@ -15,8 +15,7 @@
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::verification_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace verification_test { namespace {
 
 using test::ask;
 using test::Outcome;
@@ -324,4 +323,4 @@ TEST(Verification, StoresMergeByMethod) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::verification_test
+}}}  // namespace lpc::LPC_PRECISION::verification_test

@@ -13,7 +13,7 @@
 
 #include "experiments/runner/store.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 struct Outcome {
   int code = -1;
@@ -88,4 +88,4 @@ inline std::string ask(const std::string& store, const std::string& query) {
   return s.executeStep() && !s.getColumn(0).isNull() ? s.getColumn(0).getString() : "";
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -12,8 +12,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION::world_trial_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace world_trial_test { namespace {
 
 using nlohmann::json;
 using test::ask;
@@ -496,4 +495,4 @@ TEST(CommandRun, printsProfilesAndRecords) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::world_trial_test
+}}}  // namespace lpc::LPC_PRECISION::world_trial_test

@@ -9,8 +9,7 @@
 
 #include "tests/run_property.h"
 
-namespace lpc::inline LPC_PRECISION::test::check_property_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace check_property_test { namespace {
 
 std::string read(const std::filesystem::path& path) {
   std::ifstream in(path);
@@ -132,4 +131,4 @@ TEST_F(CheckProperty, ListsPlantedBugs) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::check_property_test
+}}}}  // namespace lpc::LPC_PRECISION::test::check_property_test

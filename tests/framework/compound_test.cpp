@@ -9,8 +9,7 @@
 #include "tests/generators.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::compound_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace compound_test { namespace {
 
 template <int D>
 Shape<D> compoundOf(std::initializer_list<ShapePart<D>> parts, PartOverlap overlap = PartOverlap::counted) {
@@ -162,4 +161,4 @@ void culled() {
 TEST(Compound, OnlyNearPartsArePaired) { culled<2>(), culled<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::compound_test
+}}}}  // namespace lpc::LPC_PRECISION::test::compound_test

@@ -13,8 +13,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/graph_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::contact_graph_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_graph_test { namespace {
 
 using Answer = GraphAnswers (*)(const GraphInput&);
 
@@ -401,4 +400,4 @@ void reachResolvers() {
 TEST(ContactGraph, ColoursReachResolvers) { reachResolvers<2>(), reachResolvers<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::contact_graph_test
+}}}}  // namespace lpc::LPC_PRECISION::test::contact_graph_test

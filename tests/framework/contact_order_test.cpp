@@ -8,8 +8,7 @@
 #include "framework/math/random.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test::contact_order_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_order_test { namespace {
 
 // Few bodies with many manifolds each, many bodies, and numbers that differ in their highest bytes only.
 template <int D>
@@ -69,4 +68,4 @@ void sortsInBoth() {
 TEST(ContactOrder, IsThatOfTheStandardLibrary) { sortsInBoth<2>(), sortsInBoth<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::contact_order_test
+}}}}  // namespace lpc::LPC_PRECISION::test::contact_order_test

@@ -8,8 +8,7 @@
 #include "framework/math/random.h"
 #include "framework/shape/support_map.h"
 
-namespace lpc::inline LPC_PRECISION::test::curved_core_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace curved_core_test { namespace {
 
 constexpr Real kEps = std::numeric_limits<Real>::epsilon();
 constexpr int kDraws = 300;
@@ -230,4 +229,4 @@ TEST(CurvedCore, WrongSizesAreRefused) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::curved_core_test
+}}}}  // namespace lpc::LPC_PRECISION::test::curved_core_test

@@ -6,8 +6,7 @@
 #include "framework/world/world.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::custom_core_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace custom_core_test { namespace {
 
 enum class Bug { none, notFinite, dented, smallBox, largeBox, otherHalf, noMass, noDirection, manyCorners, farCorner };
 Bug g_bug = Bug::none;
@@ -139,4 +138,4 @@ void restsAsABall() {
 TEST(CustomCore, RestsAsABall) { restsAsABall<2>(), restsAsABall<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::custom_core_test
+}}}}  // namespace lpc::LPC_PRECISION::test::custom_core_test

@@ -12,8 +12,7 @@
 #include "tests/check_property.h"
 #include "tests/fuzz/damaged_world.h"
 
-namespace lpc::inline LPC_PRECISION::test::damaged_save_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace damaged_save_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN();
@@ -323,4 +322,4 @@ void explode() {
 TEST(DamagedSave, AnExplodedWorldIsNone) { explode<2>(), explode<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::damaged_save_test
+}}}}  // namespace lpc::LPC_PRECISION::test::damaged_save_test

@@ -12,8 +12,7 @@
 #include "tests/planted_bugs/draw_twins.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::draw_simulation_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace draw_simulation_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -469,4 +468,4 @@ TEST(DrawSimulation, TheManualHasEveryLayer) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::draw_simulation_test
+}}}}  // namespace lpc::LPC_PRECISION::test::draw_simulation_test

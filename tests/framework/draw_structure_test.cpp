@@ -8,8 +8,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
 template <int D>
 struct Lines final : DebugDraw<D> {
@@ -112,4 +111,4 @@ TEST(DrawStructure, ChangesNothing) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

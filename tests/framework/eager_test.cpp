@@ -9,8 +9,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::eager_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace eager_test { namespace {
 
 template <int R, int C = 1>
 RealMatrix<R, C> drawn(RapidCheckDraw& draw) {
@@ -60,4 +59,4 @@ TEST(Eager, PlainMatricesAsEigenSays) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::eager_test
+}}}}  // namespace lpc::LPC_PRECISION::test::eager_test

@@ -6,8 +6,7 @@
 #include "tests/draw.h"
 #include "tests/planted_bugs/force_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::force_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace force_test { namespace {
 
 // The angular momentum of a turned body is the turned angular momentum.
 void turnsWithItsBody(Inertia<3> (*turned)(const Rot<3>&, const Inertia<3>&)) {
@@ -30,4 +29,4 @@ TEST(Inertia, TurnsWithItsBody) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::force_test
+}}}}  // namespace lpc::LPC_PRECISION::test::force_test

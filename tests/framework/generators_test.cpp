@@ -10,8 +10,7 @@
 #include "tests/direction_search.h"
 #include "tests/run_property.h"
 
-namespace lpc::inline LPC_PRECISION::test::generators_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace generators_test { namespace {
 
 // The separation along d (unit, from A to B): no direction can show more than the true distance.
 template <int D>
@@ -96,4 +95,4 @@ TEST(Generators, CounterexamplesShrink) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::generators_test
+}}}}  // namespace lpc::LPC_PRECISION::test::generators_test

@@ -7,8 +7,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::mass_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace mass_test { namespace {
 
 constexpr Real kPi = Real(3.14159265358979323846);
 
@@ -250,4 +249,4 @@ TEST(Mass, IsPhysical) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::mass_test
+}}}}  // namespace lpc::LPC_PRECISION::test::mass_test

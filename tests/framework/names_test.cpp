@@ -6,8 +6,7 @@
 
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION::test::names_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace names_test { namespace {
 
 const std::vector<std::string> kNames = {"naive", "naive_sphere", "region_tree", "sort_and_sweep", "uniform_grid"};
 
@@ -73,4 +72,4 @@ TEST(Names, APartOfAStageIsPutInItsPlace) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::names_test
+}}}}  // namespace lpc::LPC_PRECISION::test::names_test

@@ -11,8 +11,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::polytope_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace polytope_test { namespace {
 
 template <int D>
 using Points = std::vector<Vec<D>>;
@@ -393,4 +392,4 @@ TEST(Hull, ManyPoints) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::polytope_test
+}}}}  // namespace lpc::LPC_PRECISION::test::polytope_test

@@ -8,8 +8,7 @@
 
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::profiler_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace profiler_test { namespace {
 
 MemoryUse used;  // moved by hand in place of an allocator
 
@@ -98,4 +97,4 @@ TEST(ProfilerMemory, IsNotThereWhereNobodyCounts) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::profiler_test
+}}}  // namespace lpc::LPC_PRECISION::profiler_test

@@ -7,8 +7,7 @@
 #include "tests/generators.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::ray_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace ray_test { namespace {
 
 constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
 constexpr Real kNotANumber = std::numeric_limits<Real>::quiet_NaN();
@@ -234,4 +233,4 @@ void compoundNormals() {
 TEST(Ray, OfACompoundItsPartGivesTheNormal) { compoundNormals<2>(), compoundNormals<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::ray_test
+}}}}  // namespace lpc::LPC_PRECISION::test::ray_test

@@ -7,8 +7,7 @@
 
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::refusal_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace refusal_test { namespace {
 
 constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN(), kInf = std::numeric_limits<Real>::infinity();
 
@@ -184,4 +183,4 @@ TEST(Refusal, NothingChanges2) { refuses<2>(); }
 TEST(Refusal, NothingChanges3) { refuses<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::refusal_test
+}}}}  // namespace lpc::LPC_PRECISION::test::refusal_test

@@ -9,8 +9,7 @@
 #include "framework/world/world.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::settings_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace settings_test { namespace {
 
 using test::expectCaught;
 
@@ -196,4 +195,4 @@ TEST(Settings, OneSlopForWhoeverPushesOut) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::settings_test
+}}}  // namespace lpc::LPC_PRECISION::settings_test

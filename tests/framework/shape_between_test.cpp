@@ -8,8 +8,7 @@
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
 constexpr Real kRounding = 64 * kEps;
 
@@ -83,4 +82,4 @@ TEST(ShapeBetween, SegmentByTwoPoints) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -11,8 +11,7 @@
 #include "tests/direction_search.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::shape_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace shape_test { namespace {
 
 template <int D>
 Real support(const Shape<D>& s, const Pose<D>& X, const Vec<D>& d) {
@@ -302,4 +301,4 @@ TEST(Shape, RayAnswersInClosedForm) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::shape_test
+}}}}  // namespace lpc::LPC_PRECISION::test::shape_test

@@ -10,8 +10,7 @@
 #include "framework/math/random.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test::slots_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace slots_test { namespace {
 
 // Takes and gives at random: always the lowest slot that is free, also after reading a table with holes.
 template <class Subject>
@@ -145,4 +144,4 @@ TEST(SlotLists, CostWhatEachHas) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::slots_test
+}}}}  // namespace lpc::LPC_PRECISION::test::slots_test

@@ -7,8 +7,7 @@
 #include "tests/expect_caught.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::space_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace space_test { namespace {
 
 using SinCos = void (*)(double, double&, double&);
 
@@ -188,4 +187,4 @@ void crossIdentity() {
 TEST(Cross, TripleProduct) { check("2D", crossIdentity<2>), check("3D", crossIdentity<3>); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::space_test
+}}}}  // namespace lpc::LPC_PRECISION::test::space_test

@@ -9,8 +9,7 @@
 #include "tests/check_property.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test::spec_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace spec_test { namespace {
 
 template <class F>
 std::string errorOf(F&& f) {
@@ -260,4 +259,4 @@ TEST(RegistryDeathTest, ASecondOfTheSameNameAborts) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::spec_test
+}}}}  // namespace lpc::LPC_PRECISION::test::spec_test

@@ -10,8 +10,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::stages_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace stages_test { namespace {
 
 // --- broadphase
 // -------------------------------------------------------------------------------------------------------
@@ -198,4 +197,4 @@ TEST(PairQuery, StatusNames) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::stages_test
+}}}}  // namespace lpc::LPC_PRECISION::test::stages_test

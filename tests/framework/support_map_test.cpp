@@ -7,8 +7,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::support_map_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace support_map_test { namespace {
 
 // Points of the shape's core that span it.
 template <int D>
@@ -140,4 +139,4 @@ TEST(SupportMap, HintIsTheVertex) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::support_map_test
+}}}}  // namespace lpc::LPC_PRECISION::test::support_map_test

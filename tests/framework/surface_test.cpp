@@ -7,8 +7,7 @@
 #include "tests/expect_caught.h"
 #include "tests/surfaces.h"
 
-namespace lpc::inline LPC_PRECISION::test::surface_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace surface_test { namespace {
 
 template <class F>
 std::string messageOf(const F& make) {
@@ -247,4 +246,4 @@ TEST(Surface, AnswersAsItsParts2) { answersAsItsParts<2>(); }
 TEST(Surface, AnswersAsItsParts3) { answersAsItsParts<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::surface_test
+}}}}  // namespace lpc::LPC_PRECISION::test::surface_test

@@ -4,8 +4,7 @@
 
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::user_data_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace user_data_test { namespace {
 
 constexpr std::uint64_t kLarge = ~0ull - 4;  // more than a double holds
 
@@ -108,4 +107,4 @@ void changesNothing() {
 TEST(UserData, ChangesNothing) { changesNothing<2>(), changesNothing<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::user_data_test
+}}}}  // namespace lpc::LPC_PRECISION::test::user_data_test

@@ -8,8 +8,7 @@
 #include "framework/world/invariants.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::world_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace world_test { namespace {
 
 using test::addGround;
 using test::addHeap;
@@ -398,4 +397,4 @@ TEST(Invariants, OfASpeckAreNumbers) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::world_test
+}}}  // namespace lpc::LPC_PRECISION::world_test

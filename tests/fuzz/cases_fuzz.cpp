@@ -3,7 +3,7 @@
 #include "oracles/corpus/cases.h"
 #include "tests/fuzz/target.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 void fuzz(std::string_view text) {
   const MemoryFile file(text);
@@ -13,4 +13,4 @@ void fuzz(std::string_view text) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

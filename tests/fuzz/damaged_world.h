@@ -11,7 +11,7 @@
 
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline constexpr std::size_t kSavedChecksum = 26, kSavedBody = 34;  // after the format, two numbers and the length
 
@@ -145,4 +145,4 @@ Life livesOn(const std::string& payload, const char* pipeline, bool again) {
   return {true, ""};
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

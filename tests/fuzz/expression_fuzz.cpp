@@ -3,7 +3,7 @@
 #include "experiments/parse/expression.h"
 #include "tests/fuzz/target.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 void fuzz(std::string_view input) {
   const std::string text(input);
@@ -19,4 +19,4 @@ void fuzz(std::string_view input) {
   demand(names.evaluate("n") == 5 && names.evaluate("i * k") == 6, "an expression has changed a name");
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "oracles/referee/referee.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Null when nothing is wrong. `X_AB` takes B's frame to A's, in which the answer is. Errors up to 1e-12 of
 /// `errorScale` are none, as in all accuracy claims in f64.
@@ -26,4 +26,4 @@ const char* faultOf(const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>&
   return along ? nullptr : "a distance that is not the one along its normal";
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

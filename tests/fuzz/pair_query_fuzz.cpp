@@ -10,7 +10,7 @@
 #include "tests/fuzz/pair_fault.h"
 #include "tests/fuzz/target.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Zeros where the bytes have ended.
@@ -124,4 +124,4 @@ void fuzz(std::string_view bytes) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

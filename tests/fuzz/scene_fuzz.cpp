@@ -3,7 +3,7 @@
 #include "experiments/trial/scene/scene_file.h"
 #include "tests/fuzz/target.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 void fuzz(std::string_view text) {
   try {
@@ -17,4 +17,4 @@ void fuzz(std::string_view text) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

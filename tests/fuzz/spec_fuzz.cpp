@@ -3,7 +3,7 @@
 #include "framework/world/world.h"
 #include "tests/fuzz/target.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <class Body>
@@ -30,4 +30,4 @@ void fuzz(std::string_view text) {
   });
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -18,7 +18,7 @@
 #include "framework/math/check.h"
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 void fuzz(std::string_view input);
 
@@ -43,7 +43,7 @@ class MemoryFile {
   int m_descriptor;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::clock_t start = std::clock();

@@ -9,7 +9,7 @@
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 // Its first byte chooses dimension and pipeline; the rest is what stands behind the header.
 void fuzz(std::string_view input) {
@@ -33,7 +33,7 @@ void writeSeeds(const std::filesystem::path& folder) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION
 
 // --seeds FOLDER writes what is damaged, and ends.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {

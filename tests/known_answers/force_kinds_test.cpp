@@ -3,8 +3,7 @@
 #include "framework/world/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::force_kinds_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace force_kinds_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 const char* const kSolvers[] = {"split_solver", "soft_step", "avbd"};
@@ -102,4 +101,4 @@ TEST_F(KnownAnswer, wind_speed) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::force_kinds_test
+}}}}  // namespace lpc::LPC_PRECISION::test::force_kinds_test

@@ -3,8 +3,7 @@
 // that its heading can be turned against the axes: a friction pyramid would show.
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::friction_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace friction_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -377,4 +376,4 @@ TEST_F(KnownAnswer, euler_disk) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::friction_test
+}}}}  // namespace lpc::LPC_PRECISION::test::friction_test

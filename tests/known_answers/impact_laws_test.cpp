@@ -5,8 +5,7 @@
 #include "framework/shape/mass.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::impact_laws_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace impact_laws_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 using Velocities = std::vector<double>;
@@ -175,4 +174,4 @@ void kane() {
 TEST_F(KnownAnswer, kane_rod) { kane<2>(), kane<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::impact_laws_test
+}}}}  // namespace lpc::LPC_PRECISION::test::impact_laws_test

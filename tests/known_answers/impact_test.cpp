@@ -6,8 +6,7 @@
 
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::impact_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace impact_test { namespace {
 
 const Methods kLaws{"split_solver, any law of restitution",
                     {"split_solver", "split_solver{impact=poisson}", "split_solver{impact=sequential}"}};
@@ -195,4 +194,4 @@ TEST_F(KnownAnswer, bounce_elastic_energy) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::impact_test
+}}}}  // namespace lpc::LPC_PRECISION::test::impact_test

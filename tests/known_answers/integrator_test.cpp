@@ -6,8 +6,7 @@
 #include "framework/world/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::integrator_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace integrator_test { namespace {
 
 TEST(AnswerTable, HoldsFromBothSides) {
   const AnswerBound bound{0.01, 0.02};
@@ -305,4 +304,4 @@ void momenta() {
 TEST_F(KnownAnswer, two_body_spring_momentum) { momenta<2>(), momenta<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::integrator_test
+}}}}  // namespace lpc::LPC_PRECISION::test::integrator_test

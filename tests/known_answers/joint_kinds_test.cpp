@@ -2,8 +2,7 @@
 // Hinges, welds, springs, slides, wheels, motors, cones, gears and pointers with a formula.
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::joint_kinds_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_kinds_test { namespace {
 
 const char* const kSolvers[] = {"split_solver", "split_solver{position=baumgarte}", "split_solver{velocity=millington}",
                                 "soft_step"};
@@ -351,4 +350,4 @@ TEST_F(KnownAnswer, cone_rim) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::joint_kinds_test
+}}}}  // namespace lpc::LPC_PRECISION::test::joint_kinds_test

@@ -6,8 +6,7 @@
 #include "framework/world/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::joint_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_test { namespace {
 
 const std::vector<std::string> kSolvers = [] {
   std::vector<std::string> solvers = {"split_solver", "split_solver{integrator=rk4}",
@@ -275,4 +274,4 @@ void goesRound(bool fast) {
 TEST_F(KnownAnswer, top_steady_precession) { goesRound(false), goesRound(true); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::joint_test
+}}}}  // namespace lpc::LPC_PRECISION::test::joint_test

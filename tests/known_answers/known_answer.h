@@ -24,7 +24,7 @@
 #include "tests/every_solver.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline constexpr double kG = 9.81, kPi = 3.141592653589793, kDegree = kPi / 180;  // m/s^2, 1, rad
 inline constexpr bool kDouble = sizeof(Real) == 8;
@@ -175,4 +175,4 @@ World<D> worldOf(const std::string& solver, const Vec<D>& gravity = defaultGravi
   return World<D>(Pipeline::parse("solver=" + solver), settings);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

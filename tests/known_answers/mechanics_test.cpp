@@ -5,8 +5,7 @@
 
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::mechanics_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace mechanics_test { namespace {
 
 constexpr Real kDt = Real(1) / 240;
 const char* const kSolvers[] = {"split_solver", "soft_step", "tgs", "tgs_ngs", "xpbd", "avbd"};
@@ -296,4 +295,4 @@ TEST_F(KnownAnswer, ball_on_turntable) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::mechanics_test
+}}}}  // namespace lpc::LPC_PRECISION::test::mechanics_test

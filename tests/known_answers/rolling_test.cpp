@@ -5,8 +5,7 @@
 #include "tests/expect_caught.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::rolling_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace rolling_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 constexpr double kRadius = 0.5, kSpeed = 1, kLever = 0.02;  // m, m/s, m
@@ -133,4 +132,4 @@ void everyWay() {
 TEST(Rolling, StopsOrSaysThatItDoesNot) { everyWay<2>(), everyWay<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::rolling_test
+}}}}  // namespace lpc::LPC_PRECISION::test::rolling_test

@@ -4,8 +4,7 @@
 
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::stability_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace stability_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 const char* const kTwo[] = {"split_solver", "soft_step"};
@@ -276,4 +275,4 @@ TEST(FarFromTheOrigin, JointsOfShorterSubstepsTrembleNoMore) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::stability_test
+}}}}  // namespace lpc::LPC_PRECISION::test::stability_test

@@ -7,8 +7,7 @@
 #include "tests/conformance/impact_scene.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::stack_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace stack_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -211,4 +210,4 @@ TEST_F(KnownAnswer, stack_pgs_rate) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::stack_test
+}}}}  // namespace lpc::LPC_PRECISION::test::stack_test

@@ -4,8 +4,7 @@
 
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test::statics_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace statics_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 const char* const kSolvers[] = {"split_solver", "soft_step", "tgs", "tgs_ngs", "xpbd", "avbd"};
@@ -184,4 +183,4 @@ TEST_F(KnownAnswer, sleeping_top) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::statics_test
+}}}}  // namespace lpc::LPC_PRECISION::test::statics_test

@@ -6,8 +6,7 @@
 #include "tests/expect_caught.h"
 #include "tests/surfaces.h"
 
-namespace lpc::inline LPC_PRECISION::test::surface_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace surface_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -302,4 +301,4 @@ TEST(Surface, PushesOutwards) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::surface_test
+}}}}  // namespace lpc::LPC_PRECISION::test::surface_test

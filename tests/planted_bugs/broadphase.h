@@ -4,7 +4,7 @@
 
 #include "framework/stage/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Reports what `meet` and the filters let through; the twins change one of the two.
 template <int D>
@@ -316,4 +316,4 @@ class MeetsTheLost final : public PlantedBug<D> {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

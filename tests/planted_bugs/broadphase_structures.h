@@ -4,7 +4,7 @@
 
 #include "tests/planted_bugs/broadphase.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Cells of 4 m, as many as a box reaches.
 template <int D>
@@ -112,4 +112,4 @@ class TellingTouches final : public TellsTree<D> {
   bool touches() const override { return true; }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -6,7 +6,7 @@
 
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 template <int D, class Inherit>
 void forSamePairs(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fresh, const Inherit& inherit) {
@@ -140,4 +140,4 @@ struct SeesPointsAlone final : Recycled<D> {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

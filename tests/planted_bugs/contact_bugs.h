@@ -6,7 +6,7 @@
 #include "oracles/referee/posed_core.h"
 #include "tests/contact_scene.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 using namespace contacts;
 
@@ -251,4 +251,4 @@ class NoEdgeContacts final : public ContactGenerator<D> {
   Scratch3 m_scratch;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

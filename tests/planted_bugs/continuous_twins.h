@@ -9,7 +9,7 @@
 
 #include "framework/stage/stage_continuous.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Casts as `cast` does, spoiled.
 template <int D>
@@ -74,4 +74,4 @@ class PlantedContinuous final : public ContinuousCollision<D> {
 
 LPC_REGISTER(ContinuousCollision, PlantedContinuous, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -9,7 +9,7 @@
 
 #include "framework/draw/draw_simulation.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Remembers what was drawn.
 template <int D>
@@ -151,4 +151,4 @@ Drawing<D> meddles() {
   };
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -6,7 +6,7 @@
 
 #include "framework/world/stage_engine.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Starts a simulation under check: a true engine, or a twin with a bug.
 template <int D>
@@ -277,4 +277,4 @@ Start<D> noRotation(Start<D> start) {
   return twin<D>(start, {.pose = [](Pose<D>& X) { X.q = {}; }});
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

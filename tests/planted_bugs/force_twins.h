@@ -7,7 +7,7 @@
 
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class ForceBug {
   none,
@@ -77,4 +77,4 @@ inline Inertia<3> inertiaTurnedBack(const Rot<3>& q, const Inertia<3>& inertia) 
 /// Inertia is no scalar.
 inline Inertia<3> inertiaNotTurned(const Rot<3>&, const Inertia<3>& inertia) { return inertia; }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

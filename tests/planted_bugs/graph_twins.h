@@ -7,7 +7,7 @@
 
 #include "framework/problem/contact_graph.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 struct GraphInput {
   Bodies<2> bodies;
@@ -124,4 +124,4 @@ inline GraphAnswers coloursAllButOne(const GraphInput& in) {
   return answersOf(some);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

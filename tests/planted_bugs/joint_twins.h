@@ -6,7 +6,7 @@
 
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class JointBug {
   none,
@@ -95,4 +95,4 @@ class WrongJoint final : public JointKind<D> {
   JointBug m_bug;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

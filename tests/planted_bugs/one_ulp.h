@@ -8,7 +8,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline constexpr int kUlpCall = 20;  // the step, counted from 0, in which the bit changes
 
@@ -77,4 +77,4 @@ class UlpPosition final : public PositionResolver<D> {
   int m_call = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

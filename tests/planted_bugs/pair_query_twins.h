@@ -7,7 +7,7 @@
 #include "framework/shape/support_map.h"
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::test::wrong_queries {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace wrong_queries {
 
 /// The right method of all twins, spoiled by each in its own way.
 template <int D>
@@ -291,4 +291,4 @@ class SilentLimit final : public PairQuery<D> {
   PairQuery<D>& m_limited;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test::wrong_queries
+}}}}  // namespace lpc::LPC_PRECISION::test::wrong_queries

@@ -14,7 +14,7 @@
 
 LPC_PLUGIN;
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 enum class Bug { hang, crash, allocate, forget, dice, slow, hoard };
@@ -152,4 +152,4 @@ LPC_REGISTER(Broadphase, Dice, 2);
 LPC_REGISTER(Broadphase, Slow, 2);
 LPC_REGISTER(Broadphase, Hoard, 2);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

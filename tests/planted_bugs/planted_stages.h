@@ -13,7 +13,7 @@
 #include "framework/stage/stage_sleep.h"
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline AlgorithmInfo planted(const std::string& stage) {
   return {.name = "planted_" + stage,
@@ -265,4 +265,4 @@ class PlantedKeeper final : public ContactGenerator<D> {
 };
 LPC_REGISTER(ContactGenerator, PlantedKeeper, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -6,7 +6,7 @@
 
 #include "framework/stage/stage_sleep.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// Averages as in the 2009 report, and nothing else: falls asleep at the top of a throw, and asks nobody.
 template <int D>
@@ -103,4 +103,4 @@ class CountsSteps final : public CountsSeconds<D> {
   Real tick(Real) const override { return Real(1) / 60; }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -4,7 +4,7 @@
 
 #include "framework/stage/stage_time_of_impact.h"
 
-namespace lpc::inline LPC_PRECISION::test::wrong_casts {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace wrong_casts {
 
 /// The right method of all twins; each spoils the question or the answer.
 template <int D>
@@ -125,4 +125,4 @@ class DividesByTheSpeed final : public SpoiledCast<D> {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test::wrong_casts
+}}}}  // namespace lpc::LPC_PRECISION::test::wrong_casts

@@ -6,7 +6,7 @@
 #include "framework/shape/support_map.h"
 #include "framework/stage/pair_trace.h"
 
-namespace lpc::inline LPC_PRECISION::test::wrong_traces {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace wrong_traces {
 
 /// The middle one of the steps that ask.
 template <int D>
@@ -83,4 +83,4 @@ struct KeepsTheLastAxis {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test::wrong_traces
+}}}}  // namespace lpc::LPC_PRECISION::test::wrong_traces

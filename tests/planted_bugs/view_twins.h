@@ -6,7 +6,7 @@
 #include "experiments/sandbox/view_camera.h"
 #include "framework/draw/debug_draw.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 // --- cameras: what they hide of a right one is wrong ---------------------------------------------------------------
 
@@ -114,4 +114,4 @@ class DrawsEdgesAlone final : public CanvasTwin<D> {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

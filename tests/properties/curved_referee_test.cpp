@@ -13,8 +13,7 @@
 #include "oracles/verify/verify.h"
 #include "tests/check_property.h"
 
-namespace lpc::inline LPC_PRECISION::test::curved_referee_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace curved_referee_test { namespace {
 
 // f(kindA, kindB) for every two bounded kinds of which one is curved.
 template <int D, class F>
@@ -199,4 +198,4 @@ TEST(CurvedPairs, ContactsAreRight2) { methodsAreRight<2>(StageKind::contacts, 6
 TEST(CurvedPairs, ContactsAreRight3) { methodsAreRight<3>(StageKind::contacts, 30); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::curved_referee_test
+}}}}  // namespace lpc::LPC_PRECISION::test::curved_referee_test

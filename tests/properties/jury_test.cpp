@@ -11,8 +11,7 @@
 #include "tests/pair_query_properties.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::jury_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace jury_test { namespace {
 
 using namespace wrong_queries;
 
@@ -161,4 +160,4 @@ TEST(Jury, FindsWrongCandidates2) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::jury_test
+}}}}  // namespace lpc::LPC_PRECISION::test::jury_test

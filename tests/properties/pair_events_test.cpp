@@ -8,8 +8,7 @@
 #include "tests/draw.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::pair_events_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_events_test { namespace {
 
 /// What a listener was told, and the first thing that it should not have been told.
 template <int D>
@@ -100,4 +99,4 @@ TEST(PairEvents, Alternate2) { events<2>(); }
 TEST(PairEvents, Alternate3) { events<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::pair_events_test
+}}}}  // namespace lpc::LPC_PRECISION::test::pair_events_test

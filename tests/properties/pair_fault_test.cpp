@@ -8,8 +8,7 @@
 #include <limits>
 #include <string>
 
-namespace lpc::inline LPC_PRECISION::pair_fault_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_fault_test { namespace {
 
 template <int D>
 void wrongAnswersAreSeen() {
@@ -39,4 +38,4 @@ TEST(PairFault, WrongAnswersAreSeen2) { wrongAnswersAreSeen<2>(); }
 TEST(PairFault, WrongAnswersAreSeen3) { wrongAnswersAreSeen<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::pair_fault_test
+}}}  // namespace lpc::LPC_PRECISION::pair_fault_test

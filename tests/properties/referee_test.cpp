@@ -15,8 +15,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test::referee_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace referee_test { namespace {
 
 constexpr double kUnit = std::numeric_limits<double>::epsilon();
 
@@ -344,4 +343,4 @@ TEST(Referee, PlantedWrongRefereesAreCaught) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::referee_test
+}}}}  // namespace lpc::LPC_PRECISION::test::referee_test

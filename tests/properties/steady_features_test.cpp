@@ -7,8 +7,7 @@
 #include "tests/check_property.h"
 #include "tests/planted_bugs/contact_bugs.h"
 
-namespace lpc::inline LPC_PRECISION::test::steady_features_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace steady_features_test { namespace {
 
 constexpr std::string_view kPrecision = sizeof(Real) == 8 ? "f64" : "f32";
 
@@ -87,4 +86,4 @@ TEST(SteadyFeatures, TiesOfOursAreRare) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::steady_features_test
+}}}}  // namespace lpc::LPC_PRECISION::test::steady_features_test

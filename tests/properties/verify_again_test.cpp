@@ -4,8 +4,7 @@
 
 #include "oracles/verify/verify.h"
 
-namespace lpc::inline LPC_PRECISION::test::verify_again_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace verify_again_test { namespace {
 
 // Always wrong, and counts how often it is asked.
 template <int D>
@@ -44,4 +43,4 @@ TEST(Verify, AKeptFailureIsAskedAgainOnce) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::verify_again_test
+}}}}  // namespace lpc::LPC_PRECISION::test::verify_again_test

@@ -7,8 +7,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/time_of_impact_twins.h"
 
-namespace lpc::inline LPC_PRECISION::verify_impacts_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace verify_impacts_test { namespace {
 
 using namespace test::wrong_casts;
 
@@ -82,4 +81,4 @@ TEST(VerifyImpacts, PlantedBugsAreFound) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::verify_impacts_test
+}}}  // namespace lpc::LPC_PRECISION::verify_impacts_test

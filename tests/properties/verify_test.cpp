@@ -18,8 +18,7 @@
 #include "tests/planted_bugs/contact_bugs.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::verify_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace verify_test { namespace {
 
 // Every two kinds up to `last`.
 std::vector<std::pair<ShapeKind, ShapeKind>> kindPairs(int dimension,
@@ -497,4 +496,4 @@ TEST(Verify, WrongDimensionIsTheUsersMistake) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::verify_test
+}}}}  // namespace lpc::LPC_PRECISION::test::verify_test

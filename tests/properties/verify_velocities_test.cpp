@@ -8,8 +8,7 @@
 #include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::verify_velocities_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace verify_velocities_test { namespace {
 
 template <int D>
 using Method = Candidate<VelocityResolver<D>>;
@@ -156,4 +155,4 @@ TEST(VerifyVelocities, DrawsTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::verify_velocities_test
+}}}  // namespace lpc::LPC_PRECISION::verify_velocities_test

@@ -16,8 +16,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace lpc::inline LPC_PRECISION::witness_process_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace witness_process_test { namespace {
 
 enum class Fault { throws, throwsInPlace, aborts, segfaults, exits, spins, sleeps, nan, infiniteNormal, prints };
 
@@ -339,4 +338,4 @@ TEST(WitnessProcess, WhatItPrintsGoesNowhere) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::witness_process_test
+}}}  // namespace lpc::LPC_PRECISION::witness_process_test

@@ -13,8 +13,7 @@
 #include "tests/check_property.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test::witness_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace witness_test { namespace {
 
 template <int D>
 struct Entry {
@@ -347,4 +346,4 @@ TEST(Witnesses, ChipmunkForgetsTheTurnOfACapsule) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::witness_test
+}}}}  // namespace lpc::LPC_PRECISION::test::witness_test

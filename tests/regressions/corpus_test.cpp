@@ -19,8 +19,7 @@
 #include "oracles/verify/case_run.h"
 #include "oracles/witnesses/witness_process.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 const std::string kCorpus = std::string(LPC_SOURCE_DIR) + "/tests/regressions/hard_cases.json";
 
@@ -237,4 +236,4 @@ TEST(Corpus, BadFilesAreRefusedInOneLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

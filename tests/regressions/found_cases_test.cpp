@@ -11,8 +11,7 @@
 #include "framework/math/check.h"
 #include "oracles/verify/case_run.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 const std::string kFile = std::string(LPC_SOURCE_DIR) + "/tests/regressions/found_cases.json";
 const std::string kPrecision = sizeof(Real) == 8 ? "f64" : "f32";
@@ -196,4 +195,4 @@ TEST(FoundCases, AMethodThatIsNotThereIsTheUsersMistake) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "framework/problem/body.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 /// A dynamic box with edges of 1 m, its middle at (x, y) and in 3D at z = 0.
 template <int D>
@@ -14,4 +14,4 @@ BodyDef<D> boxAt(Real x, Real y) {
   return def;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

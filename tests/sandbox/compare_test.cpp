@@ -10,8 +10,7 @@
 #include "tests/planted_bugs/engine_twins.h"
 #include "tests/sandbox/box_at.h"
 
-namespace lpc::inline LPC_PRECISION::test::compare_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace compare_test { namespace {
 
 // A floor, and a pyramid of three.
 template <int D>
@@ -260,4 +259,4 @@ TEST(Compare, CostsAreNotChangedTwiceByAStepBack) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::compare_test
+}}}}  // namespace lpc::LPC_PRECISION::test::compare_test

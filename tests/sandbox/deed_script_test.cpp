@@ -10,8 +10,7 @@
 #include "tests/check_property.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test::deed_script_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace deed_script_test { namespace {
 
 // Bodies that come and go by themselves, one that an event brings with a joint that waits for it, a body with a name
 // that a hand's might have, and events in most steps.
@@ -278,4 +277,4 @@ TEST(SandboxScript, GoesOnFromOneOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::deed_script_test
+}}}}  // namespace lpc::LPC_PRECISION::test::deed_script_test

@@ -11,8 +11,7 @@
 #include "tests/planted_bugs/view_twins.h"
 #include "tests/sandbox/shown.h"
 
-namespace lpc::inline LPC_PRECISION::test::gl_canvas_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace gl_canvas_test { namespace {
 
 constexpr DrawColour kRed{220, 0, 0}, kBlue{0, 0, 220};
 constexpr Look kRedBody{kRed, kRed}, kBlueBody{kBlue, kBlue};
@@ -328,4 +327,4 @@ TEST_F(Canvas, MeshesAreOfTheirShapes) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::gl_canvas_test
+}}}}  // namespace lpc::LPC_PRECISION::test::gl_canvas_test

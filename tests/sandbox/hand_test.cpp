@@ -7,8 +7,7 @@
 #include "framework/math/check.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test::hand_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace hand_test { namespace {
 
 template <int D>
 struct Table {
@@ -312,4 +311,4 @@ void carriesAll() {
 TEST(SandboxHand, CarriesAllThatAreSelected) { carriesAll<2>(), carriesAll<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::hand_test
+}}}}  // namespace lpc::LPC_PRECISION::test::hand_test

@@ -11,8 +11,7 @@
 #include "tests/draw.h"
 #include "tests/sandbox/box_at.h"
 
-namespace lpc::inline LPC_PRECISION::test::lanes_seen_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace lanes_seen_test { namespace {
 
 // --- in words --------------------------------------------------------------------------------------------------------
 
@@ -123,4 +122,4 @@ TEST(CompareSeen, TilesHaveTheShapeOfTheScene) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::lanes_seen_test
+}}}}  // namespace lpc::LPC_PRECISION::test::lanes_seen_test

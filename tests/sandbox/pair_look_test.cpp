@@ -7,8 +7,7 @@
 #include "framework/world/world.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test::pair_look_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_look_test { namespace {
 
 Shape<2> roundOne(const Shape<2>&) { return Shape<2>::capsule(1, Real(0.4)); }
 Shape<3> roundOne(const Shape<3>&) { return Shape<3>::curved(ShapeKind::cylinder, std::array{Real(0.6), Real(0.8)}); }
@@ -87,4 +86,4 @@ void looks() {
 TEST(SandboxPair, IsLookedIntoOnce) { looks<2>(), looks<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::pair_look_test
+}}}}  // namespace lpc::LPC_PRECISION::test::pair_look_test

@@ -14,8 +14,7 @@
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test::session_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace session_test { namespace {
 
 template <int D>
 BodyDef<D> ball(Real x, Real y, Real radius = Real(0.5)) {
@@ -255,4 +254,4 @@ TEST(Sandbox, CostFollowsIterations) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::session_test
+}}}}  // namespace lpc::LPC_PRECISION::test::session_test

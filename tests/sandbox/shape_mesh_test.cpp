@@ -12,8 +12,7 @@
 #include "tests/draw.h"
 #include "tests/planted_bugs/view_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::shape_mesh_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace shape_mesh_test { namespace {
 
 constexpr Real kFloat = Real(1e-5);  // of a size: meshes are of floats
 
@@ -95,4 +94,4 @@ TEST(ShapeMesh, IsTheShape2) { meshes<2>(); }
 TEST(ShapeMesh, IsTheShape3) { meshes<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::shape_mesh_test
+}}}}  // namespace lpc::LPC_PRECISION::test::shape_mesh_test

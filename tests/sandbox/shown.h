@@ -5,7 +5,7 @@
 #include "experiments/sandbox/gl_canvas.h"
 #include "experiments/sandbox/window.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline constexpr DrawColour kPaper{247, 247, 245};
 
@@ -33,4 +33,4 @@ inline int count(const Window::Picture& picture, bool (*is)(const DrawColour&)) 
   return n;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -12,8 +12,7 @@
 #include "tests/draw.h"
 #include "tests/planted_bugs/view_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::view_camera_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace view_camera_test { namespace {
 
 constexpr Real kPixel = Real(1e-6);  // px: what rounding may move
 
@@ -178,4 +177,4 @@ TEST(ViewCamera, LooksAtTheFloorThatTheyFallOn) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::view_camera_test
+}}}}  // namespace lpc::LPC_PRECISION::test::view_camera_test

@@ -13,8 +13,7 @@
 #include "tests/check_property.h"
 #include "tests/sandbox/shown.h"
 
-namespace lpc::inline LPC_PRECISION::test::window_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace window_test { namespace {
 
 void push(SDL_Event event) { ASSERT_EQ(SDL_PushEvent(&event), 1); }
 void pushKey(SDL_Keycode key) {
@@ -141,4 +140,4 @@ TEST(View, StepsWhenItIsToldTo) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::window_test
+}}}}  // namespace lpc::LPC_PRECISION::test::window_test

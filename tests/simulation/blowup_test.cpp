@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::blowup_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace blowup_test { namespace {
 
 constexpr int kSick = 8, kFrom = 5;  // the slot after a heap of five, and the step from which the force acts
 
@@ -65,4 +64,4 @@ TEST(Blowup, EveryStageSurvives2) { everyStageSurvives<2>(); }
 TEST(Blowup, EveryStageSurvives3) { everyStageSurvives<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::blowup_test
+}}}}  // namespace lpc::LPC_PRECISION::test::blowup_test

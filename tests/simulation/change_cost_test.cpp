@@ -7,8 +7,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::change_cost_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace change_cost_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -180,4 +179,4 @@ void lives() {
 TEST(ChangeCost, WhoseShapesAndJointsAreWhoseIsRight) { lives<2>(), lives<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::change_cost_test
+}}}}  // namespace lpc::LPC_PRECISION::test::change_cost_test

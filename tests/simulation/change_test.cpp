@@ -9,8 +9,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::change_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace change_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 constexpr double kRounding = sizeof(Real) == 8 ? 1e-12 : 1e-4;
@@ -496,4 +495,4 @@ TYPED_TEST(ChangeTest, OfOneBody) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::change_test
+}}}}  // namespace lpc::LPC_PRECISION::test::change_test

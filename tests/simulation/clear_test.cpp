@@ -9,8 +9,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::clear_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace clear_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -200,4 +199,4 @@ void costs() {
 TEST(ClearTest, CostsWhatThereIs) { costs<2>(), costs<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::clear_test
+}}}}  // namespace lpc::LPC_PRECISION::test::clear_test

@@ -12,8 +12,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::compound_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace compound_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -285,4 +284,4 @@ void saves() {
 TEST(Compound, SavedAndLoaded) { saves<2>(), saves<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::compound_test
+}}}}  // namespace lpc::LPC_PRECISION::test::compound_test

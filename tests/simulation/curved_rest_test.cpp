@@ -8,8 +8,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::curved_rest_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace curved_rest_test { namespace {
 
 constexpr Real kDt = Real(1) / 60, kQuarterTurn = Real(1.57079632679489661923);
 
@@ -140,4 +139,4 @@ TEST(CurvedRest, SavedIsContinued) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::curved_rest_test
+}}}}  // namespace lpc::LPC_PRECISION::test::curved_rest_test

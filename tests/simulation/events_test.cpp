@@ -10,8 +10,7 @@
 #include "tests/every_solver.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::events_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace events_test { namespace {
 
 /// Keeps the pairs that have begun and not ended, and the first thing that cannot be.
 template <int D>
@@ -141,4 +140,4 @@ TEST(Events, EveryStageBalances2) { everyStageBalances<2>(); }
 TEST(Events, EveryStageBalances3) { everyStageBalances<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::events_test
+}}}}  // namespace lpc::LPC_PRECISION::test::events_test

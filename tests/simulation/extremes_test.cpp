@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::extremes_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace extremes_test { namespace {
 
 /// Every body finite, and what contacts and joints push.
 template <int D>
@@ -167,4 +166,4 @@ TEST(Extremes, EveryParameterSurvives2) { everyParameterSurvives<2>(); }
 TEST(Extremes, EveryParameterSurvives3) { everyParameterSurvives<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::extremes_test
+}}}}  // namespace lpc::LPC_PRECISION::test::extremes_test

@@ -12,8 +12,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::extrusion_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace extrusion_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 constexpr Real kHalfDepth = 1;  // m: twice as deep as wide
@@ -197,4 +196,4 @@ TEST(Extrusion, SeesAnotherInertia) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::extrusion_test
+}}}}  // namespace lpc::LPC_PRECISION::test::extrusion_test

@@ -7,8 +7,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/joint_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test::joint_motion_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_motion_test { namespace {
 
 #if defined(LPC_SANITIZED)
 constexpr int kSeconds = 5;
@@ -158,4 +157,4 @@ TEST(JointMotion, Converges2) { everyKindConverges<2>(); }
 TEST(JointMotion, Converges3) { everyKindConverges<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::joint_motion_test
+}}}}  // namespace lpc::LPC_PRECISION::test::joint_motion_test

@@ -5,8 +5,7 @@
 #include "framework/world/invariants.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::joints_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joints_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 const char* const kSolvers[] = {"solver=split_solver", "solver=split_solver{velocity=naive}",
@@ -175,4 +174,4 @@ TEST(Joints, ErrorsInMetresAndRadiansAreApart) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::joints_test
+}}}}  // namespace lpc::LPC_PRECISION::test::joints_test

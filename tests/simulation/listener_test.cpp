@@ -5,8 +5,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -274,4 +273,4 @@ TYPED_TEST(ListenerTest, SleepersContactsAreMadeWhereAsked) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}}}  // namespace lpc::LPC_PRECISION::test

@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::order_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace order_test { namespace {
 
 constexpr double kG = 9.81;
 
@@ -105,4 +104,4 @@ TEST(Order, EverySolverConverges2) { everySolverConverges<2>(); }
 TEST(Order, EverySolverConverges3) { everySolverConverges<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::order_test
+}}}}  // namespace lpc::LPC_PRECISION::test::order_test

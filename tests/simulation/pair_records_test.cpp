@@ -8,8 +8,7 @@
 #include "tests/check_property.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::pair_records_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_records_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -134,4 +133,4 @@ TEST(PairRecords, OfSleepersAreForgottenByWhoKeepsNone) {
 TEST(PairRecords, CanBeReadByAnotherPipeline) { otherPipelines<2>(), otherPipelines<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::pair_records_test
+}}}}  // namespace lpc::LPC_PRECISION::test::pair_records_test

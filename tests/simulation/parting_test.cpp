@@ -12,8 +12,7 @@
 #include "tests/every_solver.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::parting_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace parting_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -191,4 +190,4 @@ void curves() {
 TEST(Parting, Curves) { curves<2>(), curves<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::parting_test
+}}}}  // namespace lpc::LPC_PRECISION::test::parting_test

@@ -7,8 +7,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::persistent_manifold_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace persistent_manifold_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -70,4 +69,4 @@ TEST(PersistentManifold, PointsAreForgottenWithTheCache) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::persistent_manifold_test
+}}}}  // namespace lpc::LPC_PRECISION::test::persistent_manifold_test

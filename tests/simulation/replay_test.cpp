@@ -12,8 +12,7 @@
 #include "tests/planted_bugs/planted_stages.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::replay_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace replay_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 constexpr int kSteps = 75;  // enough for limits shared by disjoint scenes to be met
@@ -363,4 +362,4 @@ TEST(Replay, DamagedSavesAreRefusedAndChangeNothing) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::replay_test
+}}}}  // namespace lpc::LPC_PRECISION::test::replay_test

@@ -7,8 +7,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::rest_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace rest_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 #if defined(LPC_SANITIZED)
@@ -110,4 +109,4 @@ TEST(Rest, NonlinearEndsBeforeItsLimit) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::rest_test
+}}}}  // namespace lpc::LPC_PRECISION::test::rest_test

@@ -10,8 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test::sleeping_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace sleeping_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -439,4 +438,4 @@ void blowsGoThroughARow() {
 TEST(Sleeping, BlowsGoThroughARow) { blowsGoThroughARow<2>(), blowsGoThroughARow<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::sleeping_test
+}}}}  // namespace lpc::LPC_PRECISION::test::sleeping_test

@@ -9,8 +9,7 @@
 #include "tests/expect_caught.h"
 #include "tests/surfaces.h"
 
-namespace lpc::inline LPC_PRECISION::test::surface_test {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace surface_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -157,4 +156,4 @@ TEST(Surface, BulletsDoNotFallThrough) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test::surface_test
+}}}}  // namespace lpc::LPC_PRECISION::test::surface_test

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/clip/core2.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 struct Patch2 {
   Vec<2> normal = Vec<2>::Zero();  // n_12, unit, in frame 1
@@ -91,4 +91,4 @@ inline void closestOfEdges(const Edge2& e1, const Edge2& e2, const Xy& axis, boo
   if (separation <= pair.limit) write(out.points[static_cast<std::size_t>(out.count++)], p1, p2, separation, feature);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

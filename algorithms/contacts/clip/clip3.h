@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/clip/core3.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// A corner of the clipped face. The edges that meet in it are edge k of the incident face, or ~j for edge j of the
 /// reference face.
@@ -233,4 +233,4 @@ inline void addForemost(const Reference3& ref, const Core3& inc, Real separation
   if (best >= 0) addClipped(ref.first, scratch, Triple(inc.v[best]), kNoFeature, featureCode(best), pair.limit, out);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

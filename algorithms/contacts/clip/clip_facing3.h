@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/clip/closest3.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// One attempt: `around` restricts the faces to those that touch the foremost vertices.
 inline void clipFacesAlong(const Core3& c1, const Core3& c2, const Vec<3>& n, bool around, const PlacedPair<3>& pair,
@@ -45,4 +45,4 @@ inline void clipFacing(const Core3& c1, const Core3& c2, const Vec<3>& n, const 
   if (!deepEnough()) out.points.push_back(witness);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

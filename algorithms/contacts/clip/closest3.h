@@ -5,7 +5,7 @@
 
 #include "algorithms/contacts/clip/clip3.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 struct SegmentPair3 {
   Vec<3> a1, b1, a2, b2;  // segments 1 and 2; a point has a = b
@@ -180,4 +180,4 @@ inline void touchEdges(const Core3& c1, const Core3& c2, const ClosestEdges3& e,
   if (separation <= pair.limit) out.points.push_back({p1, p2, separation, closestFeature(c1, c2, e)});
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/patch/point_box.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// A convex polygon in frame 1, counter-clockwise. A capsule's core is a box of no height: its two end "edges" have no
 /// length, but their normals are needed to see that cores on one line are apart.
@@ -88,4 +88,4 @@ inline int edgeAlong(const Core2& c, const Xy& d) {
   return best;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

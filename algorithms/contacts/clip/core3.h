@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/patch/point_box.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// A core in frame 1: a polytope, or a segment (two vertices, one edge without faces), or a point.
 struct Core3 {
@@ -191,4 +191,4 @@ inline int vertexAlong(const Core3& c, const Vec<3>& d) {
   return best;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -4,7 +4,7 @@
 #include "algorithms/contacts/clip/clip2.h"
 #include "algorithms/contacts/patch/reduction.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 struct QueryClipScratch2 {
   Storage2 first, second;
@@ -29,4 +29,4 @@ inline std::span<PatchPoint<2>> clipAlong(const PlacedPair<2>& pair, const Vec<2
   return {out.points.data(), static_cast<std::size_t>(out.count)};
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -4,7 +4,7 @@
 #include "algorithms/contacts/clip/clip_facing3.h"
 #include "algorithms/contacts/patch/reduction.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 struct QueryClipScratch3 {
   Storage3 first, second;
@@ -29,4 +29,4 @@ inline std::span<PatchPoint<3>> clipAlong(const PlacedPair<3>& pair, const Vec<3
   return out.points;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

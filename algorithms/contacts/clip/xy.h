@@ -5,7 +5,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// A vector of the plane in one register. A Vec<2> goes through memory: written number by number and read as one packet
 /// it has to be waited for, and so has a struct of two numbers that is copied. Sums and products are those of the two
@@ -64,4 +64,4 @@ Xy turned(const Rot<2>& q, const Xy& a);
 Xy turnedBack(const Rot<2>& q, const Xy& a);
 Xy placed(const Pose<2>& X, const Xy& a);
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -14,7 +14,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 using pair_query::Triple;
 
@@ -104,7 +104,7 @@ template <int D>
 void addPatch(const ContactInput<D>& in, const PlacedPair<D>& placed, const Vec<D>& n, std::span<PatchPoint<D>> points,
               std::vector<Manifold<D>>& fresh);
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts
 
 #include "algorithms/contacts/patch/contact_patch2.h"
 #include "algorithms/contacts/patch/contact_patch3.h"

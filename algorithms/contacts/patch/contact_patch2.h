@@ -8,7 +8,7 @@
 #include "algorithms/contacts/clip/xy.h"
 #include "algorithms/contacts/patch/contact_patch.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// Are both the frames of the bodies themselves, to the bit? Then nothing is to be turned between them.
 inline bool isBodysFrame(const Pose<2>& X_C1, const Pose<2>& X_C2) {
@@ -102,4 +102,4 @@ inline void addPatch<2>(const ContactInput<2>& in, const PlacedPair<2>& placed, 
   if (points.size() == 2 && m.points[1].feature == m.points[0].feature) ++m.points[1].feature;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

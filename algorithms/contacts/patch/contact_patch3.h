@@ -5,7 +5,7 @@
 #include "algorithms/contacts/patch/contact_patch.h"
 #include "algorithms/pair_query/gjk/triple.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 inline bool isNoTurn(const Rot<3>& q) { return q.w == 1 && q.x == 0 && q.y == 0 && q.z == 0; }
 
@@ -77,4 +77,4 @@ inline void addPatch(const ContactInput<3>& in, const PlacedPair<3>& placed, con
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

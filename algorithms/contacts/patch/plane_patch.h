@@ -5,7 +5,7 @@
 
 #include "algorithms/contacts/patch/reduction.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 template <int D>
 bool hasPlane(const PlacedPair<D>& pair) {
@@ -80,4 +80,4 @@ Vec<D> planePatch(const PlacedPair<D>& pair, Reduction rule, PlaneScratch<D>& sc
   return n;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

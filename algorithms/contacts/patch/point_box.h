@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/patch/contact_patch.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// A point, a segment or a box: a box by its half extents, flat ones included.
 template <int D>
@@ -55,4 +55,4 @@ int collidePointBox(const PlacedPair<D>& pair, Vec<D>& n, PatchPoint<D>& out) {
   return 1;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

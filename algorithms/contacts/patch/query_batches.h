@@ -5,7 +5,7 @@
 
 #include "algorithms/contacts/patch/contact_patch.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// Asks a nested pair query about many pairs: sorted by kinds, answers in the order of the kinds.
 template <int D>
@@ -77,4 +77,4 @@ PatchPoint<D> witnessPoint(const PlacedPair<D>& placed, const PairAnswer<D>& ans
   return {p1, p2, (p2 - p1).dot(answer.normal), featureNumber(kNoFeature, kNoFeature)};
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -8,7 +8,7 @@
 
 #include "algorithms/contacts/patch/contact_patch.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 enum class Reduction { spread, area, extremes, deepest };
 
@@ -208,4 +208,4 @@ inline void reducePatch(Reduction, const Vec<2>& n, Real tolerance, std::vector<
   points = {points[deep], points[far]};
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/clip/core2.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 /// The best edge normal of one polygon, and how far the other one lies beyond it (m).
 struct Axis2 {
@@ -36,4 +36,4 @@ inline void bestEdgesOfBoxes(const Xy& half1, const Xy& half2, const Pose<2>& X_
   axis2 = y2 >= x2 ? Axis2{p2.y() > 0 ? 0 : 2, y2} : Axis2{p2.x() > 0 ? 3 : 1, x2};
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/clip/core3.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 struct FaceAxis3 {
   int face = -1;
@@ -150,4 +150,4 @@ inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, c
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -5,7 +5,7 @@
 #include "algorithms/contacts/patch/reduction.h"
 #include "algorithms/contacts/sat/sat_axes2.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 struct Scratch2 {
   Storage2 first, second;
@@ -73,4 +73,4 @@ inline std::span<PatchPoint<2>> patchPoints(Scratch2& s, Real, Reduction) {
 }
 inline const Vec<2>& patchNormal(const Scratch2& s) { return s.patch.normal; }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

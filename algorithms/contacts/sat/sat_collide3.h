@@ -5,7 +5,7 @@
 #include "algorithms/contacts/patch/reduction.h"
 #include "algorithms/contacts/sat/sat_axes3.h"
 
-namespace lpc::inline LPC_PRECISION::contacts {
+namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 struct Scratch3 {
   Storage3 first, second;
@@ -141,4 +141,4 @@ inline std::span<PatchPoint<3>> patchPoints(Scratch3& s, Real tolerance, Reducti
 }
 inline const Vec<3>& patchNormal(const Scratch3& s) { return s.patch.normal; }
 
-}  // namespace lpc::inline LPC_PRECISION::contacts
+}}}  // namespace lpc::LPC_PRECISION::contacts

@@ -18,7 +18,7 @@
 #include "framework/shape/support_map.h"
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// Makes v a unit vector, whatever its length (no overflow, no underflow); false for zero and NaN.
 template <int D>
@@ -125,4 +125,4 @@ struct BestAxis {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -9,7 +9,7 @@
 #include "algorithms/pair_query/tolerances.h"
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// Some vertices of a hull.
 struct HullPeak {
@@ -54,4 +54,4 @@ inline int climbToFarthest(const Polytope<3>& hull, const Vec<3>& d, int start) 
   return climbToPeak(hull, d, start, 0, peak) ? peak.vertices[0] : -1;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -8,7 +8,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// From here on several at a time are faster than one by one, and there is always work for two times eight lanes.
 inline constexpr std::size_t kManyVertices = 16;
@@ -60,4 +60,4 @@ class HullPair {
 };
 static_assert(sizeof(Vec<3>) == 3 * sizeof(Real), "vertices are triples of numbers, one after the other");
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

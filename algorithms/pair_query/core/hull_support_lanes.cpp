@@ -10,8 +10,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace lpc::inline LPC_PRECISION::pair_query {
-namespace HWY_NAMESPACE {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -177,11 +176,11 @@ void findBoth(HullPair::Hull& a, HullPair::Hull& b, int asked, const Real* HWY_R
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 HWY_EXPORT(farthestOf);
 std::size_t farthestVertex(const std::vector<Vec<3>>& vertices, const Vec<3>& d) {
@@ -234,5 +233,5 @@ HullSupport HullPair::support(const Vec<3>& p, const Mat<3>& rotation, const Vec
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query
 #endif

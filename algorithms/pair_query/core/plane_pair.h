@@ -4,7 +4,7 @@
 
 #include "algorithms/pair_query/core/touching.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// Does one of the kinds have no bounds? Then `answerPlane` serves, whatever the method does otherwise.
 inline bool hasPlane(ShapeKind a, ShapeKind b) {
@@ -51,4 +51,4 @@ class PlanePair {
   std::vector<Vec<D>> m_vertices;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

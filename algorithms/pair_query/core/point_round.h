@@ -5,7 +5,7 @@
 
 #include "algorithms/pair_query/core/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// One line of the outline, from `begin` to `end`, as (place along the axis, distance from it) (m), with the unit
 /// normal that leads out of the solid.
@@ -51,4 +51,4 @@ inline void pointRound(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& wor
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

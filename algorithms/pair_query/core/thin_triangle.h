@@ -5,7 +5,7 @@
 
 #include "algorithms/pair_query/core/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// The vector from the nearest point of a segment on the x axis, `lA` (m) long on both sides of the origin, to that of
 /// one around p along the unit vector u, `lB` long on both sides. Of parallel ones: in the middle of the stretch that
@@ -80,4 +80,4 @@ inline void thinTriangle(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& w
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -10,7 +10,7 @@
 #include "algorithms/pair_query/core/touching_boxes.h"
 #include "framework/shape/support_gap.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// The vertices of a core that lie within `band` (m) of its farthest along unit n (all in the core's frame); of a
 /// curved core the corners of its support face that do, or its support point. `climb`: as in CorePair. A look for all
@@ -407,4 +407,4 @@ PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus
   return answer;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -6,9 +6,9 @@
 #include "algorithms/pair_query/core/touching_boxes2.h"
 #include "algorithms/pair_query/core/touching_boxes3.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 template <int D>
 using TouchingBoxes = std::conditional_t<D == 2, TouchingBoxes2, TouchingBoxes3>;
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -5,7 +5,7 @@
 
 #include "algorithms/pair_query/core/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 class TouchingBoxes2 {
  public:
@@ -62,4 +62,4 @@ class TouchingBoxes2 {
   Real m_band;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -6,7 +6,7 @@
 
 #include "algorithms/pair_query/gjk/triple.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 inline Triple sizes(const Triple& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 
@@ -101,4 +101,4 @@ class TouchingBoxes3 {
   Real m_band;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -8,7 +8,7 @@
 
 #include "algorithms/pair_query/core/touching.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// |H|^-1 g, each eigenvalue of the symmetric H made positive and no smaller than `shift`.
 inline RealMatrix<1, 1> uphill(const RealMatrix<1, 1>& h, const RealMatrix<1, 1>& g, Real shift) {
@@ -160,4 +160,4 @@ class CurvedPolish {
   std::vector<Vec<D>> m_vertices;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

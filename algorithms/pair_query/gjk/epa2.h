@@ -8,7 +8,7 @@
 
 #include "algorithms/pair_query/gjk/gjk_simplex2.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 struct EpaLimits {
   int faces, expansions;  // give up beyond
@@ -142,4 +142,4 @@ class Epa<2, Watch> {
   std::vector<Edge> m_edges;  // counter-clockwise
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

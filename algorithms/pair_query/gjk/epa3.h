@@ -10,7 +10,7 @@
 #include "algorithms/pair_query/gjk/face_planes.h"
 #include "algorithms/pair_query/gjk/triple.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 template <class Watch>
 class Epa<3, Watch> {
@@ -290,4 +290,4 @@ class Epa<3, Watch> {
   int m_waitingCount = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -7,7 +7,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// Up to kFan triangles around an apex, each one's second corner the next one's first, coordinates in rows of their
 /// own, and their planes, with the same numbers from every instruction set and from Triple.
@@ -26,4 +26,4 @@ struct FacePlanes {
   void find(int count);
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

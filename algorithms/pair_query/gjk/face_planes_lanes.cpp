@@ -9,8 +9,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace lpc::inline LPC_PRECISION::pair_query {
-namespace HWY_NAMESPACE {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -53,14 +52,14 @@ void findPlanes(FacePlanes& f, int count) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 HWY_EXPORT(findPlanes);
 void FacePlanes::find(int count) { HWY_DYNAMIC_DISPATCH(findPlanes)(*this, count); }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query
 #endif

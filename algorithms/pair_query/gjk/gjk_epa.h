@@ -13,7 +13,7 @@
 #include "algorithms/pair_query/gjk/pair_warmth.h"
 #include "framework/stage/pair_trace.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 template <int D>
 struct GjkEpaParams {
@@ -272,4 +272,4 @@ class GjkEpaSearch {
 
 }  // namespace
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -8,7 +8,7 @@
 
 #include "algorithms/pair_query/gjk/gjk_simplex3.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// True when the simplex holds the origin; then `best` is untouched. One that is nearly flat holds nothing.
 template <int D>
@@ -78,4 +78,4 @@ bool nearestByJohnson(const Simplex<D>& s, NearestFeature<D>& best) {
   return false;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -6,7 +6,7 @@
 
 #include "algorithms/pair_query/gjk/gjk_simplex3.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// The segment a b.
 template <int D>
@@ -91,4 +91,4 @@ inline bool nearestByVolumes(const Simplex<3>& s, NearestFeature<3>& best) {
   return false;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -6,7 +6,7 @@
 
 #include "algorithms/pair_query/core/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// Up to D + 1 points of the Minkowski difference.
 template <int D>
@@ -108,4 +108,4 @@ inline bool featureDirection(const NearestFeature<2>& nearest, Vec<2>& n) {
   return makeUnit<2>(n);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

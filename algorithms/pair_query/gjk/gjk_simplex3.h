@@ -5,7 +5,7 @@
 #include "algorithms/pair_query/gjk/gjk_simplex2.h"
 #include "algorithms/pair_query/gjk/triple.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// The foot of the origin on the plane of a, b and c with the unit normal n. The height is that of the nearest corner:
 /// a normal of rounding costs least there.
@@ -119,4 +119,4 @@ inline bool featureDirection(const NearestFeature<3>& nearest, Vec<3>& n) {
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

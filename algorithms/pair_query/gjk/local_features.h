@@ -5,7 +5,7 @@
 
 #include "algorithms/pair_query/core/touching.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 template <int D>
 class LocalFeatures {
@@ -110,4 +110,4 @@ class LocalFeatures {
   std::vector<Vec<D>> m_a, m_b;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -10,7 +10,7 @@
 
 #include "algorithms/pair_query/gjk/gjk_simplex3.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// Corners of a core are numbered: those of a hull as its vertices, of a box and a segment by the bits of their signs.
 /// A curved core has none, and of a hull with too many the others are not remembered.
@@ -149,4 +149,4 @@ class PairWarmth {
   std::vector<Seen> m_seen;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -7,7 +7,7 @@
 
 #include "algorithms/pair_query/core/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 struct Triple {
   Real x = 0, y = 0, z = 0;
@@ -74,4 +74,4 @@ inline bool makeUnit(Triple& v) {
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -9,7 +9,7 @@
 #include "algorithms/pair_query/lanes/pair_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
 std::uint64_t balls(std::span<const PairView<3>> pairs, [[maybe_unused]] std::span<PairAnswer<3>> answers) {
   std::uint64_t left = 0;
@@ -32,14 +32,14 @@ std::uint64_t balls(std::span<const PairView<3>> pairs, [[maybe_unused]] std::sp
   return left;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE
+}}}}  // namespace lpc::LPC_PRECISION::pair_query::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 HWY_EXPORT(balls);
 std::uint64_t ballsInLanes(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers) {
   return HWY_DYNAMIC_DISPATCH(balls)(pairs, answers);
 }
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query
 #endif

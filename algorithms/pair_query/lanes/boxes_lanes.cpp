@@ -10,7 +10,7 @@
 #include "algorithms/pair_query/lanes/touching_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
 #if HWY_TARGET != HWY_SCALAR
 class BoxLanes {
@@ -290,15 +290,15 @@ std::uint64_t boxes(std::span<const PairView<3>> pairs, [[maybe_unused]] QueryNe
   return left;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE
+}}}}  // namespace lpc::LPC_PRECISION::pair_query::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 HWY_EXPORT(boxes);
 std::uint64_t boxesInLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
                            WorkDone& work) {
   return HWY_DYNAMIC_DISPATCH(boxes)(pairs, need, answers, work);
 }
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query
 #endif

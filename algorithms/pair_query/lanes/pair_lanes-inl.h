@@ -18,7 +18,7 @@
 
 #if HWY_TARGET != HWY_SCALAR  // one lane: the scalar code has that
 HWY_BEFORE_NAMESPACE();
-namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::ScalableTag<Real>;
@@ -154,7 +154,7 @@ HWY_INLINE std::uint64_t othersThan(Mask m) {
   return ~in & ((std::uint64_t{1} << hn::Lanes(Tag())) - 1);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE
+}}}}  // namespace lpc::LPC_PRECISION::pair_query::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif
 

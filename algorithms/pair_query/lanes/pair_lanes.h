@@ -10,7 +10,7 @@
 #include "framework/stage/params.h"
 #include "framework/stage/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// How a method takes its pairs.
 enum class LaneUse : std::uint8_t { automatic, scalar };
@@ -53,4 +53,4 @@ void forMostInLanes(LaneUse use, std::span<const PairView<D>> pairs, std::span<P
   oneByOne(pairs, answers);
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -12,7 +12,7 @@
 #include "algorithms/pair_query/lanes/touching_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
 #if HWY_TARGET != HWY_SCALAR
 class SegmentLanes {
@@ -161,15 +161,15 @@ std::uint64_t segments(std::span<const PairView<3>> pairs, [[maybe_unused]] Quer
   return left;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE
+}}}}  // namespace lpc::LPC_PRECISION::pair_query::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 HWY_EXPORT(segments);
 std::uint64_t segmentsInLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
                               WorkDone& work) {
   return HWY_DYNAMIC_DISPATCH(segments)(pairs, need, answers, work);
 }
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query
 #endif

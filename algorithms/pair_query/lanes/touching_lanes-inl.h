@@ -11,7 +11,7 @@
 
 #if HWY_TARGET != HWY_SCALAR
 HWY_BEFORE_NAMESPACE();
-namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
 /// kAxes: how many axes the cores extend along, 1 of segments.
 template <int kAxes>
@@ -107,7 +107,7 @@ class TouchingLanes {
   Lane m_band;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE
+}}}}  // namespace lpc::LPC_PRECISION::pair_query::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif
 

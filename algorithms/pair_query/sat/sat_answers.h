@@ -7,7 +7,7 @@
 #include "algorithms/pair_query/sat/sat_polytope3.h"
 #include "framework/stage/pair_trace.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// PairQuery::trace.
 template <int D>
@@ -47,4 +47,4 @@ class SatAnswers {
 
 }  // namespace
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

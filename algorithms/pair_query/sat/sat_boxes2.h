@@ -5,7 +5,7 @@
 
 #include "algorithms/pair_query/core/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// All of the pair's candidate directions and the best bound: the signed distance of the cores.
 template <class Watch = NoWatch>
@@ -149,4 +149,4 @@ class SatBoxes2 {
   const Vec<D>&m_hA, &m_hB;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

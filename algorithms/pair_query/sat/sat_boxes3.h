@@ -5,7 +5,7 @@
 
 #include "algorithms/pair_query/core/touching_boxes3.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// All of the pair's candidate directions and the best bound: the signed distance of the cores.
 template <class Watch = NoWatch>
@@ -252,4 +252,4 @@ class SatBoxes3 {
   bool m_short = false;  // an axis without a number has been tried
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

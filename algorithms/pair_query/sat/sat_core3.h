@@ -8,7 +8,7 @@
 
 #include "algorithms/pair_query/core/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 class SatCore {
  public:
@@ -166,4 +166,4 @@ class SatCore {
   std::vector<Vec<3>> m_moved;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

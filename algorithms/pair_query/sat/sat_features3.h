@@ -8,7 +8,7 @@
 
 #include "algorithms/pair_query/sat/sat_core3.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// Numbers of a vertex, edge or face of A and of B. A face faces a vertex.
 struct SatFeatures {
@@ -178,4 +178,4 @@ inline bool commonNormal(const SatFeatures& f, const SatCore& a, const SatCore& 
   return false;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

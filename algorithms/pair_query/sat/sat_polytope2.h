@@ -6,7 +6,7 @@
 
 #include "algorithms/pair_query/core/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 template <int D, class Watch = NoWatch>
 class SatPolytope;
@@ -93,4 +93,4 @@ class SatPolytope<2, Watch> {
   Core m_a, m_b;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -9,7 +9,7 @@
 #include "algorithms/pair_query/sat/sat_features3.h"
 #include "algorithms/pair_query/sat/sat_polytope2.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 template <class Watch>
 class SatPolytope<3, Watch> {
@@ -333,4 +333,4 @@ class SatPolytope<3, Watch> {
   std::vector<SatRidge> m_ridgesA, m_ridgesB;  // those that may matter
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

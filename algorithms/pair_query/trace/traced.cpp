@@ -5,7 +5,7 @@
 #include "algorithms/pair_query/sat/sat_answers.h"
 #include "algorithms/pair_query/trace/tracer.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 template <int D>
 void traceGjkEpa(const GjkEpaParams<D>& params, const PairView<D>& pair, PairTrace<D>& out) {
@@ -24,4 +24,4 @@ template void traceGjkEpa(const GjkEpaParams<3>&, const PairView<3>&, PairTrace<
 template void traceSat(const PairView<2>&, PairTrace<2>&);
 template void traceSat(const PairView<3>&, PairTrace<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -8,7 +8,7 @@
 #include "algorithms/pair_query/gjk/gjk_simplex2.h"
 #include "framework/stage/pair_trace.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 template <int D>
 class Tracer {
@@ -92,4 +92,4 @@ class Tracer {
   PairTrace<D>* m_out;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -6,11 +6,11 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION::pair_query {
+namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 struct NoWatch {
   template <class F>
   void operator()(F&&) const {}
 };
 
-}  // namespace lpc::inline LPC_PRECISION::pair_query
+}}}  // namespace lpc::LPC_PRECISION::pair_query

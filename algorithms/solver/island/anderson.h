@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 class Anderson {
  public:
@@ -75,4 +75,4 @@ class Anderson {
   std::array<Column, kDepth> m_columns, m_basis;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// Which blocks there are, and in which order nodes are eliminated.
 class BlockPattern {
@@ -338,4 +338,4 @@ class BlockLu : public BlockPattern {
   std::vector<double> m_x;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

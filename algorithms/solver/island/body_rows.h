@@ -7,7 +7,7 @@
 #include "algorithms/solver/island/inertia_root.h"
 #include "framework/problem/contact_problem.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 template <int D>
 class BodyRows {
@@ -175,4 +175,4 @@ class BodyRows {
   std::vector<InertiaRoot<D>> m_root;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

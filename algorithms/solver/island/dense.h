@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// One past the last entry of each row that is not zero.
 inline void rowEnds(std::size_t n, const std::vector<double>& a, std::vector<std::size_t>& out) {
@@ -130,4 +130,4 @@ class GeneralFactor {
   std::vector<std::size_t> m_from, m_end;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -7,7 +7,7 @@
 
 #include "framework/problem/body.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 template <int D>
 using InertiaRoot = std::array<double, static_cast<std::size_t>(kAngDim<D>* kAngDim<D>)>;
@@ -31,4 +31,4 @@ InertiaRoot<D> rootOfInertia(const Bodies<D>& bodies, std::size_t body, bool rot
   return l;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -9,7 +9,7 @@
 #include "algorithms/solver/island/body_rows.h"
 #include "algorithms/solver/island/dense.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 template <int D>
 struct Island {
@@ -155,4 +155,4 @@ class IslandFactor {
   std::vector<double> m_sum, m_inverse, m_z;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -3,7 +3,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// a^-1 x for a symmetric positive definite a, by L d L^T: without square roots, and without pivots, which nothing
 /// that has mass needs.
@@ -30,4 +30,4 @@ RealMatrix<N, 1> ldlSolve(const RealMatrix<N, N>& a, RealMatrix<N, 1> x) {
   return x;
 }
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 class Lemke {
  public:
@@ -101,4 +101,4 @@ class Lemke {
   std::vector<std::size_t> m_basic, m_nonbasic;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -9,7 +9,7 @@
 
 #include "algorithms/solver/island/island.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 template <int D>
 struct PyramidLcp {
@@ -327,4 +327,4 @@ struct PyramidLcp {
   std::vector<Unknown> m_unknowns;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -12,7 +12,7 @@
 
 #include "algorithms/solver/island/body_rows.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 template <int D>
 class SpringIsland {
@@ -255,4 +255,4 @@ class SpringIsland {
   std::vector<double> m_z, m_dz;                     // by node and direction
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

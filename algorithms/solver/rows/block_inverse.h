@@ -6,7 +6,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// The inverse of the response K of up to 6 rows that are solved together: impulses per change of velocity.
 template <int D>
@@ -109,4 +109,4 @@ class BlockInverse {
   std::array<Real, kRows * kRows> m_inverse;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

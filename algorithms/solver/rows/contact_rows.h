@@ -12,7 +12,7 @@
 
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// (relative velocity at two arms) = K (impulse). Symmetric, positive definite unless both bodies are infinitely heavy.
 template <int D>
@@ -242,4 +242,4 @@ void rubBeside(const ManifoldRows<D>& m, PointRows<D>& row, Real normal, Motion<
   for (std::size_t d = 1; d < D; ++d) row.impulse[d] += alone.impulse[d];
 }
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -10,7 +10,7 @@
 
 #include "framework/problem/body.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 enum class ExtremeSearch { scan, tree };
 
@@ -87,4 +87,4 @@ class ContactsOfBodies {
   std::vector<std::uint32_t> m_ids;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -8,7 +8,7 @@
 #include "framework/math/check.h"
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 inline constexpr Real kFarLimit = Real(1e6);  // m or rad: no limit
 
@@ -111,4 +111,4 @@ struct Axis {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

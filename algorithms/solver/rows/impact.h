@@ -9,7 +9,7 @@
 #include "algorithms/solver/rows/extreme_first.h"
 #include "algorithms/solver/rows/joint_rows.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 enum class ImpactLaw { newton, poisson, sequential };
 
@@ -275,4 +275,4 @@ class Impact {
   ContactsOfBodies m_neighbours;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -13,7 +13,7 @@
 #include "algorithms/solver/rows/places.h"
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// How the error of a row is fed back into its velocity: an update asks for v = -rate x error, takes `massScale` of
 /// what that needs, and lets `impulseScale` of what has accumulated leak away.
@@ -258,4 +258,4 @@ class JointSystem {
   Motion<D> m_world;  // at rest, since its inverse mass is 0; but for an infinite impulse, and then for one solve
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

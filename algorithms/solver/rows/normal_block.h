@@ -7,7 +7,7 @@
 
 #include "algorithms/solver/rows/contact_rows.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// Part of its own response by which each point holds on to its impulse (1). The four corners of a face have one
 /// distribution too many, and two points close together nearly so: nothing says which of them bears the weight. With
@@ -109,4 +109,4 @@ class NormalBlock {
   RealMatrix<kRows, kRows> m_k;  // velocity of point i, m/s, per impulse at j
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

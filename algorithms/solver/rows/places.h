@@ -6,7 +6,7 @@
 
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// Places of bodies as those of the step's start and the ways since, m. Far from the origin a way keeps the digits that
 /// a place has lost. Empty: poses alone.
@@ -22,4 +22,4 @@ struct Places {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -8,7 +8,7 @@
 #include "algorithms/solver/rows/block_inverse.h"
 #include "framework/problem/contact_problem.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 template <int D>
 class RowSweep {
@@ -136,4 +136,4 @@ class RowSweep {
   std::vector<Block> m_blocks;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

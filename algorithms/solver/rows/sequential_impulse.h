@@ -4,7 +4,7 @@
 
 #include "algorithms/solver/rows/contact_rows.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// Starts from the share `factor` of the last step's impulses, and applies them.
 template <int D>
@@ -51,4 +51,4 @@ void rubSquareAt(const ManifoldRows<D>& m, PointRows<D>& row, Real limit, Motion
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -8,7 +8,7 @@
 
 #include "framework/stage/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// velocity += dt x (forces of now) / mass, without the gyroscopic term. Bodies of zero inverse mass keep theirs.
 template <int D>
@@ -47,4 +47,4 @@ bool travels(const Bodies<D>& bodies, std::size_t i) {
   return bodies.used[i] && bodies.type[i] != BodyType::fixed && bodies.awake[i];
 }
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -10,7 +10,7 @@
 #include "algorithms/solver/rows/places.h"
 #include "framework/math/tolerances.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// How much of an error one visit takes out.
 struct NgsShare {
@@ -99,4 +99,4 @@ class NgsSweep {
   bool m_moved = false;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

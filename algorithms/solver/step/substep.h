@@ -15,7 +15,7 @@
 #include "algorithms/solver/step/free_motion.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION::solver {
+namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// A contact or joint as a damped spring, solved implicitly: stable at any stiffness, in units that do not depend on
 /// mass.
@@ -390,4 +390,4 @@ class Substeps {
   std::vector<Wrench<D>> m_wrenches;
 };
 
-}  // namespace lpc::inline LPC_PRECISION::solver
+}}}  // namespace lpc::LPC_PRECISION::solver

@@ -3,7 +3,7 @@
 
 #include "framework/problem/body.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 inline constexpr BodyType kBodyTypes[] = {BodyType::dynamic, BodyType::fixed, BodyType::kinematic};
 
@@ -20,4 +20,4 @@ constexpr const char* bodyTypeName(BodyType type) {
   return "";
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

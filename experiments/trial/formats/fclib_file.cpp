@@ -13,7 +13,7 @@
 #include "framework/problem/contact_problem.h"
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 bool isHdf5(const std::string& bytes) { return bytes.starts_with("\x89HDF\r\n\x1a\n"); }
 
@@ -426,4 +426,4 @@ std::string fclibAsProblems(const std::string& path) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 
 #include "framework/problem/frozen_problem.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Whether the bytes begin as HDF5's do.
 bool isHdf5(const std::string& bytes);
@@ -23,4 +23,4 @@ std::string fclibBytes(const FrozenProblem<D>& problem, const std::string& path)
 /// of rigid bodies.
 std::string fclibAsProblems(const std::string& path);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

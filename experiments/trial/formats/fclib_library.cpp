@@ -15,7 +15,7 @@ extern "C" {
 }
 #endif
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 #ifdef LPC_FCLIB
 namespace {
@@ -238,4 +238,4 @@ void writeFclibHere(const std::string&, FclibProblem&) {
 
 #endif
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

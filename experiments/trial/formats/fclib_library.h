@@ -8,7 +8,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// FCLIB's global form: M v = H r + G l + f, u = H^T v + w, G^T v + b = 0, and r in the cones of mu.
 struct FclibProblem {
@@ -29,4 +29,4 @@ std::variant<FclibProblem, FclibLocal> readFclibHere(const std::string& path);
 void writeFclibHere(const std::string& path, FclibProblem& problem);
 void writeFclibHere(const std::string& path, FclibLocal& problem);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 using nlohmann::json;
 
@@ -82,4 +82,4 @@ std::vector<CaseResult> caseRowsFromJson(const json& j) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "oracles/verify/case_run.h"
 #include "oracles/verify/ledger.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 nlohmann::json toJson(const Verified& verified);
 Verified verifiedFromJson(const nlohmann::json& json);
@@ -16,4 +16,4 @@ Verified verifiedFromJson(const nlohmann::json& json);
 nlohmann::json caseRowsToJson(const std::vector<CaseResult>& rows);
 std::vector<CaseResult> caseRowsFromJson(const nlohmann::json& json);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

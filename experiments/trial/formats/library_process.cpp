@@ -13,7 +13,7 @@
 
 #include "framework/math/check.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr unsigned kMostSeconds = 60;
@@ -72,4 +72,4 @@ std::string inItsProcess(const std::string& library, const std::string& path,
   throw UserError(path + ": " + (said ? told : library + " fails on it"));
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,10 +8,10 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What `work` returns, from a process of its own. Throws UserError with the path and what `work` threw, or that the
 /// library has failed: it crashed, or took longer than any file needs.
 std::string inItsProcess(const std::string& library, const std::string& path, const std::function<std::string()>& work);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -21,7 +21,7 @@
 #include <assimp/scene.h>
 #endif
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr const char* kValidFiles = "; valid: OBJ (.obj) and STL (.stl), as text or binary";
@@ -291,4 +291,4 @@ void requireConvex(const MeshFile& mesh, const Polytope<3>& hull, const std::str
                   "; valid: a surface without holes and without faces that lie on each other, or hull = true");
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

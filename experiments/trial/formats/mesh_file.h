@@ -9,7 +9,7 @@
 
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The most bytes of a file: assimp takes some ten times as many.
 inline constexpr std::size_t kMostMeshBytes = std::size_t{64} << 20;
@@ -41,4 +41,4 @@ MeshFile parseMesh(const std::string& bytes, const std::string& path);
 /// Throws UserError with advice unless the mesh is the closed surface of its hull.
 void requireConvex(const MeshFile& mesh, const Polytope<3>& hull, const std::string& name);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

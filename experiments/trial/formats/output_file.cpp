@@ -6,7 +6,7 @@
 #include <cstring>
 #include <filesystem>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // The system's reason is still in errno: nothing between a failed write and the question for it makes a system call.
@@ -110,4 +110,4 @@ void keepApart(const NamedFiles& inputs, const NamedFiles& outputs) {
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

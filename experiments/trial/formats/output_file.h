@@ -9,7 +9,7 @@
 #include "framework/math/check.h"
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Names the file and says why: no such folder, no space left on device, ...
 struct CannotWrite : UserError {
@@ -50,4 +50,4 @@ using NamedFiles = std::vector<std::pair<std::string, std::string>>;
 /// spelling leads there.
 void keepApart(const NamedFiles& inputs, const NamedFiles& outputs);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/world/box_index.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 /// The convex part itself, which lives on when its body is gone.
@@ -127,4 +127,4 @@ bool PairCollector<D>::see(const Simulation<D>& simulation, long step, std::size
 template class PairCollector<2>;
 template class PairCollector<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -12,7 +12,7 @@
 #include "framework/stage/stage_narrowphase.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A convex part that stays itself from step to step: a slot's next body is another one.
 struct PartOfBody {
@@ -94,4 +94,4 @@ struct PairStreamFile {
   static PairStreamFile parse(const std::string& bytes, const std::string& path);
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

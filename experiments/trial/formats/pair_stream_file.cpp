@@ -14,7 +14,7 @@
 #include "experiments/trial/formats/written_rotation.h"
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -295,4 +295,4 @@ PairStreamFile PairStreamFile::parse(const std::string& bytes, const std::string
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -14,7 +14,7 @@
 #include "experiments/trial/formats/fclib_file.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
@@ -437,4 +437,4 @@ ProblemFile ProblemFile::parse(const std::string& bytes, const std::string& path
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

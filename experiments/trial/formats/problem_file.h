@@ -8,7 +8,7 @@
 
 #include "framework/problem/frozen_problem.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct StoredProblem {
@@ -43,4 +43,4 @@ struct ProblemFile {
   static ProblemFile parse(const std::string& bytes, const std::string& path);
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 
 #include "framework/math/user_numbers.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How far from 1 their length may be: f32's rounding, whatever reads it.
 inline constexpr Real kWrittenRotation = Real(1e-5);
@@ -21,4 +21,4 @@ bool takeWritten(Rot<D>& q) {
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

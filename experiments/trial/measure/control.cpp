@@ -7,7 +7,7 @@
 
 #include "experiments/trial/scene/simulation_of_scene.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kSeconds = 0.5;
@@ -46,4 +46,4 @@ Control dropAlone(const std::string& pipeline, const SceneSpec<D>& scene, const 
 template Control dropAlone(const std::string&, const SceneSpec<2>&, const BodyDef<2>&);
 template Control dropAlone(const std::string&, const SceneSpec<3>&, const BodyDef<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/scene/scene_spec.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A body that must move, beside each test of stillness. Where numbers are coarse, or a method moves no body, every
 /// body rests.
@@ -22,4 +22,4 @@ struct Control {
 template <int D>
 Control dropAlone(const std::string& pipeline, const SceneSpec<D>& scene, const BodyDef<D>& body);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 void Edge<D>::start(const Simulation<D>& world) {
@@ -83,4 +83,4 @@ std::string Edge<D>::left(const Simulation<D>& world) {
 template class Edge<2>;
 template class Edge<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

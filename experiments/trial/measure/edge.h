@@ -5,7 +5,7 @@
 
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A body has left the scene when it is lower than all that does not fall, by more than its own size, with no joint
 /// that could hold it. Without gravity, above a plane and where nothing is fixed at the start, no body leaves.
@@ -26,4 +26,4 @@ class Edge {
   bool m_has = false;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 GhostHits<D>::GhostHits() : m_cast(createStage<TimeOfImpact<D>>({"bilateral", {}})) {}
@@ -56,4 +56,4 @@ bool GhostHits<D>::misses(const Simulation<D>& world, const Manifold<D>& m, Real
 template class GhostHits<2>;
 template class GhostHits<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 #include "framework/stage/stage_time_of_impact.h"
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Impulses between shapes that would not have met: the contact's points were farther apart than the world's margin
 /// when they pushed, and the two shapes, moved through the step from where they were by the speeds that they had, with
@@ -30,4 +30,4 @@ class GhostHits {
   bool m_told = true;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

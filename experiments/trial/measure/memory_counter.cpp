@@ -9,9 +9,9 @@
 
 #ifdef LPC_SANITIZED
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 MemoryCounter memoryCounter() { return nullptr; }
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION
 
 #else
 
@@ -54,13 +54,13 @@ void operator delete(void* memory, std::size_t) noexcept { freeCounted(memory); 
 void operator delete(void* memory, std::align_val_t) noexcept { freeCounted(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { freeCounted(memory); }
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 MemoryCounter memoryCounter() {
   memoryIsCounted = true;
   return [] { return memoryCounted; };
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION
 
 #endif

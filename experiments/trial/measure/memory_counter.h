@@ -4,11 +4,11 @@
 
 #include "framework/stage/profiler.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Begins to count in this thread and gives what tells (`Profiler::countMemory`). Sizes are those of malloc's blocks.
 /// Null where the sanitizers bring the allocator. What calls malloc itself, as C libraries do, is not seen.
 using MemoryCounter = MemoryUse (*)();
 MemoryCounter memoryCounter();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

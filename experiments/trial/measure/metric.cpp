@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/trial/measure/metric.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 const DescribedMetric kLoad = {
     "metric",
@@ -61,4 +61,4 @@ double quantile(std::vector<double> values, double q) {
   return i + 1 < values.size() ? values[i] * (1 - share) + values[i + 1] * share : values[i];
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -12,7 +12,7 @@
 
 #include "framework/math/space.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What a trial must have, or the metric is not defined for it (NaN).
 enum class TrialNeed {
@@ -77,4 +77,4 @@ void describeProblemsMetrics(std::vector<DescribedMetric>& out);
 /// The q-th part of the values in order, 0.5 for the median; NaN for none.
 double quantile(std::vector<double> values, double q);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "experiments/trial/measure/metric.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using SeenPairs = const PairsSeen&;
@@ -67,4 +67,4 @@ void describePairsMetrics(std::vector<DescribedMetric>& out) {
   for (const auto& entry : kPairsMetrics) out.push_back({"metric", "pairs", entry.info});
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

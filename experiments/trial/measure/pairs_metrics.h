@@ -8,7 +8,7 @@
 #include "experiments/trial/measure/metric.h"
 #include "framework/math/work.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 struct PairsSeen {
   bool timed = false;
@@ -21,4 +21,4 @@ struct PairsSeen {
 
 std::span<const Measure<PairsSeen>> pairsMetrics();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

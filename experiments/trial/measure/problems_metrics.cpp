@@ -3,7 +3,7 @@
 
 #include "experiments/trial/measure/metric.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 double ProblemsSeen::iterationsTo(double residual) const {
   std::size_t first = answers.size();
@@ -108,4 +108,4 @@ void describeProblemsMetrics(std::vector<DescribedMetric>& out) {
   for (const auto& entry : kSeries) out.push_back({"series", "problems", entry.info});
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 
 #include "experiments/trial/measure/metric.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// One answer of a method. Errors are in units of g dt, or in m/s where there is no gravity.
 struct ProblemAnswer {
@@ -45,4 +45,4 @@ struct ProblemsSeen {
 std::span<const Measure<ProblemsSeen>> problemsMetrics();
 std::span<const Measure<ProblemAnswer>> problemsSeries();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 
 #include "framework/math/tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kSlop = double(kLinearSlop);
@@ -56,4 +56,4 @@ std::string Rest::reason() const {
 template double smallestBody(const Simulation<2>&);
 template double smallestBody(const Simulation<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

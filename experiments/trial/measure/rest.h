@@ -5,7 +5,7 @@
 
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// A scene that rests is held when nothing has sunk by more than this share of its smallest body (1). It is the
 /// strictest of kRestShares, so that what is held is held by each of them.
@@ -31,4 +31,4 @@ struct Rest {
   std::string reason() const;   // which of the three is the largest
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

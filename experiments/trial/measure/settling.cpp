@@ -7,7 +7,7 @@
 #include "experiments/trial/measure/metric.h"
 #include "framework/math/worse.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 double turnBetween(const Rot<2>& a, const Rot<2>& b) { return std::abs(double((a.inverse() * b).radians())); }
@@ -133,4 +133,4 @@ bool Settling<D>::stands(const Simulation<D>& world) const {
 template class Settling<2>;
 template class Settling<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

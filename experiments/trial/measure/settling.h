@@ -8,7 +8,7 @@
 
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// How bodies have moved from where they came, told apart by direction, and whether they still rest on whom they rested
 /// on: what falls changes its neighbours, what sags keeps them.
@@ -72,4 +72,4 @@ class Settling {
   bool m_fast = false;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 bool Tunnelling<D>::collectFixed(const Simulation<D>& world) {
@@ -131,4 +131,4 @@ bool Tunnelling<D>::mayCollide(const Simulation<D>& world, std::int32_t body, st
 template class Tunnelling<2>;
 template class Tunnelling<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -6,7 +6,7 @@
 
 #include "framework/world/simulation.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Who has passed through what is fixed: dynamic bodies whose centre of mass was outside before and after, on a path
 /// that led through a fixed shape that they may collide with. Bodies whose centre is not in any of their own shapes may
@@ -55,4 +55,4 @@ class Tunnelling {
   int m_count = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -9,7 +9,7 @@
 #include "experiments/trial/measure/metric.h"
 #include "framework/math/worse.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Not counted in times: caches are cold and vectors grow.
@@ -420,4 +420,4 @@ template void putSeries(WorldSeen<3>&);
 template std::map<std::string, double> worldMetrics(const WorldSeen<2>&);
 template std::map<std::string, double> worldMetrics(const WorldSeen<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "framework/scene/scene_spec.h"
 #include "framework/world/invariants.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What a world trial has seen so far: what the entries of world_metrics.cpp compute from. Lengths in m, from where a
 /// body came into the world.
@@ -60,4 +60,4 @@ void putSeries(WorldSeen<D>& seen);
 template <int D>
 std::map<std::string, double> worldMetrics(const WorldSeen<D>& seen);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

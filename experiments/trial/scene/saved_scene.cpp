@@ -7,7 +7,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/scene/scene_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // `"cache", "friction"` of `cache,friction`.
@@ -68,4 +68,4 @@ void SavedScene::finish() {
 template void SavedScene::write(const World<2>&, const SceneSpec<2>&, const std::string&);
 template void SavedScene::write(const World<3>&, const SceneSpec<3>&, const std::string&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/scene/scene_spec.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// FILE.toml, the scene, and FILE.world beside it, the bytes. What a step does not reach is not written.
 class SavedScene {
@@ -29,4 +29,4 @@ class SavedScene {
   bool m_written = false;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "framework/shape/mass.h"
 #include "framework/shape/shape_tolerances.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // 2D points with a `depth` become a prism in 3D: the same file, the same scene.
@@ -495,4 +495,4 @@ template Rot<3> readRotation(TableReader&, SceneNumbers&);
 template BodyDef<2> readBody(TableReader&, SceneNumbers&, const toml::table*, const Settings&);
 template BodyDef<3> readBody(TableReader&, SceneNumbers&, const toml::table*, const Settings&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 #include "framework/world/stage_engine.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D, class Act>
@@ -429,4 +429,4 @@ std::span<const EventKind<D>> eventKinds() {
 template std::span<const EventKind<2>> eventKinds();
 template std::span<const EventKind<3>> eventKinds();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -11,7 +11,7 @@
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/scene/scene_spec.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// What events throw while the run lasts, when numbers that are fine each come to what no number holds, such as a blow
 /// at a long lever: an end of the run at its step, and no mistake of the file.
@@ -52,4 +52,4 @@ struct EventKind {
 template <int D>
 std::span<const EventKind<D>> eventKinds();
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

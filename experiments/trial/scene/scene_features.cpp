@@ -4,7 +4,7 @@
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 struct FeatureName {
@@ -75,4 +75,4 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
 template std::map<std::string, int> census(const SceneSpec<2>&);
 template std::map<std::string, int> census(const SceneSpec<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

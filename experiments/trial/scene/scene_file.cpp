@@ -12,7 +12,7 @@
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::string_view kTurns = "turns of loops", kEmptyTurns = "turns of loops around others of no turn";
@@ -497,4 +497,4 @@ SceneSpec<D> SceneFile::build(const ParameterValues& given, std::uint64_t seed) 
 template SceneSpec<2> SceneFile::build<2>(const ParameterValues&, std::uint64_t) const;
 template SceneSpec<3> SceneFile::build<3>(const ParameterValues&, std::uint64_t) const;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

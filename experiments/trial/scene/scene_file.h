@@ -13,7 +13,7 @@
 #include "framework/math/check.h"
 #include "framework/scene/scene_spec.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 inline constexpr double kMaxDt = 10;  // longest step that a scene or a sweep may ask for (s)
 
@@ -98,4 +98,4 @@ std::string featuresText(const Features& features);
 /// Throws UserError with the valid names.
 Features featuresFromText(std::string_view text);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -3,7 +3,7 @@
 
 #include "experiments/trial/scene/scene_parsed.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 ForceDef<D> readForce(TableReader& block, SceneNumbers& numbers) {
@@ -53,4 +53,4 @@ template ForceDef<3> readForce(TableReader&, SceneNumbers&);
 template void placeForce(TableReader&, SceneNumbers&, const SceneSpec<2>&, SceneSpec<2>::Force&);
 template void placeForce(TableReader&, SceneNumbers&, const SceneSpec<3>&, SceneSpec<3>::Force&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,7 +4,7 @@
 
 #include "experiments/trial/scene/scene_parsed.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Of unit length; in 2D what lies in the plane.
@@ -98,4 +98,4 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
 template JointDef<2> readJoint(TableReader&, SceneNumbers&, const std::string&);
 template JointDef<3> readJoint(TableReader&, SceneNumbers&, const std::string&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 // A block of no turns may be one of the other dimension.
 const Registered& kindOf(StageKind stage, const std::string& name, const SceneNumbers& numbers, int dimension) {
@@ -57,4 +57,4 @@ void readMixRule(TableReader& table, const std::string& key, MixRule& rule) {
   rule = static_cast<MixRule>(found - kMixRuleNames.begin());
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::string readLine(TableReader& top, const std::string& key) {
@@ -100,4 +100,4 @@ bool SceneFile::has(int dimension) const {
   return std::find(d.begin(), d.end(), dimension) != d.end();
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,7 @@
 
 #include "experiments/trial/scene/scene_parsed.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Every table of the scene, and of what it holds.
@@ -94,4 +94,4 @@ Shape<D> readHull(TableReader& shape, SceneNumbers& numbers, Real rounding) {
 template Shape<2> readHull(TableReader&, SceneNumbers&, Real);
 template Shape<3> readHull(TableReader&, SceneNumbers&, Real);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -7,7 +7,7 @@
 
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 std::string nameOf(TableReader& block) {
   std::string name = block.string("name", "");
@@ -112,4 +112,4 @@ void ScenePresence<D>::check(const SceneSpec<D>& scene, const std::string& file)
 template class ScenePresence<2>;
 template class ScenePresence<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -10,7 +10,7 @@
 
 #include "experiments/trial/scene/scene_parsed.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Of a block: its `name`, empty where it has none.
 std::string nameOf(TableReader& block);
@@ -73,4 +73,4 @@ class ScenePresence {
   std::vector<When> m_clears;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

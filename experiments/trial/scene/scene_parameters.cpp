@@ -6,7 +6,7 @@
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/math/names.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 void to_json(nlohmann::json& out, const ParameterValue& value) {
   if (value.isText()) {
@@ -107,4 +107,4 @@ ParameterValues SceneFile::values(const ParameterValues& given) const {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -13,7 +13,7 @@
 #include "experiments/trial/scene/scene_file.h"
 #include "framework/world/settings.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// The files that a scene's shapes name, by that name, as they were when the scene was loaded.
 struct SceneMesh {
@@ -190,4 +190,4 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
 template <int D>
 void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

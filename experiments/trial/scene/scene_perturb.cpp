@@ -3,7 +3,7 @@
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/shape/mass.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Another stream than that of the file's expressions, which starts at the seed itself.
@@ -54,4 +54,4 @@ void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed) {
 template void perturb(SceneSpec<2>&, double, std::uint64_t);
 template void perturb(SceneSpec<3>&, double, std::uint64_t);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

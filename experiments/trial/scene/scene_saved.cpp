@@ -6,7 +6,7 @@
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/world/saved_state.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 SavedKind kindOf(const std::string& bytes) {
@@ -68,4 +68,4 @@ void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec
 template void startFromSaved(TableReader&, const SceneFile::Parsed&, SceneSpec<2>&);
 template void startFromSaved(TableReader&, const SceneFile::Parsed&, SceneSpec<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

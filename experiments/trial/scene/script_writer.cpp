@@ -12,7 +12,7 @@
 #include "framework/shape/curved_core.h"
 #include "framework/shape/surface.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::string inQuotes(const std::string& text) {
@@ -359,4 +359,4 @@ std::string ScriptWriter<D>::text(const std::string& summary, std::optional<long
 template class ScriptWriter<2>;
 template class ScriptWriter<3>;
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

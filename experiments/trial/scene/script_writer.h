@@ -10,7 +10,7 @@
 
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Bodies are called as a script does: by a name that `add` or `takeApart` gave, by that of the scene, or "#12", the
 /// thirteenth of the scene's own; so are joints and forces. `step`: the number of steps that the script's world has
@@ -71,4 +71,4 @@ class ScriptWriter {
   bool m_joins = false;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -8,7 +8,7 @@
 #include "framework/world/stage_engine.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const SceneSpec<D>& scene) {
@@ -31,4 +31,4 @@ std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const S
 template std::unique_ptr<Simulation<2>> simulationOf(const std::string&, const SceneSpec<2>&);
 template std::unique_ptr<Simulation<3>> simulationOf(const std::string&, const SceneSpec<3>&);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

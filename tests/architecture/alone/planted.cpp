@@ -2,8 +2,8 @@
 // A planted bug: it lacks #include "framework/world/invariants.h". In a batch, a file before it could have that line.
 #include "framework/shape/shape.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 const StateInvariants* planted() { return nullptr; }
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -2,7 +2,7 @@
 #include "framework/world/stage_engine.h"
 #include "framework/world/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // A world of our own, as somebody else's engine.
@@ -34,4 +34,4 @@ class InnerWorld final : public Engine<D> {
 
 LPC_REGISTER(Engine, InnerWorld, 2);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

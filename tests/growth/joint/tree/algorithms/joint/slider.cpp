@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/problem/joint.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // B moves along the first axis of A's frame and does not turn against it.
@@ -33,4 +33,4 @@ class Slider final : public JointKind<D> {
 
 LPC_REGISTER(JointKind, Slider, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -4,8 +4,7 @@
 
 #include "framework/shape/curved_core.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 // A solid of two cones along x, base on base: tips at x = -half_length and x = half_length.
 template <int D>
@@ -50,4 +49,4 @@ class Bicone final : public CurvedBase<D, Bicone<D>> {
 const CurvedRegistrar<Bicone, 3> registrar{ShapeKind::bicone, {{"half_length", "radius"}}};
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/stage_speed_limit.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
@@ -36,4 +36,4 @@ class LongestStep final : public SpeedLimit<D> {
 
 LPC_REGISTER(SpeedLimit, LongestStep, 2, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

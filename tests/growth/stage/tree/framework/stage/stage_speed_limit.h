@@ -4,7 +4,7 @@
 #include "framework/problem/body.h"
 #include "framework/stage/registry.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 
 /// Holds velocities to what discrete steps can bear, so that nobody passes through a wall between two of them. Called
 /// once a step, before the solver.
@@ -18,4 +18,4 @@ class SpeedLimit : public Stage {
   virtual void limit(Real dt, Bodies<D>& bodies) = 0;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION

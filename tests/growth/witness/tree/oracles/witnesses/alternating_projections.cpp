@@ -4,7 +4,7 @@
 
 #include "oracles/witnesses/witness_process.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 // Spheres and capsules are rounded segments. From a point of one segment to the nearest of the other and back again, a
@@ -74,4 +74,4 @@ class AlternatingProjections final : public IsolatedWitness<3> {
 
 LPC_REGISTER(PairQuery, AlternatingProjections, 3);
 
-}  // namespace lpc::inline LPC_PRECISION
+}}  // namespace lpc::LPC_PRECISION
