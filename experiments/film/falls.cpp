@@ -37,18 +37,15 @@ std::vector<Fall> lastFalls(const PlannedSweep& sweep, Store& store) {
   std::map<std::tuple<std::string, int, std::string>, std::size_t> at;  // scene, dimension, outcome
   std::vector<Fall> out;
   for (const PlannedTrial& t : sweep.trials) {
-    if (!t.unsupported.empty() || (t.timed() && t.canonical.value("repeat", 0) > 0)) continue;
+    if (!t.unsupported.empty() || (t.timed() && t.asked().repeat > 0)) continue;
     const auto row = store.measured(t.key);
     if (!row || !kFalls.contains(row->outcome)) continue;
     const auto steps = row->metrics.find("steps_done"), bodies = row->metrics.find("bodies");
     if (steps == row->metrics.end() || bodies == row->metrics.end()) continue;
     // What was judged at its last step, since it creeps, stands there.
-    if (row->outcome == "collapsed" &&
-        steps->second >= t.canonical.value("steps", std::numeric_limits<double>::infinity()))
-      continue;
+    if (row->outcome == "collapsed" && steps->second >= static_cast<double>(t.world().steps)) continue;
     if (bodies->second > kMostBodies || bodies->second * steps->second > kMostPoses) continue;
-    const auto [place, isNew] =
-        at.try_emplace({t.canonical.at("scene"), t.canonical.at("dimension"), row->outcome}, out.size());
+    const auto [place, isNew] = at.try_emplace({t.world().scene, t.asked().dimension, row->outcome}, out.size());
     if (isNew) {
       out.push_back({&t, row->outcome, steps->second});
     } else if (steps->second > out[place->second].step) {
@@ -171,19 +168,18 @@ bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& option
     if (store.hasFilm(t.key)) continue;
     if (!place) place.emplace();
     const std::string recording = place->path();
-    nlohmann::json request = requestOf(t);
-    request["record"] = recording;
-    pool.start(0, t.canonical.at("precision"), request, {sweep.wallLimit, sweep.memoryLimit * 1073741824.0}, -1);
+    TrialRequest request = t.request;
+    request.record = recording;
+    pool.start(0, request, {sweep.wallLimit, sweep.memoryLimit * 1073741824.0}, -1);
     std::vector<WorkerEnd> ends;
     while (ends.empty() && !InterruptGuard::interrupted()) ends = pool.ended();
     if (ends.empty()) return false;
     if (const std::string what = otherwise(ends[0], fall); !what.empty()) {
       std::fprintf(stderr, "lpc: sweep %s: a run of %s that %s at step %.0f is %s when it is run again: not drawn\n",
-                   sweep.name.c_str(), t.canonical.at("scene").get<std::string>().c_str(), fall.outcome.c_str(),
-                   fall.step, what.c_str());
+                   sweep.name.c_str(), t.world().scene.c_str(), fall.outcome.c_str(), fall.step, what.c_str());
       continue;
     }
-    const bool flat = t.canonical.at("dimension").get<int>() == 2;
+    const bool flat = t.asked().dimension == 2;
     store.putFilm(t.key, (flat ? stripOf<2>(recording) : stripOf<3>(recording)).dump());
   }
   return true;

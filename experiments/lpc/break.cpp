@@ -115,8 +115,7 @@ PlannedSweep plan(BreakOptions& o) {
       trials[0].axes = axes;
       for (int repeat = 1; p.timed && repeat < kTimedRepeats; ++repeat) {
         PlannedTrial again = trials[0];
-        again.axes["repeat"] = again.canonical["repeat"] = repeat;
-        again.key = trialKey(again.canonical);
+        again.setRepeat(repeat);
         trials.push_back(std::move(again));
       }
       return trials;

@@ -59,15 +59,14 @@ void printModel(const ModelSeen& m, const ModelSeen& again) {
 }
 
 void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
-  const auto& own = sweep.trials.front().canonical;
-  const std::string features = own["features"];
-  std::printf("%s in %dD needs, as its file says: %s\n", own["scene"].get<std::string>().c_str(),
-              own["dimension"].get<int>(), features.empty() ? "no feature" : features.c_str());
+  const WorldRequest& own = sweep.trials.front().world();
+  std::printf("%s in %dD needs, as its file says: %s\n", own.scene.c_str(), own.dimension,
+              own.features.empty() ? "no feature" : own.features.c_str());
   std::printf(
       "Times the time and the multiply-adds of this (minimal) model, median over %d seeds (least .. most); how far "
       "bodies end\nfrom where they end with it (m): median over bodies and seeds, and the farthest.\n",
       seen.seeds);
-  std::printf("Stages: %s\n\n", own["pipeline"].get<std::string>().c_str());
+  std::printf("Stages: %s\n\n", own.pipeline.c_str());
   if (seen.failed) {
     std::printf("minimal fails with %d of %d seeds, which are left out: %s\n", seen.failed, seen.seeds,
                 seen.failure.c_str());

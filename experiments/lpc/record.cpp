@@ -100,13 +100,14 @@ class ProblemWatcher final : public VelocityWatcher<D> {
 /// The world of a trial, and who plays its script.
 template <int D>
 struct RecordedRun {
-  explicit RecordedRun(const PlannedTrial& trial) : RecordedRun(trial.canonical, SceneFile::load(trial.sceneFile)) {}
-  RecordedRun(const nlohmann::json& t, const SceneFile& file)
+  explicit RecordedRun(const PlannedTrial& trial)
+      : RecordedRun(trial.world(), SceneFile::load(trial.request.sceneFile)) {}
+  RecordedRun(const WorldRequest& asked, const SceneFile& file)
       : scene(file.name()),
-        dt(static_cast<Real>(t.at("dt").get<double>())),
-        steps(t.at("steps").get<long>()),
-        director(specOf(t, file)),
-        world(Pipeline::parse(t.at("pipeline").get<std::string>()), director.scene().settings) {}
+        dt(static_cast<Real>(asked.dt)),
+        steps(asked.steps),
+        director(specOf(asked, file)),
+        world(Pipeline::parse(asked.pipeline), director.scene().settings) {}
 
   std::string scene;
   Real dt;
@@ -115,9 +116,9 @@ struct RecordedRun {
   World<D> world;
 
  private:
-  static SceneSpec<D> specOf(const nlohmann::json& t, const SceneFile& file) {
-    SceneSpec<D> spec = file.build<D>(t.at("params").get<ParameterValues>(), t.at("seed").get<std::uint64_t>());
-    spec.settings.features = featuresFromText(t.at("features").get<std::string>());
+  static SceneSpec<D> specOf(const WorldRequest& asked, const SceneFile& file) {
+    SceneSpec<D> spec = file.build<D>(asked.params, asked.seed);
+    spec.settings.features = featuresFromText(asked.features);
     return spec;
   }
 };
@@ -239,10 +240,10 @@ void recordScene(RecordOptions& o, const Session& session) {
   Planner planner;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
-  if (trial.canonical.contains("engine")) {
+  if (trial.request.ofEngine()) {
     throw UserError("an engine shows no velocity problems and no pairs; valid: a pipeline of ours");
   }
-  const bool flat = trial.canonical.at("dimension") == 2;
+  const bool flat = trial.asked().dimension == 2;
   if (ofPairs) {
     flat ? recordPairs<2>(o, trial) : recordPairs<3>(o, trial);
   } else {

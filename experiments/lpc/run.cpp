@@ -44,11 +44,6 @@ struct RunSceneOptions {
   bool asJson = false, plots = false, noSleeping = false, memory = false;
 };
 
-struct SaveRequest {
-  long step;
-  std::string scene;
-};
-
 // AT:FILE.toml.
 std::vector<SaveRequest> readSaves(const std::vector<std::string>& texts) {
   std::vector<SaveRequest> out;
@@ -109,14 +104,13 @@ void printPlots(const RunSceneOptions& o, const TrialResult& result) {
   if (!o.plot.empty() && !result.series.count(o.plot)) std::printf("%s: this run has none\n", o.plot.c_str());
 }
 
-void print(const PlannedTrial& trial, const TrialResult& result) {
-  std::printf("scene     %s in %dD, %s, dt %.6g s\n", trial.canonical["scene"].get<std::string>().c_str(),
-              trial.canonical["dimension"].get<int>(), trial.canonical["precision"].get<std::string>().c_str(),
-              trial.canonical["dt"].get<double>());
-  if (trial.canonical.contains("script")) {
-    std::printf("script    %s\n", trial.canonical["script"].get<std::string>().c_str());
+void print(const WorldRequest& asked, const TrialResult& result) {
+  std::printf("scene     %s in %dD, %s, dt %.6g s\n", asked.scene.c_str(), asked.dimension, asked.precision.c_str(),
+              asked.dt);
+  if (!asked.script.empty()) {
+    std::printf("script    %s\n", asked.script.c_str());
   }
-  std::printf("pipeline  %s\n", trial.canonical["pipeline"].get<std::string>().c_str());
+  std::printf("pipeline  %s\n", asked.pipeline.c_str());
   std::printf("outcome   %s", result.outcome.c_str());
   if (result.outcome != "ok") std::printf(" at step %ld: %s", result.step, result.reason.c_str());
   std::printf("\nhash      %s\n", result.hash.c_str());
@@ -199,27 +193,23 @@ void runScene(const RunSceneOptions& o, Session& session) {
   cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
-  json request = requestOf(trial);
-  request["progress"] = !o.asJson;
+  TrialRequest request = trial.request;
+  request.progress = !o.asJson, request.memory = o.memory, request.profile = o.profile, request.saves = saves;
   for (const std::string& path : session.plugins) {
-    if (pluginPrecision(path) == o.precision) request["plugins"].push_back(std::filesystem::absolute(path).string());
+    if (pluginPrecision(path) == o.precision) request.plugins.push_back(std::filesystem::absolute(path).string());
   }
-  if (!o.profile.empty()) request["profile"] = o.profile;
-  if (o.memory) request["memory"] = true;
   for (const SaveRequest& s : saves) {
-    if (trial.canonical.contains("engine"))
-      throw UserError("--save: the state of an engine is its own; valid: a pipeline");
-    if (const long last = trial.canonical["steps"]; s.step > last) {
+    if (request.ofEngine()) throw UserError("--save: the state of an engine is its own; valid: a pipeline");
+    if (const long last = trial.world().steps; s.step > last) {
       throw UserError("--save: the run has " + std::to_string(last) + " steps, no step " + std::to_string(s.step));
     }
-    request["saves"].push_back({{"step", s.step}, {"scene", s.scene}});
   }
   const InterruptGuard interrupts;
   // A film is made of a recording, which goes again where nobody has asked for it.
   std::optional<TemporaryRecording> temporary;
   if (o.record.empty() && !o.film.empty()) temporary.emplace();
   const std::string recording = temporary ? temporary->path() : o.record;
-  if (!recording.empty()) request["record"] = recording;
+  request.record = recording;
   std::vector<std::string> partial;  // what a worker that is killed leaves
   std::vector<std::string> written = {o.record, o.profile};
   for (const SaveRequest& s : saves) written.push_back(s.scene), written.push_back(SavedScene::worldPath(s.scene));
@@ -229,7 +219,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
   }
   std::optional<std::string> answer;
   try {
-    answer = answerOf(workerPath(o.precision, trial.canonical.contains("engine")), request);
+    answer = answerOf(workerPath(o.precision, request.ofEngine()), toJson(request));
   } catch (...) {
     for (const std::string& path : partial) std::remove(path.c_str());
     throw;
@@ -247,7 +237,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
   if (o.asJson) {
     std::printf("%s\n", answer->c_str());
   } else {
-    print(trial, result);
+    print(trial.world(), result);
     if (!result.memory.empty()) printMemory(result.memory, std::lround(result.metrics.at("steps_done")));
     if (o.plots) printPlots(o, result);
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());

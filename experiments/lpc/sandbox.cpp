@@ -99,13 +99,12 @@ json trialOpening(const std::string& store, const std::string& key) {
     throw UserError("--trial: " + key + " is one of kind '" + t.at("kind").get<std::string>() +
                     "'; valid: kind 'world'");
   }
+  const auto asked = std::get<WorldRequest>(trialFromJson(t));
   WorldCell cell;
-  cell.params = t.at("params").get<ParameterValues>(), cell.script = t.value("script", "");
-  cell.dimension = t.at("dimension").get<int>(), cell.pipeline = t.at("pipeline");
-  cell.dt = t.at("dt").get<double>(), cell.seed = t.at("seed").get<std::uint64_t>();
-  cell.precision = t.at("precision").get<std::string>();
+  cell.params = asked.params, cell.script = asked.script, cell.dimension = asked.dimension;
+  cell.pipeline = asked.pipeline, cell.dt = asked.dt, cell.seed = asked.seed, cell.precision = asked.precision;
   Planner planner;
-  const PlannedTrial now = planner.world(t.at("scene"), cell);
+  const PlannedTrial now = planner.world(asked.scene, cell);
   if (!now.unsupported.empty()) throw UserError(now.unsupported);
   std::string told = found.outcome;
   if (found.step > 0) told += " at step " + std::to_string(found.step);
@@ -115,15 +114,15 @@ json trialOpening(const std::string& store, const std::string& key) {
     told += "; scene or code have changed since, and it may not fall again";
     break;
   }
-  return {{"scene", now.sceneFile},
-          {"script", now.scriptFile},
-          {"parameters", t.at("params")},
-          {"seed", t.at("seed")},
-          {"dimension", t.at("dimension")},
-          {"pipelines", {t.at("pipeline")}},
-          {"dt", t.at("dt")},
-          {"precision", cell.precision},
-          {"features", t.at("features")},
+  return {{"scene", now.request.sceneFile},
+          {"script", now.request.scriptFile},
+          {"parameters", asked.params},
+          {"seed", asked.seed},
+          {"dimension", asked.dimension},
+          {"pipelines", {asked.pipeline}},
+          {"dt", asked.dt},
+          {"precision", asked.precision},
+          {"features", asked.features},
           {"steps", found.step > 0 ? found.step - 1 : 0},
           {"say", told}};
 }
@@ -141,8 +140,8 @@ json sceneOpening(const SandboxOptions& o, const Asked& asked) {
     const PlannedTrial trial = planner.world(asked.scene, cell);
     if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
     out["pipelines"].push_back(pipeline);
-    out["dimension"] = trial.canonical.at("dimension");
-    out["parameters"] = trial.canonical.at("params"), out["dt"] = trial.canonical.at("dt");
+    out["dimension"] = trial.asked().dimension;
+    out["parameters"] = trial.world().params, out["dt"] = trial.world().dt;
   }
   if (o.seed) out["seed"] = *o.seed;
   return out;

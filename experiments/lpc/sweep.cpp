@@ -24,7 +24,7 @@ void keepPrecision(std::vector<PlannedSweep>& sweeps, const std::string& precisi
   if (precision != "f64" && precision != "f32") {
     throw UserError("--precision " + precision + "; valid: f64, f32");
   }
-  const auto other = [&](const PlannedTrial& t) { return t.canonical.at("precision") != precision; };
+  const auto other = [&](const PlannedTrial& t) { return t.asked().precision != precision; };
   for (PlannedSweep& s : sweeps) {
     std::erase_if(s.trials, other);
     std::erase_if(s.calibrated, [&](const CalibratedCell& cell) { return other(cell.plan(1).at(0)); });

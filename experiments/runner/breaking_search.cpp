@@ -133,8 +133,7 @@ class Breaker {
         continue;
       }
       PlannedTrial none = *tried.none;
-      none.axes["seed"] = none.canonical["seed"] = seed;
-      none.key = trialKey(none.canonical);
+      none.setSeed(static_cast<std::uint64_t>(seed));
       tried.trials.push_back(std::move(none));
     }
   }
@@ -213,8 +212,7 @@ class Breaker {
     t.axes["question"] = ladder.question.title();
     if (calibrated()) t.axes["budget"] = ladder.budget;
     if (!planned.insert(t.key).second) {
-      t.canonical["question"] = t.axes;
-      t.key = trialKey(t.canonical);
+      t.mark("question", t.axes);
       planned.insert(t.key);
     }
     m_sweep.trials.push_back(std::move(t));

@@ -123,8 +123,7 @@ class Calibrator {
       if (!reason.empty()) mark["reason"] = reason;
       for (PlannedTrial t : at(a.cell, found.value_or(1)).trials) {
         // Two budgets may have one answer; each is a cell of its own.
-        t.canonical["calibrated"] = mark;
-        t.key = trialKey(t.canonical);
+        t.mark("calibrated", mark);
         t.axes["budget"] = a.budget;
         if (!found) t.axes.erase(m_what.setting);
         if (t.unsupported.empty()) t.unsupported = reason;

@@ -9,11 +9,11 @@ void IdleSeeds::saw(const PlannedTrial& trial, const json& choices) {
   json rest = trial.canonical;
   for (const char* name : {"seed", "repeat", "timed"}) rest.erase(name);
   Cell& cell = m_cells[trialKey(rest)];
-  cell.scene = trial.canonical.at("scene");
+  cell.scene = trial.world().scene;
   for (const auto& [name, value] : choices.items()) {
     cell.choices.insert(name + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
   }
-  cell.seeds.insert(trial.canonical.at("seed").get<std::uint64_t>());
+  cell.seeds.insert(trial.asked().seed);
   cell.seeded = cell.seeded || trial.seeded;
 }
 

@@ -52,7 +52,7 @@ std::optional<Ended> read(SQLite::Database& db, const PlannedTrial& trial) {
   SQLite::Statement row(db, "SELECT outcome, reason, metrics FROM trial WHERE key=?");
   row.bind(1, trial.key);
   if (!row.executeStep()) return std::nullopt;
-  Ended out{trial.canonical.at("dimension"), row.getColumn(0).getString(), row.getColumn(1).getString(), {}, {}};
+  Ended out{trial.asked().dimension, row.getColumn(0).getString(), row.getColumn(1).getString(), {}, {}};
   for (const auto& [name, value] : storedJson(row.getColumn(2).getString())) {
     if (value.is_number()) out.metrics[name] = value;
   }
@@ -193,7 +193,7 @@ NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store) try {
     if (seen == out.models.end()) {
       seen = out.models.emplace(out.models.end());
       seen->model = name;
-      if (!again) seen->idle = idleStage(name, trial.canonical["pipeline"]);
+      if (!again) seen->idle = idleStage(name, trial.world().pipeline);
     }
     if (!own || !ended) continue;  // stopped before it was run
     ++seen->trials;

@@ -28,16 +28,18 @@ struct TrialJob {
 };
 
 // The kind of pair query that a trial asks. Wrong answers of libraries and of approximate methods are no fault of ours.
-std::string askedOf(const json& trial, bool sidesAreRight) {
-  if (!trial.contains("pair_query")) return "of other stages";
-  const Spec spec = Spec::parse(trial.at("pair_query").get<std::string>());
+std::string askedOf(const TrialRequest& request, bool sidesAreRight) {
+  const auto* drawn = std::get_if<PairsRequest>(&request.trial);
+  const auto* stream = std::get_if<StreamRequest>(&request.trial);
+  if (!drawn && !stream) return "of other stages";
+  const Spec spec = Spec::parse(drawn ? drawn->pairQuery : stream->pairQuery);
   const auto& all = Registry::instance().all();
-  const auto at = all.find({StageKind::pairQuery, trial.at("dimension").get<int>(), spec.name});
+  const auto at = all.find({StageKind::pairQuery, request.base().dimension, spec.name});
   if (at == all.end()) return "of plugins";
   if (at->second.info.role != AlgorithmRole::competitor) return "of libraries";
   // Answers are judged at one tolerance. What asked for a looser one promised no such distance, but the right side.
   const Spec* const asked = spec.find("tolerance");
-  const double judged = pairTolerance(trial.at("precision") == "f32");
+  const double judged = pairTolerance(request.base().precision == "f32");
   if (asked && std::stod(asked->name) > judged && sidesAreRight) return "at a looser tolerance";
   return at->second.info.guarantee == Guarantee::exact ? "of exact ones of ours" : "of approximate ones of ours";
 }
@@ -104,9 +106,9 @@ class Scheduler {
     for (const TrialJob& job : jobs) {
       if (InterruptGuard::interrupted()) return;  // with 100,000 it takes seconds
       double& most = last[ofCell(job)];
-      most = std::max(most, job.trial->canonical.at("repeat").get<double>());
+      most = std::max(most, static_cast<double>(job.trial->asked().repeat));
     }
-    for (TrialJob& job : jobs) job.turn = job.trial->canonical.at("repeat").get<double>() / (last.at(ofCell(job)) + 1);
+    for (TrialJob& job : jobs) job.turn = static_cast<double>(job.trial->asked().repeat) / (last.at(ofCell(job)) + 1);
     std::stable_sort(jobs.begin(), jobs.end(), [](const TrialJob& a, const TrialJob& b) { return a.turn < b.turn; });
   }
 
@@ -116,7 +118,7 @@ class Scheduler {
     while (!InterruptGuard::interrupted() && (next < jobs.size() || m_pool.running() > 0)) {
       for (; next < jobs.size() && m_pool.running() < static_cast<std::size_t>(parallel); ++next) {
         const PlannedTrial& t = *jobs[next].trial;
-        m_pool.start(next, t.canonical.at("precision"), requestOf(t), jobs[next].limits, core);
+        m_pool.start(next, t.request, jobs[next].limits, core);
       }
       for (const WorkerEnd& end : m_pool.ended()) collect(*jobs[end.job].trial, end);
       progress(false);
@@ -147,7 +149,7 @@ class Scheduler {
   void checkRepeats(const PlannedTrial& trial, TrialResult& result) {
     if (result.outcome != "ok" || result.hash.empty()) return;
     json twin = trial.canonical;
-    const int repeat = twin.at("repeat");
+    const int repeat = trial.asked().repeat;
     for (bool timed : {false, true}) {
       for (int other = 0; other <= (timed == trial.timed() ? repeat - 1 : 0); ++other) {
         twin["timed"] = timed, twin["repeat"] = other;
@@ -168,7 +170,7 @@ class Scheduler {
     ++m_summary.run, ++m_summary.outcomes[result.outcome];
     if (result.outcome == "wrong") {
       const auto sides = result.metrics.find("wrong_boolean");
-      ++m_summary.wrong[askedOf(trial.canonical, sides == result.metrics.end() || sides->second == 0)];
+      ++m_summary.wrong[askedOf(trial.request, sides == result.metrics.end() || sides->second == 0)];
     }
     if (result.outcome != "ok" && result.outcome != "unsupported") ++m_summary.bad;
   }
@@ -207,7 +209,7 @@ class Scheduler {
 void checkWorkers(const std::vector<PlannedSweep>& sweeps) {
   std::set<std::pair<std::string, bool>> workers;
   const auto add = [&](const PlannedTrial& t) {
-    if (t.unsupported.empty()) workers.emplace(t.canonical.at("precision"), t.canonical.contains("engine"));
+    if (t.unsupported.empty()) workers.emplace(t.asked().precision, t.request.ofEngine());
   };
   for (const PlannedSweep& sweep : sweeps) {
     for (const PlannedTrial& t : sweep.trials) add(t);

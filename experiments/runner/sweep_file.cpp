@@ -311,14 +311,13 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
         failInCell(e.what(), s, at, where);
       }
       trial.axes = axes;
-      trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.canonical["precision"];
-      if (m_kind == "world") trial.axes["scene"] = trial.canonical["scene"];
-      if (trial.canonical.contains("script")) trial.axes["script"] = trial.canonical["script"];
-      if (m_kind == "problems") trial.axes["dimension"] = trial.canonical["dimension"];
+      trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.asked().precision;
+      if (m_kind == "world") trial.axes["scene"] = trial.world().scene;
+      if (m_kind == "world" && !trial.world().script.empty()) trial.axes["script"] = trial.world().script;
+      if (m_kind == "problems") trial.axes["dimension"] = trial.asked().dimension;
       trial.axes["timed"] = clocked;
       for (long r = 0; r < repeats; ++r) {  // planned once: 65,536 repeats took 14 s
-        trial.axes["repeat"] = trial.canonical["repeat"] = r;
-        trial.key = trialKey(trial.canonical);
+        trial.setRepeat(static_cast<int>(r));
         out.push_back(trial);
       }
     };

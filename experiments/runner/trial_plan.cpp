@@ -91,6 +91,7 @@ void seal(PlannedTrial& trial) {
   trial.canonical["schema"] = kSchema;
   trial.canonical["core"] = coreHash();
   trial.key = trialKey(trial.canonical);
+  trial.request.trial = trialFromJson(trial.canonical);
 }
 
 void require(const json& cell, std::initializer_list<const char*> names) {
@@ -133,10 +134,17 @@ void canonicalEntry(json& cell, const char* axis, const std::vector<Entry>& tabl
 
 }  // namespace
 
-json requestOf(const PlannedTrial& trial) {
-  json request = {{"trial", trial.canonical}, {"scene_file", trial.sceneFile}};
-  if (!trial.scriptFile.empty()) request["script_file"] = trial.scriptFile;
-  return request;
+void PlannedTrial::setRepeat(int repeat) {
+  request.base().repeat = repeat, axes["repeat"] = repeat;
+  mark("repeat", repeat);
+}
+void PlannedTrial::setSeed(std::uint64_t seed) {
+  request.base().seed = seed, axes["seed"] = seed;
+  mark("seed", seed);
+}
+void PlannedTrial::mark(const char* name, json value) {
+  canonical[name] = std::move(value);
+  key = trialKey(canonical);
 }
 
 bool isFrozenAxis(const std::string& kind, const std::string& axis) {
@@ -195,7 +203,7 @@ const Planner::Defaults* Planner::built(const SceneFile& file, const ParameterVa
 PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   const SceneFile& file = scene(name, cell.script);
   PlannedTrial out;
-  out.sceneFile = file.path(), out.scriptFile = file.scriptPath();
+  out.request.sceneFile = file.path(), out.request.scriptFile = file.scriptPath();
   const int dimension = cell.dimension.value_or(file.dimensions().at(0));
   if (dimension != 2 && dimension != 3) {
     throw UserError("the dimension is " + std::to_string(dimension) + "; valid: 2, 3");
@@ -231,25 +239,17 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
     for (const auto& [stage, kind] : found->kinds) code.update(codeHashes(stage, Spec::parse(kind), dimension));
   }
   if (!missing.empty()) out.unsupported = missing;
-  out.canonical = {{"kind", "world"},
-                   {"scene", file.name()},
-                   {"scene_hash", hexHash(file.content())},
-                   {"params", params},
-                   {"dimension", dimension},
-                   {"pipeline", engine ? "engine=" + engine->text() : pipeline.text()},
-                   {"precision", cell.precision},
-                   {"dt", defaults.dt},
-                   {"steps", defaults.steps},
-                   {"seed", seed},
-                   {"features", featuresText(featuresFromText(features))},
-                   {"repeat", cell.repeat},
-                   {"timed", cell.timed},
-                   {"code", code}};
-  if (engine) out.canonical["engine"] = engineData;
+  WorldRequest asked;
+  asked.scene = file.name(), asked.params = params, asked.dimension = dimension, asked.precision = cell.precision;
+  asked.pipeline = engine ? "engine=" + engine->text() : pipeline.text();
+  asked.dt = defaults.dt, asked.steps = defaults.steps, asked.seed = seed;
+  asked.features = featuresText(featuresFromText(features)), asked.repeat = cell.repeat, asked.timed = cell.timed;
   // What it says is in the scene's hash.
-  if (!cell.script.empty()) out.canonical["script"] = std::filesystem::path(file.scriptPath()).stem().string();
-  if (cell.posesEvery) out.canonical["poses_every"] = *cell.posesEvery;
-  if (!cell.series) out.canonical["series"] = false;
+  if (!cell.script.empty()) asked.script = std::filesystem::path(file.scriptPath()).stem().string();
+  asked.posesEvery = cell.posesEvery.value_or(0), asked.series = cell.series;
+  out.canonical = toJson(asked);
+  out.canonical["scene_hash"] = hexHash(file.content()), out.canonical["code"] = code;
+  if (engine) out.canonical["engine"] = engineData;
   seal(out);
   return out;
 }
@@ -284,15 +284,19 @@ PlannedTrial Planner::problems(json cell) {
     throw UserError("axis '" + std::string(axis) + "' is " + cell[axis].dump() + validNames(valid, text(cell, axis)));
   }
   PlannedTrial out;
-  out.sceneFile = findProblems(text(cell, "problems"));
-  auto it = m_problems.find(out.sceneFile);
+  out.request.sceneFile = findProblems(text(cell, "problems"));
+  auto it = m_problems.find(out.request.sceneFile);
   if (it == m_problems.end()) {
-    const std::string bytes = readFile(out.sceneFile);
-    it = m_problems.emplace(out.sceneFile, std::pair(hexHash(bytes), ProblemFile::parse(bytes, out.sceneFile))).first;
+    const std::string bytes = readFile(out.request.sceneFile);
+    it =
+        m_problems
+            .emplace(out.request.sceneFile, std::pair(hexHash(bytes), ProblemFile::parse(bytes, out.request.sceneFile)))
+            .first;
   }
   const ProblemFile& file = it->second.second;
   wholeNumber(cell, "problem", 0, static_cast<long>(file.size()) - 1);
-  cell["problems"] = std::filesystem::path(out.sceneFile).stem().string(), cell["problems_hash"] = it->second.first;
+  cell["problems"] = std::filesystem::path(out.request.sceneFile).stem().string(),
+  cell["problems_hash"] = it->second.first;
   cell["dimension"] = file.dimension;
   json code = json::object();
   Spec spec = Spec::parse(text(cell, "velocity"));
@@ -345,7 +349,7 @@ PlannedTrial Planner::streamOfPairs(json cell) {
   }
   ParameterValues params = file.values(asked);
   PlannedTrial out;
-  out.sceneFile = file.path();
+  out.request.sceneFile = file.path();
   json code = json::object();
   Spec spec = Spec::parse(text(cell, "pair_query"));
   cell["pair_query"] = canonicalStage(code, out.unsupported, StageKind::pairQuery, spec, dimension);

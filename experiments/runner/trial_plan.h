@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "experiments/trial/formats/problem_file.h"
+#include "experiments/trial/request.h"
 #include "experiments/trial/scene/scene_file.h"
 #include "framework/stage/registry.h"
 
@@ -19,10 +20,17 @@ struct PlannedTrial {
   nlohmann::json axes;       // this cell's values as the sweep writes them
   nlohmann::json canonical;  // what the key is made of
   std::string key;
-  std::string sceneFile, scriptFile;  // the second empty: without one
-  std::string unsupported;            // a reason when the cell cannot run at all
-  bool seeded = true;                 // another seed is another trial; not so where a scene draws nothing
-  bool timed() const { return canonical.value("timed", false); }
+  TrialRequest request;     // what a worker is asked for
+  std::string unsupported;  // a reason when the cell cannot run at all
+  bool seeded = true;       // another seed is another trial; not so where a scene draws nothing
+
+  const TrialBase& asked() const { return request.base(); }
+  const WorldRequest& world() const { return request.world(); }
+  bool timed() const { return asked().timed; }
+  void setRepeat(int repeat);
+  void setSeed(std::uint64_t seed);
+  /// Writes something that no worker is told into the key: another trial, with another row in a store.
+  void mark(const char* name, nlohmann::json value);
 };
 
 /// A world trial as asked for; what is left out comes from the scene.
@@ -70,9 +78,6 @@ class Planner {
   std::map<std::string, Defaults> m_built;
   std::map<std::string, std::pair<std::string, ProblemFile>> m_problems;  // with the hash of the bytes
 };
-
-/// What a worker is asked for: see `runTrial`.
-nlohmann::json requestOf(const PlannedTrial& trial);
 
 /// Whether a sweep of a kind without a world has such an axis.
 bool isFrozenAxis(const std::string& kind, const std::string& axis);

@@ -44,13 +44,25 @@ WorkerPool::WorkerPool(const std::vector<std::string>& plugins) {
   }
 }
 
+void WorkerPool::start(std::size_t job, TrialRequest request, const WorkerLimits& limits, int core) {
+  const std::string precision = request.base().precision;
+  for (const auto& [built, path] : m_plugins) {
+    if (built == precision) request.plugins.push_back(path);
+  }
+  launch(job, workerPath(precision, request.ofEngine()), toJson(request), limits, core);
+}
+
 void WorkerPool::start(std::size_t job, const std::string& precision, nlohmann::json request,
                        const WorkerLimits& limits, int core) {
   for (const auto& [built, path] : m_plugins) {
     if (built == precision) request["plugins"].push_back(path);
   }
-  const bool engine = request.contains("trial") && request["trial"].contains("engine");
-  auto child = std::make_unique<Child>(workerPath(precision, engine), request.dump(), core, false);
+  launch(job, workerPath(precision, false), request, limits, core);
+}
+
+void WorkerPool::launch(std::size_t job, const std::string& program, const nlohmann::json& request,
+                        const WorkerLimits& limits, int core) {
+  auto child = std::make_unique<Child>(program, request.dump(), core, false);
   if (m_running.empty()) m_watched = std::chrono::steady_clock::now();
   m_running.push_back({job, limits, std::move(child), timeStamp(), loadAverage(), "", ""});
 }

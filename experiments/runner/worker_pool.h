@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "experiments/runner/child.h"
+#include "experiments/trial/request.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
@@ -35,7 +36,8 @@ class WorkerPool {
   explicit WorkerPool(const std::vector<std::string>& plugins);
 
   std::size_t running() const { return m_running.size(); }
-  /// `core` >= 0 pins it to that processor. `job` comes back with its end.
+  void start(std::size_t job, TrialRequest request, const WorkerLimits& limits, int core);
+  /// A task of another kind. `core` >= 0 pins it to that processor. `job` comes back with its end.
   void start(std::size_t job, const std::string& precision, nlohmann::json request, const WorkerLimits& limits,
              int core);
   /// Waits a little for output and takes out those that have ended.
@@ -52,6 +54,8 @@ class WorkerPool {
     std::string killedFor, why;  // timeout or out_of_memory, when we did it
     double unwatched = 0;        // s in which nobody could look after it
   };
+  void launch(std::size_t job, const std::string& program, const nlohmann::json& request, const WorkerLimits& limits,
+              int core);
   void waitForOutput();
   void countStops();
   static void guard(Running& r);

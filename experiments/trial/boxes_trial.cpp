@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "experiments/trial/box_distribution.h"
 #include "experiments/trial/measure/metric.h"
@@ -14,8 +13,6 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
-
-using nlohmann::json;
 
 constexpr int kWarmUpFrames = 10;  // frames that are not timed
 constexpr double kFrameDt = 1.0 / 60;
@@ -77,14 +74,13 @@ std::vector<ProxyPair> allPairs(const Proxies<D>& proxies) {
 }
 
 template <int D>
-TrialResult runBoxes(const json& t) {
-  const int n = t.at("n").get<int>(), frames = t.at("frames").get<int>();
-  const Spec distribution = Spec::parse(t.at("distribution").get<std::string>());
-  const Spec spec = Spec::parse(t.at("broadphase").get<std::string>());
+TrialResult runBoxes(const BoxesRequest& asked) {
+  const int n = asked.n, frames = asked.frames;
+  const Spec distribution = Spec::parse(asked.distribution), spec = Spec::parse(asked.broadphase);
   const auto method = createStage<Broadphase<D>>(spec);
   const Guarantee guarantee = Registry::instance().find(StageKind::broadphase, D, spec.name).info.guarantee;
 
-  Flock<D> flock = makeFlock<D>(distribution, n, t.at("seed").get<std::uint64_t>());
+  Flock<D> flock = makeFlock<D>(distribution, n, asked.seed);
   Proxies<D> proxies;
   proxies.resize(n);
   std::vector<ProxyId> everyone;
@@ -95,7 +91,7 @@ TrialResult runBoxes(const json& t) {
   }
   TrialResult out;
   BoxesSeen seen;
-  seen.timed = t.value("timed", false);
+  seen.timed = asked.timed;
   std::vector<ProxyPair> pairs;
   XXH64_state_t* hash = XXH64_createState();
   XXH64_reset(hash, 0);
@@ -148,9 +144,8 @@ void describeBoxesMetrics(std::vector<DescribedMetric>& out) {
   for (const auto& entry : kMetrics) out.push_back({"metric", "boxes", entry.info});
 }
 
-TrialResult runBoxesTrial(const json& request) {
-  const json& t = request.at("trial");
-  return t.at("dimension").get<int>() == 2 ? runBoxes<2>(t) : runBoxes<3>(t);
+TrialResult runBoxesTrial(const BoxesRequest& asked) {
+  return asked.dimension == 2 ? runBoxes<2>(asked) : runBoxes<3>(asked);
 }
 
 }}  // namespace lpc::LPC_PRECISION

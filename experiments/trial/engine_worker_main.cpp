@@ -10,7 +10,8 @@
 
 int main() {
   return lpc::answerOnce([](const nlohmann::json& request) {
-    for (const auto& path : request.value("plugins", std::vector<std::string>{})) lpc::loadPlugin(path);
-    return lpc::toJson(lpc::runWorldTrial(request));
+    const lpc::TrialRequest asked = lpc::requestFromJson(request);
+    for (const std::string& path : asked.plugins) lpc::loadPlugin(path);
+    return lpc::toJson(lpc::runWorldTrial(asked));
   });
 }

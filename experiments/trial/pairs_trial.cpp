@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "experiments/trial/measure/pairs_metrics.h"
 #include "experiments/trial/pair_drawing.h"
@@ -17,8 +16,6 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
-
-using nlohmann::json;
 
 template <int D>
 PairView<D> viewOf(const DrawnPair<D>& pair) {
@@ -33,11 +30,11 @@ bool endedWithoutAnswer(Tally end) {
 template <int D>
 class Examination {
  public:
-  explicit Examination(const json& trial)
-      : m_spec(Spec::parse(trial.at("pair_query").get<std::string>())), m_method(createStage<PairQuery<D>>(m_spec)) {
+  Examination(const std::string& pairQuery, bool timed)
+      : m_spec(Spec::parse(pairQuery)), m_method(createStage<PairQuery<D>>(m_spec)) {
     m_role = Registry::instance().find(StageKind::pairQuery, D, m_spec.name).info.role;
     m_witness = dynamic_cast<const Witness<D>*>(m_method.get());
-    seen.timed = trial.value("timed", false);
+    seen.timed = timed;
     XXH64_reset(m_hash, 0);
   }
   ~Examination() { XXH64_freeState(m_hash); }
@@ -143,18 +140,18 @@ double trueDistance(const DrawnPair<D>& pair) {
 }
 
 template <int D>
-TrialResult runPairs(const json& t) {
-  const ShapeKind kindA = shapeKindFromName(t.at("kind_a").get<std::string>());
-  const ShapeKind kindB = shapeKindFromName(t.at("kind_b").get<std::string>());
-  const int n = t.at("n").get<int>(), vertices = t.value("vertices", 0);
-  Examination<D> examination(t);
+TrialResult runPairs(const PairsRequest& asked) {
+  const ShapeKind kindA = shapeKindFromName(asked.kindA), kindB = shapeKindFromName(asked.kindB);
+  Examination<D> examination(asked.pairQuery, asked.timed);
   if (!examination.method().supports(kindA, kindB) || !kindExists(kindA, D) || !kindExists(kindB, D)) {
-    return unsupported(t.at("kind_a").get<std::string>() + " against " + t.at("kind_b").get<std::string>());
+    return unsupported(asked.kindA + " against " + asked.kindB);
   }
-  Random random(t.at("seed").get<std::uint64_t>());
-  const Spec way = Spec::parse(t.value("drawing", std::string("in_turn")));
+  Random random(asked.seed);
+  const Spec way = Spec::parse(asked.drawing);
   std::vector<DrawnPair<D>> pairs;
-  for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(way, {kindA, kindB, i, trueDistance<D>, vertices}, random));
+  for (int i = 0; i < asked.n; ++i) {
+    pairs.push_back(drawPair<D>(way, {kindA, kindB, i, trueDistance<D>, asked.vertices}, random));
+  }
   examine(examination, pairs);
   return examination.result();
 }
@@ -170,24 +167,22 @@ constexpr std::size_t kJudged = 2000;  // at most, of a stream: the referee take
 /// The pairs that a world asks about, or drawn ones of the same kinds, as many of each as are judged of these (one in
 /// `every`), each by itself.
 template <int D>
-TrialResult runStream(const json& t, const SceneFile& file) {
-  const auto seed = t.at("seed").get<std::uint64_t>();
-  const StreamReplay<D> replay(recordStream<D>(file.name(), file.build<D>(t.at("params").get<ParameterValues>(), seed),
-                                               t.at("from").get<long>(), t.at("steps").get<long>(), kMostMeetings));
-  Examination<D> examination(t);
+TrialResult runStream(const StreamRequest& asked, const SceneFile& file) {
+  const StreamReplay<D> replay(
+      recordStream<D>(file.name(), file.build<D>(asked.params, asked.seed), asked.from, asked.steps, kMostMeetings));
+  Examination<D> examination(asked.pairQuery, asked.timed);
   PairQuery<D>& method = examination.method();
-  const auto stream = t.at("stream").get<std::string>();
   if (replay.views.empty()) return unsupported("no boxes come near each other in these steps");
   for (const auto& batch : replay.batches) {
     const ShapeKind a = replay.views[batch.begin].a.kind, b = replay.views[batch.begin].b.kind;
     if (method.supports(a, b)) continue;
     return unsupported(std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
   }
-  if (stream == "warm" && !method.remembers()) return unsupported("it remembers nothing of a pair");
+  if (asked.stream == "warm" && !method.remembers()) return unsupported("it remembers nothing of a pair");
   const std::size_t every = (replay.views.size() + kJudged - 1) / kJudged;
-  if (stream == "drawn") {
-    Random random(seed);
-    const Spec way = Spec::parse(t.at("drawing").get<std::string>());
+  if (asked.stream == "drawn") {
+    Random random(asked.seed);
+    const Spec way = Spec::parse(asked.drawing);
     std::vector<DrawnPair<D>> pairs;
     for (std::size_t i = 0; i < replay.views.size(); i += every) {
       const PairView<D>& like = replay.views[i];
@@ -208,7 +203,7 @@ TrialResult runStream(const json& t, const SceneFile& file) {
   examination.time(
       replay.views.size(),
       [&] {
-        askStream<D>(method, replay, stream == "warm", answers, examination.work, [&](const auto& batch) {
+        askStream<D>(method, replay, asked.stream == "warm", answers, examination.work, [&](const auto& batch) {
           if (!witness) return;
           told += static_cast<double>(witness->nanoseconds());
           for (std::size_t i = 0; i < batch.count; ++i) endings[batch.begin + i] = witness->endings()[i];
@@ -223,12 +218,13 @@ TrialResult runStream(const json& t, const SceneFile& file) {
 
 }  // namespace
 
-TrialResult runPairsTrial(const json& request) {
-  const json& t = request.at("trial");
-  const bool flat = t.at("dimension").get<int>() == 2;
-  if (!t.contains("scene")) return flat ? runPairs<2>(t) : runPairs<3>(t);
-  const SceneFile file = SceneFile::load(request.at("scene_file").get<std::string>());
-  return flat ? runStream<2>(t, file) : runStream<3>(t, file);
+TrialResult runPairsTrial(const PairsRequest& asked) {
+  return asked.dimension == 2 ? runPairs<2>(asked) : runPairs<3>(asked);
+}
+
+TrialResult runStreamTrial(const StreamRequest& asked, const std::string& sceneFile) {
+  const SceneFile file = SceneFile::load(sceneFile);
+  return asked.dimension == 2 ? runStream<2>(asked, file) : runStream<3>(asked, file);
 }
 
 }}  // namespace lpc::LPC_PRECISION

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "experiments/trial/formats/problem_file.h"
@@ -21,8 +20,6 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-using nlohmann::json;
-
 constexpr int kMostRows = 400;                                  // of a matrix whose eigenvalues are asked for
 constexpr int kSolves = 11;                                     // that are timed; the first warms the caches
 constexpr double kConverged = sizeof(Real) == 8 ? 1e-9 : 1e-4;  // of g dt: what may be left by a reference
@@ -31,20 +28,20 @@ constexpr int kReferenceTries = 20;
 template <int D>
 class ProblemTrial {
  public:
-  ProblemTrial(const json& t, FrozenProblem<D> problem)
+  ProblemTrial(const ProblemRequest& asked, FrozenProblem<D> problem)
       : m_problem(std::move(problem)),
-        m_spec(Spec::parse(t.at("velocity").get<std::string>())),
-        m_timed(t.value("timed", false)),
-        m_iterations(t.at("iterations").get<int>()) {
+        m_spec(Spec::parse(asked.velocity)),
+        m_timed(asked.timed),
+        m_iterations(asked.iterations) {
     const Registered& entry = Registry::instance().find(StageKind::velocity, D, m_spec.name);
     m_law = frictionLaw(entry.info, m_spec);
     for (const ParamInfo& p : entry.params) {
       if (p.name == "iterations") m_seen.counts = true, m_least = static_cast<int>(p.range.value().lo);
     }
-    if (t.at("start") == "cold") forget(m_problem);
-    if (t.at("friction") == "off") m_problem.features.friction = false;
+    if (asked.cold) forget(m_problem);
+    if (!asked.friction) m_problem.features.friction = false;
     WorkDone work;
-    if (t.at("order") == "coloured") {
+    if (asked.coloured) {
       ContactGraph<D> graph;
       graph.reset(m_problem.bodies, m_problem.manifolds, m_problem.joints, work);
       const std::vector<int> given = m_problem.order;
@@ -245,12 +242,11 @@ class ProblemTrial {
 };
 
 template <int D>
-TrialResult runProblem(const json& t, const ProblemFile& file) {
+TrialResult runProblem(const ProblemRequest& asked, const ProblemFile& file) {
   const auto& list = file.of<D>();
-  const auto number = t.at("problem").get<std::size_t>();
-  if (number >= list.size()) throw UserError("there is no problem " + std::to_string(number));
+  if (asked.problem >= list.size()) throw UserError("there is no problem " + std::to_string(asked.problem));
   try {
-    return ProblemTrial<D>(t, list[number].problem).run();
+    return ProblemTrial<D>(asked, list[asked.problem].problem).run();
   } catch (const UserError& e) {  // a witness that does not know such a problem, or is absent
     TrialResult out;
     out.fail("unsupported", e.what(), 0);
@@ -260,9 +256,9 @@ TrialResult runProblem(const json& t, const ProblemFile& file) {
 
 }  // namespace
 
-TrialResult runProblemsTrial(const json& request) {
-  const ProblemFile file = ProblemFile::load(request.at("scene_file").get<std::string>());
-  return file.dimension == 2 ? runProblem<2>(request.at("trial"), file) : runProblem<3>(request.at("trial"), file);
+TrialResult runProblemsTrial(const ProblemRequest& asked, const std::string& problemFile) {
+  const ProblemFile file = ProblemFile::load(problemFile);
+  return file.dimension == 2 ? runProblem<2>(asked, file) : runProblem<3>(asked, file);
 }
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,31 +1,34 @@
 // SPDX-License-Identifier: Zlib
 // Apart from trial.cpp: a worker with engines takes in no judge of pairs.
-#include <nlohmann/json.hpp>
-
 #include "experiments/trial/plugin.h"
 #include "experiments/trial/trial.h"
-#include "framework/math/check.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
+namespace {
 
-using nlohmann::json;
-
-TrialResult runTrial(const json& request) {
-  for (const auto& path : request.value("plugins", std::vector<std::string>{})) loadPlugin(path);
-  const std::string kind = request.at("trial").at("kind");
-  if (kind == "world") return runWorldTrial(request);
-  if (kind == "boxes") return runBoxesTrial(request);
-  if (kind == "problems") return runProblemsTrial(request);
-  if (kind == "pairs") {
+TrialResult run(const WorldRequest&, const TrialRequest& request) { return runWorldTrial(request); }
+TrialResult run(const BoxesRequest& asked, const TrialRequest&) { return runBoxesTrial(asked); }
+TrialResult run(const ProblemRequest& asked, const TrialRequest& request) {
+  return runProblemsTrial(asked, request.sceneFile);
+}
 #ifdef LPC_HAS_ORACLES
-    return runPairsTrial(request);
+TrialResult run(const PairsRequest& asked, const TrialRequest&) { return runPairsTrial(asked); }
+TrialResult run(const StreamRequest& asked, const TrialRequest& request) {
+  return runStreamTrial(asked, request.sceneFile);
+}
 #else
-    TrialResult out;
-    out.fail("unsupported", "this build has no referee (LPC_BUILD_ORACLES=OFF)", 0);
-    return out;
+TrialResult run(const TrialBase&, const TrialRequest&) {
+  TrialResult out;
+  out.fail("unsupported", "this build has no referee (LPC_BUILD_ORACLES=OFF)", 0);
+  return out;
+}
 #endif
-  }
-  throw UserError("unknown trial kind '" + kind + "'; valid: world, boxes, pairs, problems");
+
+}  // namespace
+
+TrialResult runTrial(const TrialRequest& request) {
+  for (const std::string& path : request.plugins) loadPlugin(path);
+  return std::visit([&](const auto& asked) { return run(asked, request); }, request.trial);
 }
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A trial is one cell of a sweep: what goes in is JSON, what comes out is JSON, and it runs in a process of its own.
+// A trial is one cell of a sweep. It runs in a process of its own, which reads its request and writes its result as
+// JSON.
 #pragma once
 
 #include <map>
@@ -7,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/trial/request.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -33,15 +35,14 @@ struct TrialResult {
   }
 };
 
-/// {"trial": {...what the key is made of...}, "scene_file": PATH of scene or problems, "script_file": PATH of its
-/// script, "plugins": [...], "profile": PATH, "record": PATH,
-///  "memory": bool, "progress": bool}. Throws UserError for requests that make no sense.
-TrialResult runTrial(const nlohmann::json& request);
+/// Throws UserError for requests that make no sense.
+TrialResult runTrial(const TrialRequest& request);
 
-TrialResult runWorldTrial(const nlohmann::json& request);
-TrialResult runBoxesTrial(const nlohmann::json& request);
-TrialResult runPairsTrial(const nlohmann::json& request);
-TrialResult runProblemsTrial(const nlohmann::json& request);
+TrialResult runWorldTrial(const TrialRequest& request);
+TrialResult runBoxesTrial(const BoxesRequest& asked);
+TrialResult runPairsTrial(const PairsRequest& asked);
+TrialResult runStreamTrial(const StreamRequest& asked, const std::string& sceneFile);
+TrialResult runProblemsTrial(const ProblemRequest& asked, const std::string& problemFile);
 
 nlohmann::json toJson(const TrialResult& result);
 TrialResult resultFromJson(const nlohmann::json& json);

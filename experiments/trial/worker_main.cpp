@@ -14,7 +14,7 @@ nlohmann::json run(const nlohmann::json& request) {
   if (request.contains("verify")) return lpc::runVerifyTask(request);
   if (request.contains("cases")) return lpc::runCasesTask(request);
 #endif
-  return lpc::toJson(lpc::runTrial(request));
+  return lpc::toJson(lpc::runTrial(lpc::requestFromJson(request)));
 }
 
 }  // namespace

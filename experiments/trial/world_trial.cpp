@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <deque>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "experiments/trial/formats/output_file.h"
@@ -29,8 +28,6 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
-
-using nlohmann::json;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr long kPoseEvery = 60;
@@ -77,23 +74,23 @@ template <int D>
 class WorldTrial {
  public:
   /// `restsAfter` s the scene is at rest, if it is one that rests: a run that ends before is not judged by that.
-  WorldTrial(const json& request, SceneSpec<D> scene, double restsAfter, MemoryCounter memory)
-      : m_request(request),
+  WorldTrial(const TrialRequest& request, SceneSpec<D> scene, double restsAfter, MemoryCounter memory)
+      : m_asked(request.world()),
+        m_progress(request.progress),
         m_restsAfter(restsAfter),
         m_memory(memory),
-        m_timed(request.at("trial").value("timed", false)),
-        m_again(m_timed && request.at("trial").value("repeat", 0) > 0),
-        m_engine(request.at("trial").contains("engine")),
+        m_timed(m_asked.timed),
+        m_again(m_timed && m_asked.repeat > 0),
         m_scene(scene),
         m_director(std::move(scene)),
         m_world(makeWorld()) {
-    const auto open = [&](const char* name, std::unique_ptr<OutputFile>& file) {
-      if (request.contains(name)) file = std::make_unique<OutputFile>(request.at(name).template get<std::string>());
+    const auto open = [&](const std::string& path, std::unique_ptr<OutputFile>& file) {
+      if (!path.empty()) file = std::make_unique<OutputFile>(path);
     };
     // Not in timed trials: looking takes time within the step.
     if (auto* world = dynamic_cast<World<D>*>(m_simulation.get()); world && !m_timed) world->watch(&m_residual);
-    open("record", m_recording), open("profile", m_profile);
-    for (const json& s : request.value("saves", json::array())) m_saves.emplace_back(s.at("step"), s.at("scene"));
+    open(request.record, m_recording), open(request.profile, m_profile);
+    for (const SaveRequest& s : request.saves) m_saves.emplace_back(s.step, s.scene);
     m_world.profiler().keepFrames(m_profile != nullptr);
     if (m_memory) m_world.profiler().countMemory(m_memory);
   }
@@ -121,7 +118,7 @@ class WorldTrial {
       if ((step + 1) % m_poseEvery == 0 && step + 1 < m_scene.steps) keepPoses(step + 1);
       record();
       save(step + 1);
-      if (m_request.value("progress", false) && (step + 1) % 500 == 0) {
+      if (m_progress && (step + 1) % 500 == 0) {
         std::fprintf(stderr, "step %ld of %ld, %d bodies\n", step + 1, m_scene.steps, m_world.bodyCount());
       }
     }
@@ -148,7 +145,7 @@ class WorldTrial {
 
   Simulation<D>& makeWorld() {
     const MemoryUse before = memoryNow();
-    m_simulation = simulationOf(m_request.at("trial").at("pipeline").template get<std::string>(), m_scene);
+    m_simulation = simulationOf(m_asked.pipeline, m_scene);
     addMemory("scene", memoryNow() - before, 0);
     return *m_simulation;
   }
@@ -169,13 +166,13 @@ class WorldTrial {
     for (SavedScene& s : m_saves) {
       const auto* world = dynamic_cast<const World<D>*>(m_simulation.get());
       if (!world) throw UserError("the state of an engine is its own: it cannot be saved");
-      if (s.step() == step) s.write(*world, m_scene, m_request.at("trial").at("pipeline"));
+      if (s.step() == step) s.write(*world, m_scene, m_asked.pipeline);
     }
   }
 
   void start() {
     m_seen.timed = m_timed;
-    if (const double every = m_request.at("trial").value("poses_every", 0.0); every > 0) {
+    if (const double every = m_asked.posesEvery; every > 0) {
       m_poseEvery = std::max(1L, std::lround(std::min(every / double(m_scene.dt), 1e15)));
     }
     if (m_again) m_seen.deepest = m_seen.meanDepth = kNan;
@@ -335,7 +332,7 @@ class WorldTrial {
     m_tunnelling.finish(m_world);
     m_seen.tunnelled = m_again ? kNan : m_tunnelling.count();
     m_seen.ghostHits = m_again ? kNan : m_ghosts.count();
-    if (m_engine) m_seen.lostTime = kNan;
+    if (m_asked.engine) m_seen.lostTime = kNan;
     if (const double limit = m_scene.limits.creep;
         limit > 0 && m_out.outcome == "ok" && m_seen.settling.creep() > limit) {
       char why[160];
@@ -348,16 +345,16 @@ class WorldTrial {
     auto& m = m_out.metrics;
     for (std::size_t i = 0; i < m_work.counts.size(); ++i) {
       m["work_" + std::string(kCountNames[i])] =
-          m_engine ? kNan
-          : steps  ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps)
-                   : 0;
+          m_asked.engine ? kNan
+          : steps        ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps)
+                         : 0;
     }
     for (auto& [name, list] : m_seen.series) {
       if (!name.starts_with("sec_")) continue;
       list.resize(static_cast<std::size_t>(steps), 0.0);
       m["us_" + name.substr(4)] = 1e6 * m_seen.quantileOf(name, 0.5);
     }
-    if (m_request.at("trial").value("series", true)) {
+    if (m_asked.series) {
       if (m_again) std::erase_if(m_seen.series, [](const auto& entry) { return entry.first != "seconds"; });
       m_out.series = std::move(m_seen.series);
     }
@@ -382,18 +379,17 @@ class WorldTrial {
       if (!far || spawn.body.X_WB.p.norm() > far->body.X_WB.p.norm()) far = &spawn;
     }
     if (!far || m_scene.settings.gravity.norm() == 0) return;
-    const Control control =
-        dropAlone(m_request.at("trial").at("pipeline").template get<std::string>(), m_scene, far->body);
+    const Control control = dropAlone(m_asked.pipeline, m_scene, far->body);
     if (!control.falls()) m_out.fail("frozen", control.reason(), steps);
   }
 
-  const json& m_request;
+  const WorldRequest& m_asked;
+  bool m_progress;
   double m_restsAfter;
   MemoryCounter m_memory;
   TrialResult m_out;
   bool m_timed;
-  bool m_again;   // a repeat of a timed trial: the same bits as the first one, so it tells its steps' times and no more
-  bool m_engine;  // does not count its work
+  bool m_again;  // a repeat of a timed trial: the same bits as the first one, so it tells its steps' times and no more
   SceneSpec<D> m_scene;
   Director<D> m_director;
   std::unique_ptr<Simulation<D>> m_simulation;
@@ -413,16 +409,16 @@ class WorldTrial {
 };
 
 template <int D>
-TrialResult runWorld(const json& request) {
-  const json& t = request.at("trial");
-  const SceneFile file = SceneFile::load(request.at("scene_file"), request.value("script_file", ""));
-  SceneSpec<D> scene = file.build<D>(t.at("params").get<ParameterValues>(), t.at("seed").get<std::uint64_t>());
+TrialResult runWorld(const TrialRequest& request) {
+  const WorldRequest& asked = request.world();
+  const SceneFile file = SceneFile::load(request.sceneFile, request.scriptFile);
+  SceneSpec<D> scene = file.build<D>(asked.params, asked.seed);
   const double restsAfter = std::min(kAtRest, static_cast<double>(scene.steps) * double(scene.dt));
-  scene.dt = static_cast<Real>(t.at("dt").get<double>());
-  scene.steps = t.at("steps").get<long>();
-  scene.settings.features = featuresFromText(t.at("features").get<std::string>());
+  scene.dt = static_cast<Real>(asked.dt);
+  scene.steps = asked.steps;
+  scene.settings.features = featuresFromText(asked.features);
   MemoryCounter memory = nullptr;
-  if (request.value("memory", false)) {
+  if (request.memory) {
     memory = memoryCounter();
     if (!memory)
       throw UserError("--memory: the sanitizers of this build allocate, and cannot be counted; valid: a build without");
@@ -441,8 +437,8 @@ TrialResult runWorld(const json& request) {
 
 }  // namespace
 
-TrialResult runWorldTrial(const json& request) {
-  return request.at("trial").at("dimension").get<int>() == 2 ? runWorld<2>(request) : runWorld<3>(request);
+TrialResult runWorldTrial(const TrialRequest& request) {
+  return request.world().dimension == 2 ? runWorld<2>(request) : runWorld<3>(request);
 }
 
 }}  // namespace lpc::LPC_PRECISION

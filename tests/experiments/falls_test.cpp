@@ -241,7 +241,7 @@ TEST(Falls, WhoseWorkerTellsNothingAreNotDrawn) {
   w.write("crowd.toml", kCrowd), w.write("crowds.toml", kCrowds);
   const std::string worker = w.write("lpc-worker-f64", R"(#!/bin/sh
 request=$(cat)
-case "$request" in *'"record"'*) echo nothing ;; *) printf %s "$request" | ")" LPC_BINARY_DIR
+case "$request" in *'"record":"/'*) echo nothing ;; *) printf %s "$request" | ")" LPC_BINARY_DIR
                                                        R"(/bin/lpc-worker-f64" ;; esac)");
   std::filesystem::permissions(worker, std::filesystem::perms::owner_all);
   const Outcome out = w.lpc("sweep ./crowds.toml --quiet --store s.db --set n=3", "LPC_WORKERS=" + w.path(""));

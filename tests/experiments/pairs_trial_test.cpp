@@ -58,18 +58,19 @@ class Careless final : public PairQuery<D> {
   }
 };
 
+PairsRequest drawn(int dimension, const char* kindA, const char* kindB, int n, const std::string& method,
+                   bool timed = false) {
+  PairsRequest out;
+  out.dimension = dimension, out.kindA = kindA, out.kindB = kindB, out.n = n, out.seed = 3;
+  out.pairQuery = method, out.timed = timed;
+  return out;
+}
+
 template <int D>
 void sameError() {
   static const Registrar<PairQuery, Careless, D> planted(__FILE__);
   Careless<D>::errors.clear();
-  const TrialResult r = runTrial({{"trial",
-                                   {{"kind", "pairs"},
-                                    {"dimension", D},
-                                    {"kind_a", "capsule"},
-                                    {"kind_b", "box"},
-                                    {"n", 240},
-                                    {"seed", 3},
-                                    {"pair_query", "planted_careless"}}}});
+  const TrialResult r = runTrial({.trial = drawn(D, "capsule", "box", 240, "planted_careless")});
   const std::vector<double>& told = Careless<D>::errors;
   ASSERT_GT(told.size(), 100u);
   EXPECT_EQ(r.metrics.at("asked"), 240);
@@ -88,16 +89,7 @@ TEST(PairsTrial, AnErrorIsThatOfTheLedger) { sameError<2>(), sameError<3>(); }
 // Ours, as libraries, are asked one by one, too; and of what a method does not claim nothing is judged.
 TEST(PairsTrial, SinglesAreTimedAndGapsThatAreNotClaimedAreCounted) {
   const auto asked = [](const char* method, bool timed) {
-    return runTrial({{"trial",
-                      {{"kind", "pairs"},
-                       {"dimension", 3},
-                       {"kind_a", "box"},
-                       {"kind_b", "box"},
-                       {"n", 100},
-                       {"seed", 3},
-                       {"timed", timed},
-                       {"pair_query", method}}}})
-        .metrics;
+    return runTrial({.trial = drawn(3, "box", "box", 100, method, timed)}).metrics;
   };
   const auto exact = asked("sat", true), rough = asked("mpr", false);
   EXPECT_GT(exact.at("ns_single"), 0);
@@ -133,18 +125,9 @@ TEST(PairsTrial, WorkIsThatOfOneQuery) {
   static const Registrar<PairQuery, CountsPairs, 2> three(__FILE__);
   static const Registrar<PairQuery, CountsBatches, 2> batch(__FILE__);
   const auto ran = [](const std::string& method, bool timed) {
-    return runTrial({{"trial",
-                      {{"kind", "pairs"},
-                       {"dimension", 2},
-                       {"kind_a", "polytope"},
-                       {"kind_b", "polytope"},
-                       {"vertices", 16},
-                       {"drawing", "apart"},
-                       {"n", 32},
-                       {"seed", 3},
-                       {"timed", timed},
-                       {"pair_query", method}}}})
-        .metrics;
+    PairsRequest asked = drawn(2, "polytope", "polytope", 32, method, timed);
+    asked.vertices = 16, asked.drawing = "apart";
+    return runTrial({.trial = asked}).metrics;
   };
   EXPECT_EQ(ran("planted_three", false).at("axis_tests"), 3);
   EXPECT_EQ(ran("planted_three", true).at("axis_tests"), 3);
@@ -187,7 +170,7 @@ TrialResult asked(const std::string& method, const std::string& stream, bool tim
                                         {"timed", timed},
                                         {"pair_query", method},
                                         {"stream", stream}});
-  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+  return runTrial(t.request);
 }
 
 // Three boxes on the ground and on one another meet in each of four steps: the first time, the second, and so on.

@@ -118,16 +118,11 @@ std::string stackFile(const Workspace& w, int n) {
 
 TrialResult trialOf(const std::string& file, const std::string& velocity, int iterations, const char* start = "cold",
                     const char* friction = "on", const char* order = "recorded", bool timed = false) {
-  return runTrial({{"scene_file", file},
-                   {"trial",
-                    {{"kind", "problems"},
-                     {"problem", 0},
-                     {"velocity", velocity},
-                     {"iterations", iterations},
-                     {"start", start},
-                     {"friction", friction},
-                     {"order", order},
-                     {"timed", timed}}}});
+  ProblemRequest asked;
+  asked.velocity = velocity, asked.iterations = iterations, asked.timed = timed;
+  asked.cold = std::string_view(start) == "cold", asked.friction = std::string_view(friction) == "on";
+  asked.coloured = std::string_view(order) == "coloured";
+  return runTrial({.trial = asked, .sceneFile = file});
 }
 
 TEST(ProblemsTrial, ResidualFallsAsTheMatrixSays) {

@@ -17,7 +17,7 @@ using test::Workspace;
 TrialResult run(const std::string& scene, WorldCell cell) {
   Planner planner;
   const PlannedTrial t = planner.world(scene, cell);
-  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+  return runTrial(t.request);
 }
 
 TrialResult run(const std::string& scene, const std::string& pipeline, const ParameterValues& params = {},

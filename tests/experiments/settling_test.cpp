@@ -29,7 +29,7 @@ TrialResult run(const std::string& rest, const std::string& pipeline = "") {
   WorldCell cell;
   cell.pipeline = pipeline;
   const PlannedTrial t = planner.world(w.write("scene.toml", kHead + rest), cell);
-  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+  return runTrial(t.request);
 }
 
 TEST(Settling, FreeFlightIsSidewaysAndDown) {

@@ -54,15 +54,9 @@ TEST(Siconos, AgreesOnTheShippedProblems) {
 
 TEST(Siconos, IsAMethodOfTrials) {
   const auto trialOf = [](const char* problem) {
-    return runTrial({{"scene_file", shipped(problem)},
-                     {"trial",
-                      {{"kind", "problems"},
-                       {"problem", 0},
-                       {"velocity", "siconos"},
-                       {"iterations", 5},
-                       {"start", "cold"},
-                       {"friction", "on"},
-                       {"order", "recorded"}}}});
+    ProblemRequest asked;
+    asked.velocity = "siconos", asked.iterations = 5, asked.cold = true;
+    return runTrial({.trial = asked, .sceneFile = shipped(problem)});
   };
   const TrialResult r = trialOf("wedged_box");
   if (r.reason.find("Siconos is absent") != r.reason.npos) GTEST_SKIP() << r.reason;

@@ -18,7 +18,7 @@ TrialResult run(const std::string& scene, const std::string& sleep, int dimensio
   cell.params = params, cell.dimension = dimension;
   cell.pipeline = "sleep=" + sleep;
   const PlannedTrial t = planner.world(findToml("scenes", scene), cell);
-  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+  return runTrial(t.request);
 }
 
 // Who waits for a gap wakes a step after the one below, as the report tells (6.5.1); an island wakes at once.

@@ -193,7 +193,7 @@ TrialResult run(const std::string& bodies, int dimension) {
   WorldCell cell;
   cell.dimension = dimension;
   const PlannedTrial t = planner.world(w.write("scene.toml", scene(bodies)), cell);
-  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+  return runTrial(t.request);
 }
 
 TEST(Tunnelling, IsCountedInTrials) {

@@ -49,7 +49,7 @@ TrialResult run(const Workspace& w, const std::string& scene, const ParameterVal
   WorldCell cell;
   cell.params = params, cell.timed = timed;
   const PlannedTrial t = planner.world(w.write("scene.toml", scene), cell);
-  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+  return runTrial(t.request);
 }
 
 // A box that starts in the floor by 2 cm and is pushed out, and one that starts above it and falls.
@@ -108,14 +108,15 @@ TEST(WorldTrial, noSeedOfARankedSweepStartsWithAnOverlap) {
       }
       for (PlannedTrial t : trials) {
         if (!t.unsupported.empty()) continue;
-        t.canonical["steps"] = 1, t.canonical["timed"] = false;
+        WorldRequest& asked = t.request.world();
+        asked.steps = 1, asked.timed = false;
         if (!air) {
           for (const char* space : {"gap", "drop", "spacing", "beside"}) {
-            if (t.canonical["params"].contains(space)) t.canonical["params"][space] = 0;
+            if (asked.params.contains(space)) asked.params[space] = 0.0;
           }
         }
-        if (!seen.insert(t.canonical["params"].dump() + t.canonical["seed"].dump()).second) continue;
-        const TrialResult r = runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+        if (!seen.insert(json(asked.params).dump() + std::to_string(asked.seed)).second) continue;
+        const TrialResult r = runTrial(t.request);
         found = std::max(found, r.metrics.at("penetration_start"));
       }
       EXPECT_GE(seen.size(), 40u) << name;
@@ -233,7 +234,7 @@ TEST(Metrics, allThatTrialsWriteIsDescribed) {
                                 {"broadphase", "naive"},
                                 {"frames", 12},
                                 {"timed", true}}}) {
-    const TrialResult r = runTrial({{"trial", planner.boxes(cell).canonical}});
+    const TrialResult r = runTrial(planner.boxes(cell).request);
     EXPECT_EQ(r.metrics.size(), 7u);
     for (const auto& [name, value] : r.metrics) EXPECT_TRUE(isDescribed("metric", "boxes", name)) << name;
   }
@@ -315,7 +316,7 @@ TEST(WorldTrial, anImpulseThatIsNoNumberEndsTheRun) {
       WorldCell cell;
       cell.pipeline = std::string("solver=") + solver, cell.steps = steps;
       const PlannedTrial t = planner.world(w.write("scene.toml", scene), cell);
-      const TrialResult r = runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+      const TrialResult r = runTrial(t.request);
       EXPECT_EQ(r.outcome, "diverged") << solver;
       EXPECT_EQ(r.reason, "nan") << solver;
       EXPECT_EQ(r.step, 3) << solver;
@@ -360,9 +361,7 @@ TEST(WorldTrial, keepsPosesAndSeriesAsAsked) {
     cell.dt = dt, cell.steps = steps, cell.posesEvery = every, cell.series = series;
     return planner.world(w.write("scene.toml", kThrow), cell);
   };
-  const auto ran = [](const PlannedTrial& t) {
-    return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
-  };
+  const auto ran = [](const PlannedTrial& t) { return runTrial(t.request); };
   const auto kept = [](const TrialResult& r) {
     std::vector<long> steps;
     for (const auto& [step, data] : r.poses) steps.push_back(step);
