@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Draws two figures of the docs from the source, so that they cannot lag behind it: docs/drawings/pipeline.svg, the stages in
-the order of World::step with who competes in each, and docs/drawings/classes.svg, what derives from what. Standard library only.
+"""Draws three figures of the docs from the source, so that they cannot lag behind it: docs/drawings/rooms.svg, the folders of
+the code and what each includes, docs/drawings/pipeline.svg, the stages in the order of World::step with the methods of each,
+and docs/drawings/classes.svg, what derives from what. Standard library only.
 
 usage: reports/diagrams.py [--check]
 
@@ -202,6 +203,68 @@ def classes():
     return picture(430 + width + 20, max(y, height + 40), content, "What derives from what, and the state of a world")
 
 
+def rooms():
+    """{folder: (folders of its own part of the project that it includes, those of other parts)}, of all that hold C++."""
+    holds = {}
+    for part in ("framework", "algorithms", "oracles", "experiments"):
+        for path in sorted((ROOT / part).rglob("*")):
+            if path.suffix in (".h", ".cpp"):
+                holds.setdefault(path.parent.relative_to(ROOT).as_posix(), []).append(path)
+    uses = {folder: set() for folder in holds}
+    for folder, files in holds.items():
+        for path in files:
+            for target in re.findall(r'(?m)^\s*#\s*include [<"]([a-z_0-9/]+)/[^/">]+[">]', path.read_text()):
+                if target in holds and target != folder:
+                    uses[folder].add(target)
+    return uses
+
+
+def by_layers(uses):
+    """The folders of one part, those first that nothing else of it includes; folders that include each other are beside."""
+    below = {folder: {u for u in used if u in uses} for folder, used in uses.items()}
+    reach = {}
+
+    def reached(folder, seen):
+        for used in below[folder] - seen:
+            seen.add(used)
+            reached(used, seen)
+        return seen
+
+    for folder in below:
+        reach[folder] = reached(folder, set())
+    return sorted(below, key=lambda f: (-len(reach[f] - {f}), f))
+
+
+def layout():
+    """A column a part of the project: each folder with what it includes, the ones that stand on the others above."""
+    uses = rooms()
+    wide, gap, content, bottom = 300, 24, [], 0
+    fits = int((wide - 2 * PAD) / CHAR)
+    parts_of = ("framework", "algorithms", "oracles", "experiments")
+    for column, part in enumerate(parts_of):
+        own = {f: u for f, u in uses.items() if f.split("/")[0] == part}
+        x, y = 20 + column * (wide + gap), 20
+        content.append(f'<text class="h" x="{x}" y="{y + 4}">{part}/</text>')
+        y += 14
+        shown = [f for f in by_layers(own) if part != "algorithms" or f.count("/") == 1]
+        for folder in shown:
+            short = {u: u[len(part) + 1:] if u.startswith(part + "/") else u for u in own[folder]}
+            if part == "algorithms":
+                inner = sorted(f.split("/")[2] for f in own if f.startswith(folder + "/"))
+                lines = wrapped(["kernels: " + inner[0], *inner[1:]], fits) if inner else []
+            else:
+                mine = sorted(s for u, s in short.items() if u.startswith(part + "/"))
+                others = sorted({u.split("/")[0] for u in own[folder] if not u.startswith(part + "/")})
+                words = [*mine, *(f"{o}/" for o in others)]
+                lines = wrapped(["includes " + words[0], *words[1:]], fits) if words else ["includes no other folder"]
+            kind = 'class="p"' if part == "algorithms" else ""
+            drawn, height = box(x, y, wide, folder[len(part) + 1:] + "/", lines, kind)
+            content += drawn
+            y += height + 8
+        bottom = max(bottom, y)
+    return picture(20 + len(parts_of) * (wide + gap), bottom + 10, content, "The folders of the code, and what each includes")
+
+
 def main(words):
     if words and words[0] in ("-h", "--help"):
         print(__doc__.strip())
@@ -210,7 +273,7 @@ def main(words):
         print(f"diagrams.py: unknown argument '{words[0]}'; valid: --check, --help", file=sys.stderr)
         return 2
     stale = []
-    for name, draw in (("pipeline.svg", pipeline), ("classes.svg", classes)):
+    for name, draw in (("rooms.svg", layout), ("pipeline.svg", pipeline), ("classes.svg", classes)):
         try:
             text = draw()
         except UserError as error:

@@ -383,8 +383,10 @@ class Tables(unittest.TestCase):
     def test_every_field_and_call_is_there(self):
         reader = "".join(f.read_text() for f in sorted(SOURCE.glob("experiments/trial/scene/scene_*.cpp")))
         for struct, header, page, section in [
-                ("ShapeDef", "shape/shape_def.h", "shapes.md", "A shape on a body"), ("BodyDef", "problem/body.h", "shapes.md", "A body"),
-                ("JointDef", "problem/joint.h", "joints.md", "A joint"), ("ForceDef", "problem/force.h", "forces.md", "A force"),
+                ("ShapeDef", "shape/shape_def.h", "shapes.md", "A shape on a body"),
+                ("BodyDef", "problem/body.h", "shapes.md", "A body"),
+                ("JointDef", "problem/joint.h", "joints.md", "A joint"),
+                ("ForceDef", "problem/force.h", "forces.md", "A force"),
                 ("ContactListener", "world/world.h", "listeners.md", "Who hears what")]:
             rows = tables_of((SOURCE / "docs" / page).read_text(), "## ")[section]
             told = {name for row in rows for name in re.findall(r"`(\w+)", row[0])}

@@ -37,9 +37,9 @@ class Times(unittest.TestCase):
         for output, folder in {
                 "tests/CMakeFiles/test_broadphase_f32.dir/conformance/broadphase_test.cpp.o": "tests/conformance f32",
                 "tests/CMakeFiles/test_framework_f64.dir/framework/mass_test.cpp.o": "tests/framework f64",
-                "experiments/CMakeFiles/lpc-worker-f64.dir/trial/worker_main.cpp.o": "experiments/trial f64",
+                "experiments/CMakeFiles/lpc-worker-f64.dir/trial/measure/rest.cpp.o": "experiments/trial f64",
                 "experiments/CMakeFiles/lpc.dir/lpc/list.cpp.o": "experiments/lpc",
-                "oracles/CMakeFiles/lpc_oracles_f64.dir/fcl.cpp.o": "oracles f64",
+                "oracles/CMakeFiles/lpc_oracles_f64.dir/witnesses/fcl.cpp.o": "oracles f64",
                 "lpc/CMakeFiles/lpc_framework_f64.dir/framework/world/world.cpp.o": "framework f64",
                 "tests/CMakeFiles/test_known_answers_f32.dir/Unity/unity_0_cxx.cxx.o": "tests/known_answers f32",
                 "oracles/CMakeFiles/lpc_oracles_f64.dir/Unity/unity_2_cxx.cxx.o": "oracles f64",

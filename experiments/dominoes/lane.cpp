@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // The game's own broadphase: dominoes stand in a row, so that the order along it hardly changes from step to step, and
 // sorting it by insertion is one walk. The game links this file; with plugin.cpp it is a library that `lpc` can judge.
-#include <numeric>
+#include <lpc/stage_broadphase.h>
 
-#include "framework/stage/stage_broadphase.h"
+#include <numeric>
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {

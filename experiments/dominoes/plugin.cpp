@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/stage/plugin.h"
+#include <lpc/plugin.h>
 
 LPC_PLUGIN;

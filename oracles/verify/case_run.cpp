@@ -20,13 +20,14 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr bool kDouble = sizeof(Real) == 8;
 // On top of the case's own tolerance, times s. The single precision build reads rounded inputs.
-constexpr double kTolerance = kDouble ? 1e-12 : 1e-5;
+constexpr double kTolerance = pairTolerance();
 // A case that was found in single precision has rotations of seven digits, which the double build normalises.
-double toleranceOf(const Case& c) { return c.finding && c.finding->precision == "f32" ? 1e-5 : kTolerance; }
+double toleranceOf(const Case& c) {
+  return c.finding && c.finding->precision == "f32" ? pairTolerance(true) : kTolerance;
+}
 // Mass properties and areas, relative: what is left of a hundredth of a metre far from the origin.
-constexpr double kRelative = kDouble ? 1e-9 : 1e-2;
+constexpr double kRelative = sizeof(Real) == 8 ? 1e-9 : 1e-2;
 
 constexpr std::string_view kReferee = "referee", kUnknownMethod = "unknown_method", kSide = "side",
                            kSideAlone = "by the side alone: it claims no gap",
