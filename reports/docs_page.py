@@ -1,27 +1,29 @@
 # SPDX-License-Identifier: Zlib
 """Charts on a page of docs/: for each pair of marks the figure, its finding and its numbers, all from one store.
 
-A page says where it wants a chart, `<!-- chart ID -->` and `<!-- end -->`; what stands between is written here from
-figures/ID.json alone, and the finding stands in the picture, too. A test writes it again and compares.
+A page says where it wants a chart, `<!-- chart ID -->` and `<!-- end -->`. What stands between is written from ID.json of
+figures/numbers.zip alone, and the picture bears the finding, too. A test writes it again and compares.
 """
 
+import json
 import re
+import zipfile
 
 import pages
 import table
 from load import UserError
 from PIL import Image
-from readme import read_facts
 
 MARKS = re.compile(r"<!-- chart (\w+) -->\n.*?<!-- end -->", re.DOTALL)
 DPI = 110  # of the pictures: as wide as a page shows
+NUMBERS = "numbers.zip"  # ID.json of every chart on the pages of a folder
 
 
 def block(facts):
     """What stands between the marks, with them."""
     made = ", then ".join(f"`{line}`" for line in facts["commands"])
     return (f"<!-- chart {facts['id']} -->\n![{facts['title']}](figures/{facts['id']}.png)\n\n*{facts['finding']}* "
-            f"[Numbers](figures/{facts['id']}.json); made by {made}.\n<!-- end -->")
+            f"Numbers: `{facts['id']}.json` in [{NUMBERS}](figures/{NUMBERS}); made by {made}.\n<!-- end -->")
 
 
 def wanted(text, page):
@@ -31,6 +33,25 @@ def wanted(text, page):
     return ids
 
 
+def read_numbers(figures):
+    """The text of ID.json by ID; none where there is no file yet."""
+    if not (figures / NUMBERS).is_file():
+        return {}
+    with zipfile.ZipFile(figures / NUMBERS) as packed:
+        return {name.removesuffix(".json"): packed.read(name).decode() for name in packed.namelist()}
+
+
+def write_numbers(numbers, figures):
+    """The same numbers give the same bytes: in the order of their names, without dates."""
+    def pack(target):
+        with zipfile.ZipFile(target, "w") as packed:
+            for name in sorted(numbers):
+                member = zipfile.ZipInfo(f"{name}.json")
+                member.external_attr = 0o644 << 16
+                packed.writestr(member, numbers[name], zipfile.ZIP_DEFLATED, 9)
+    pages.whole(figures / NUMBERS, pack)
+
+
 def finding_in(picture):
     """As `write` left it there."""
     with Image.open(picture) as image:
@@ -38,7 +59,8 @@ def finding_in(picture):
 
 
 def write(context, charts, page):
-    """Writes figures/ID.png and ID.json beside the page for each chart that it wants, and the page; returns the ids."""
+    """Writes figures/ID.png and the numbers of each chart that the page wants, and the page; returns the ids. Numbers that no
+    page of the folder wants are dropped."""
     if not page.is_file():
         raise UserError(f"--page {page}: no such file")
     text = page.read_text(encoding="utf-8")
@@ -49,6 +71,8 @@ def write(context, charts, page):
         raise UserError(f"--page {page}: not drawn from this store: {', '.join(lacking)}; there {there}")
     figures, blocks = page.parent / "figures", {}
     pages.folder(figures)
+    used = {found[1] for other in page.parent.glob("*.md") for found in MARKS.finditer(other.read_text(encoding="utf-8"))}
+    numbers = {name: text for name, text in read_numbers(figures).items() if name in used}
     for name in ids:
         chart = drawn[name]
         commands = [line for sweep in dict.fromkeys((chart.sweep, *chart.others)) if sweep
@@ -59,24 +83,24 @@ def write(context, charts, page):
         described = {"Software": "LPC reports", "Description": chart.finding}
         pages.whole(figures / f"{name}.png",
                     lambda target: chart.figure.savefig(target, format="png", dpi=DPI, metadata=described))  # noqa: B023
-        pages.whole(figures / f"{name}.json", lambda target: table.to_json(chart.table, facts, target))  # noqa: B023
+        numbers[name] = table.json_of(chart.table, facts)
         blocks[name] = block(facts)
+    write_numbers(numbers, figures)
     pages.whole(page, lambda target: target.write_text(MARKS.sub(lambda found: blocks[found[1]], text), encoding="utf-8"))
     return ids
 
 
 def faults(page):
     """What a page, its pictures and its numbers say otherwise than each other: sentences, none where they agree."""
-    said = []
+    said, numbers = [], read_numbers(page.parent / "figures")
     for found in MARKS.finditer(page.read_text(encoding="utf-8")):
-        name = found[1]
-        picture, numbers = (page.parent / "figures" / f"{name}.{ending}" for ending in ("png", "json"))
-        if not picture.is_file() or not numbers.is_file():
-            said.append(f"{name}: there are no {picture.name} and {numbers.name}")
+        name, picture = found[1], page.parent / "figures" / f"{found[1]}.png"
+        if not picture.is_file() or name not in numbers:
+            said.append(f"{name}: there are no {picture.name} and {name}.json in {NUMBERS}")
             continue
-        facts = read_facts(numbers)
+        facts = json.loads(numbers[name])
         if found[0] != block(facts):
-            said.append(f"{name}: what the page says is not what {numbers.name} does")
+            said.append(f"{name}: what the page says is not what {name}.json does")
         if finding_in(picture) != facts["finding"]:
-            said.append(f"{name}: the picture is of other data than {numbers.name}")
+            said.append(f"{name}: the picture is of other data than {name}.json")
     return said

@@ -62,12 +62,15 @@ def to_csv(table, target):
     table.to_csv(target, index=False)
 
 
-def to_json(table, about, target):
+def json_of(table, about):
     """{**about, columns: [{title, unit}], rows: [[value]]}: unknown is null, infinite is the text "inf" or "-inf"."""
     described = [dict(zip(("title", "unit"), heading(name))) for name in table.columns]
     rows = [[_plain(value) for value in row] for row in table.itertuples(index=False)]
-    target.write_text(json.dumps({**about, "columns": described, "rows": rows}, ensure_ascii=False, allow_nan=False, indent=1) +
-                      "\n", encoding="utf-8")
+    return json.dumps({**about, "columns": described, "rows": rows}, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+
+
+def to_json(table, about, target):
+    target.write_text(json_of(table, about), encoding="utf-8")
 
 
 def _plain(value):

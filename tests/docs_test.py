@@ -297,7 +297,7 @@ class Docs(unittest.TestCase):
     def setUp(self):
         shutil.rmtree(SCRATCH, ignore_errors=True)
         SCRATCH.mkdir(parents=True)
-        for folder in ("tests", "algorithms", "framework", "oracles"):
+        for folder in ("tests", "algorithms", "framework", "oracles", "docs"):
             (SCRATCH / folder).symlink_to(SOURCE / folder)
         (SCRATCH / "bench.json").write_text('{"context": {}, "benchmarks": []}')  # what lpc-bench would have written
 

@@ -25,28 +25,33 @@ class DocsPage(unittest.TestCase):
         self.assertIn("evidence.md", [page.name for page in pages])
         for page in pages:
             self.assertEqual(docs_page.faults(page), [], page.name)
-        used = {f"{found[1]}.{ending}" for page in pages for found in docs_page.MARKS.finditer(page.read_text(encoding="utf-8"))
-                for ending in ("png", "json")}
-        self.assertEqual({path.name for path in (ROOT / "docs" / "figures").iterdir()}, used)
+        used = {found[1] for page in pages for found in docs_page.MARKS.finditer(page.read_text(encoding="utf-8"))}
+        figures = ROOT / "docs" / "figures"
+        self.assertEqual({path.name for path in figures.iterdir()}, {f"{name}.png" for name in used} | {docs_page.NUMBERS})
+        self.assertEqual(docs_page.read_numbers(figures).keys(), used)
 
     def test_a_page_of_other_data_is_seen(self):
         with tempfile.TemporaryDirectory() as folder:
             store, page = Path(folder) / "s.db", Path(folder) / "page.md"
             synthetic_store.write(store, themes=(synthetic_store.one_scene,))
             page.write_text(MARKS, encoding="utf-8")
-            self.assertEqual(docs_page.faults(page), [f"{CHART}: there are no {CHART}.png and {CHART}.json"])
+            self.assertEqual(docs_page.faults(page), [f"{CHART}: there are no {CHART}.png and {CHART}.json in numbers.zip"])
             self.assertEqual(make.main(["--store", str(store), "--page", str(page)]), 0)
             written = page.read_text(encoding="utf-8")
             self.assertTrue(written.startswith("# Title") and written.endswith("the rest\n"))
             self.assertIn("`build/release/bin/lpc sweep resolvers --store results/s.db`", written)
             self.assertEqual(docs_page.faults(page), [])
+            figures = page.parent / "figures"
+            packed = (figures / "numbers.zip").read_bytes()
+            docs_page.write_numbers({**docs_page.read_numbers(figures), "of_no_page": "{}"}, figures)
+            self.assertNotEqual((figures / "numbers.zip").read_bytes(), packed)
             self.assertEqual(make.main(["--store", str(store), "--page", str(page)]), 0)  # it finds its marks again
             self.assertEqual(page.read_text(encoding="utf-8"), written)
+            self.assertEqual((figures / "numbers.zip").read_bytes(), packed, "the same numbers, other bytes")
             page.write_text(written.replace("naive", "catto"), encoding="utf-8")
             self.assertEqual(docs_page.faults(page), [f"{CHART}: what the page says is not what {CHART}.json does"])
-            numbers = page.parent / "figures" / f"{CHART}.json"
-            page.write_text(written.replace("naive", "catto"), encoding="utf-8")
-            numbers.write_text(numbers.read_text(encoding="utf-8").replace("naive", "catto"), encoding="utf-8")
+            docs_page.write_numbers({name: text.replace("naive", "catto")
+                                     for name, text in docs_page.read_numbers(figures).items()}, figures)
             self.assertEqual(docs_page.faults(page), [f"{CHART}: the picture is of other data than {CHART}.json"])
 
     def test_mistakes_are_told_in_one_line(self):
