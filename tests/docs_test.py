@@ -354,6 +354,13 @@ class Docs(unittest.TestCase):
                 found += 1
         self.assertGreater(found, 8)
 
+    def test_runs_of_the_table_of_2009_start(self):
+        told = {command for command in inline_commands(pages()["docs/heritage.md"]) if re.match(r"lpc run \w", command)}
+        self.assertGreater(len(told), 20)
+        for command in told:
+            done = run(re.sub(r" --steps \d+", "", command) + " --steps 1")
+            self.assertEqual(done.returncode, 0, f"{command}\n{done.stderr}")
+
 
 class Tables(unittest.TestCase):
     """What pages of parts say of numbers and names, before the registry and the headers."""
