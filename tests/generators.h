@@ -286,8 +286,7 @@ extern template std::ostream& operator<< <3>(std::ostream&, const ShapePairCase<
 extern template class Gen<ShapePairCase<2>>;
 extern template class Gen<ShapePairCase<3>>;
 
-// --- for use inside properties: const auto c = *shapePairs<3>();
-// -------------------------------------------------------
+// --- for use inside properties: const auto c = *shapePairs<3>(); ----------------------------------------------------
 
 template <int D>
 Gen<ShapePairCase<D>> shapePairs() {

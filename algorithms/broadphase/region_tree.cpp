@@ -86,8 +86,7 @@ class RegionTree final : public Broadphase<D> {
     bool active = false;  // any box below
   };
 
-  // --- tight and loose: the boxes sorted by region, depth first; a region is an interval of them
-  // -----------------------
+  // --- tight and loose: the boxes sorted by region, depth first; a region is an interval of them --------------------
 
   // Depth and place of the region of a box: the places interleaved as a path from the root, the depth below them, so
   // that a region's own boxes come before those of the regions in it.
@@ -231,8 +230,7 @@ class RegionTree final : public Broadphase<D> {
     }
   }
 
-  // --- multi: no tree is kept; m_items is a stack with the list of the present region on top
-  // ---------------------------
+  // --- multi: no tree is kept; m_items is a stack with the list of the present region on top ------------------------
 
   void gatherUnsorted(const Proxies<D>& proxies) {
     m_boxes.resize(m_slots.size()), m_packed.resize(m_slots.size() + kListAhead);

@@ -4,9 +4,8 @@
 // closest pair of vertices. Where this differs from the report:
 //
 // - "The running time is O(E + V)". All V vertices projected onto each of E normals, as 3.5.2 has it, are E V; so is
-// the
-//   search for the closest pair. Here a corner at hand dismisses most edges, for others the foremost one is looked for
-//   from the last one's, which goes round once while the edge does, and the pair is looked for on two edges: E + V.
+//   the search for the closest pair. Here a corner at hand dismisses most edges, for others the foremost one is looked
+//   for from the last one's, which goes round once while the edge does, and the pair is looked for on two edges: E + V.
 // - Two circles with one centre: the direction between their vertices is 0 / 0, and they have no other axis. Here any
 //   direction is one, and the depth is the sum of the radii.
 // - The direction between the closest vertices bears a contact only where no edge faces the nearest point. Here it is

@@ -79,8 +79,8 @@ inline constexpr int kMostTurns = 32;
 // --- cores with a margin --------------------------------------------------------------------------------------------
 
 /// What core_margin takes off a shape unless told (1, part of a box's smallest half extent, of the ball around a hull's
-/// middle). Larger: edges and corners that
-/// are nearest give depths farther from the least. Smaller: shapes are deeper in each other than it, and need EPA.
+/// middle). Larger: edges and corners that are nearest give depths farther from the least. Smaller: shapes are deeper
+/// in each other than it, and need EPA.
 inline constexpr Real kCoreMargin = Real(0.1);
 
 // --- expanding polytope ---------------------------------------------------------------------------------------------

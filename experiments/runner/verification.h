@@ -51,8 +51,7 @@ Ledger ledgerOf(const VerificationOptions& options, Store& store);
 
 /// Who is asked when no methods are named: the method with its defaults, and a witness also at the tightest tolerance
 /// that its library offers, the lower end of its parameter `tolerance` (Bullet's are constants of its build), and with
-/// both shapes away from the origin (`frame=world`). Of
-/// velocity resolvers those that are to converge.
+/// both shapes away from the origin (`frame=world`). Of velocity resolvers those that are to converge.
 std::vector<Spec> specsToVerify(const Registered& method);
 
 /// Writes the simplest pair of each failure and the worst of each method as one file each into the folder

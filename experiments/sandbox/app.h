@@ -81,8 +81,7 @@ class App : public Switches {
   /// What is shown next; nothing: the window was closed.
   const std::optional<Opening>& next() const { return m_next; }
 
-  // --- commands; a mistake of the user's is told in the window, and changes nothing
-  // ------------------------------------
+  // --- commands; a mistake of the user's is told in the window, and changes nothing ---------------------------------
   void open(const std::string& scene);  // path, name or number
   void reload();
   void clear();

@@ -44,8 +44,7 @@ class Hand {
   /// held.
   void setPaused(bool paused);
 
-  // --- what keys and menus do to the selection, or to the body under the cursor when nothing is selected
-  // --------------
+  // --- what keys and menus do to the selection, or to the body under the cursor when nothing is selected ------------
   void removeSelected();
   void makeStatic();  // and dynamic again
   void pin();         // and free again

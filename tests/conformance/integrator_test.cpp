@@ -80,8 +80,7 @@ ImpactScene<3> top(Real dt) {
   return s;
 }
 
-// --- properties: each says whether it holds, so that declared failures and twins can be seen to fail
-// ------------------
+// --- properties: each says whether it holds, so that declared failures and twins can be seen to fail ----------------
 
 template <int D>
 bool oscillatorBounded(Integrator<D>& integrator) {  // no growth

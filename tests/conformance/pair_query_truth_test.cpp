@@ -188,8 +188,7 @@ TEST(PairQueryTruth, SpoiledMethodsAreSeen) {
   for (const char* name : {"gjk_epa", "mpr"}) spoiledAreSeen<2>(name), spoiledAreSeen<3>(name);
 }
 
-// --- N21: the same numbers in both precisions
-// --------------------------------------------------------------------------
+// --- N21: the same numbers in both precisions -----------------------------------------------------------------------
 
 // Sizes, points, positions and turns that float holds exactly, so that both builds are asked the very same question and
 // differ by no more than their bounds against the referee together.

@@ -68,8 +68,7 @@ GraphInput drawGraph(Draw& draw) {
   return in;
 }
 
-// --- islands
-// -----------------------------------------------------------------------------------------------------------
+// --- islands --------------------------------------------------------------------------------------------------------
 
 // By walking from body to body until nothing changes; numbers follow the lowest slot.
 std::vector<std::int32_t> walked(const GraphInput& in, bool alsoTouching) {
@@ -120,8 +119,7 @@ TEST(ContactGraph, IslandsAreWhatIsConnected) {
   }
 }
 
-// --- levels
-// ------------------------------------------------------------------------------------------------------------
+// --- levels ---------------------------------------------------------------------------------------------------------
 
 // 0 for what no contact moves; else one more than the lowest that it touches; none where there is no such way.
 void levelsAreDistances(Answer answer) {
@@ -152,8 +150,7 @@ TEST(ContactGraph, LevelsAreDistancesFromTheGround) {
       "levels through vetoed contacts", [] { levelsAreDistances(hearsNoVeto); }, 500);
 }
 
-// --- colours
-// -----------------------------------------------------------------------------------------------------------
+// --- colours --------------------------------------------------------------------------------------------------------
 
 void coloursAreGreedyAndApart(Answer answer) {
   RapidCheckDraw draw;
@@ -212,8 +209,7 @@ TEST(ContactGraph, ColoursAreGreedyAndApart) {
   }
 }
 
-// --- all of it
-// ---------------------------------------------------------------------------------------------------------
+// --- all of it ------------------------------------------------------------------------------------------------------
 
 template <class Ask>
 void isIndependentOfTheQuestions(const Ask& ask) {
@@ -305,8 +301,7 @@ TEST(ContactGraph, WorkIsLinear) {
   EXPECT_EQ(work[WorkCount::graphVisits], 0u) << "nothing is built before it is asked for";
 }
 
-// --- in a world
-// --------------------------------------------------------------------------------------------------------
+// --- in a world -----------------------------------------------------------------------------------------------------
 
 // A resolver that looks at what it is given, and leaves the work to catto.
 struct Seen {

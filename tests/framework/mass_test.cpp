@@ -115,8 +115,7 @@ TEST(Mass, ClosedForms) {
   EXPECT_NEAR(needle.inertia(1, 1) / needle.mass, 1 / 3.0, 1e-3);
 }
 
-// --- cutting: the parts of a box add up to the box, wherever the parts' frames are
-// -------------------------------------
+// --- cutting: the parts of a box add up to the box, wherever the parts' frames are ----------------------------------
 
 template <int D, class Combine>
 void cut(Combine combine) {
@@ -157,8 +156,7 @@ TEST(Mass, CombinesWithNothing) {
   EXPECT_EQ(combined(MassProperties<3>{}, MassProperties<3>{}).mass, 0);
 }
 
-// --- a box as a polytope, moved: only the centre changes
-// --------------------------------------------------------------
+// --- a box as a polytope, moved: only the centre changes ------------------------------------------------------------
 
 template <int D>
 Shape<D> boxAsPolytope(const Vec<D>& half, const Pose<D>& X) {
@@ -216,8 +214,7 @@ TEST(Mass, SmallTriangleFarAway) {
   EXPECT_NEAR((m.center[0] - far) / size, 1 / 3.0, double(far / size * 2 * kEps));
 }
 
-// --- what every inertia is
-// --------------------------------------------------------------------------------------------
+// --- what every inertia is ------------------------------------------------------------------------------------------
 
 template <class Mass>
 void physical(Mass massOf) {

@@ -110,8 +110,7 @@ TEST(Pipeline, ReplacesWhatTheTextNames) {
   EXPECT_EQ(p, Pipeline::parse("cache=none solver=split_solver{velocity=naive} sleep=split_average"));
 }
 
-// --- parameters and the registry
-// ---------------------------------------------------------------------------------------
+// --- parameters and the registry ------------------------------------------------------------------------------------
 
 enum class Mode { tight, loose };
 struct AllKinds {

@@ -12,8 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace stages_test { namespace {
 
-// --- broadphase
-// -------------------------------------------------------------------------------------------------------
+// --- broadphase -----------------------------------------------------------------------------------------------------
 
 template <int D>
 class DefaultQueries final : public Broadphase<D> {
@@ -130,8 +129,7 @@ TEST(Broadphase, RaysAlongFaces) {
   EXPECT_EQ(castRay(Aabb<2>{}, Vec<2>(-2, 0), Vec<2>(1, 0), Real(9)), -1) << "the empty box";
 }
 
-// --- pairs
-// ------------------------------------------------------------------------------------------------------------
+// --- pairs ----------------------------------------------------------------------------------------------------------
 
 // Spheres against spheres and capsules by hand: supports (sphere, capsule) in this order only.
 template <int D>
