@@ -1,63 +1,48 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Zlib
-"""The resting pyramid under compilers and levels (2009 report, figures 7.6 and 7.7): medians and chart of the CSV files that
+"""The resting pyramid under compilers and levels (2009 report, figures 7.6 and 7.7): chart and finding of the CSV files that
 experiments/heritage/compilers writes."""
 
 import argparse
 import re
 import sys
-import xml.etree.ElementTree
 from pathlib import Path
 
 EXAMPLE = """example:
-  reports/heritage_compilers.py results/heritage_compilers --medians
   reports/heritage_compilers.py results/heritage_compilers --to reports/out/heritage/compilers.svg
   reports/heritage_compilers.py results/heritage_compilers --page docs/heritage_figures.md"""
 PHASES = ("findPairs", "findContacts", "applyForces", "resolveVelocities", "moveApart")
-LEVELS = ("O0", "O1", "O2", "O3")
 MARKS = re.compile(r"<!-- compilers -->\n.*?<!-- end -->", re.DOTALL)  # on a page, below its picture
 WARM_UP = 10  # steps that are not counted
 
 
-def medians_of(folder):
-    """A row per run: compiler, level, repeat, the medians of its steps (s), bodies, contact points and the hash of its last
-    state."""
+def builds_of(folder):
+    """A row per build: the medians of its runs' medians (s), the interval that holds that of the whole step, bodies, and the
+    hashes of its last states."""
+    import noise
     import pandas as pd
-    rows = []
+    runs = {}
     for path in sorted(Path(folder).glob("*_*_*.csv")):
-        compiler, level, repeat = path.stem.rsplit("_", 2)
         steps = pd.read_csv(path, dtype={"state": str})
-        told = steps.iloc[WARM_UP:]
-        if not len(told):
+        if len(steps) <= WARM_UP:
             raise ValueError(f"{path}: {len(steps)} steps; valid: more than {WARM_UP}")
-        rows.append({"compiler": compiler, "level": level, "repeat": int(repeat),
-                     **{f"{name} [s]": float(told[f"{name} [s]"].median()) for name in ("whole", *PHASES)},
-                     "bodies": int(steps["bodies"].iloc[-1]), "contact points": int(steps["contact points"].iloc[-1]),
-                     "state": steps["state"].iloc[-1]})
-    if not rows:
+        runs.setdefault(tuple(path.stem.rsplit("_", 2)[:2]), []).append(steps)
+    if not runs:
         raise ValueError(f"{folder}: no COMPILER_LEVEL_REPEAT.csv; experiments/heritage/compilers makes them")
+    rows = []
+    for (compiler, level), part in sorted(runs.items()):
+        medians = pd.DataFrame([steps.iloc[WARM_UP:][[f"{name} [s]" for name in ("whole", *PHASES)]].median() for steps in part])
+        low, high = noise.interval(list(medians["whole [s]"]))
+        rows.append({"compiler": compiler, "level": level, "low [s]": low, "high [s]": high, **medians.median(),
+                     "bodies": int(part[0]["bodies"].iloc[-1]), "states": {steps["state"].iloc[-1] for steps in part}})
     return pd.DataFrame(rows)
 
 
-def builds_of(medians):
-    """A row per build: the median of its runs, and the interval that holds the median of the whole step."""
-    import noise
-    import pandas as pd
-    rows = []
-    for (compiler, level), part in medians.groupby(["compiler", "level"], sort=False):
-        low, high = noise.interval(list(part["whole [s]"]))
-        rows.append({"compiler": compiler, "level": level, "runs": len(part), "low [s]": low, "high [s]": high,
-                     **{f"{name} [s]": float(part[f"{name} [s]"].median()) for name in ("whole", *PHASES)}})
-    found = pd.DataFrame(rows)
-    return found.sort_values(["compiler", "level"], key=lambda column: column.map(
-        lambda v: LEVELS.index(v) if v in LEVELS else v) if column.name == "level" else column, kind="stable")
-
-
-def finding(medians):
+def finding(builds):
     """What the levels give each compiler, which compiler is faster where, and whether all end in the same bits. Ratios only where
     the intervals of two builds are apart."""
     from style import si, times
-    builds, said = builds_of(medians), []
+    said = []
     apart = lambda a, b: a["high [s]"] < b["low [s]"] or b["high [s]"] < a["low [s]"]  # noqa: E731
     ratio = lambda a, b: (f"{times(a['whole [s]'] / b['whole [s]'])} times" if apart(a, b) else  # noqa: E731
                           "alike within the noise")
@@ -71,19 +56,18 @@ def finding(medians):
         for _, one in a.iterrows():
             for _, other in b[b["level"] == one["level"]].iterrows():
                 said.append(f"at -{one['level']} {one['compiler']} over {other['compiler']} is {ratio(one, other)}")
-    ends = medians["state"].nunique()
+    ends = len(set.union(*builds["states"]))
     said.append("all end in the same bits" if ends == 1 else f"they end in {ends} different states")
-    return (f"A resting pyramid of {medians['bodies'].iloc[0] - 1} boxes in 2D, with the stages of 2009: " + "; ".join(said) +
+    return (f"A resting pyramid of {builds['bodies'].iloc[0] - 1} boxes in 2D, with the stages of 2009: " + "; ".join(said) +
             ".")
 
 
-def draw(medians, target):
+def draw(builds, target):
     import numpy as np
     import overlap
     import pages
     from matplotlib.patches import Patch
     from style import PALETTE, grid_of_axes, legend_right, si
-    builds = builds_of(medians)
     compilers = list(dict.fromkeys(builds["compiler"]))
     figure, axes = grid_of_axes(1, len(compilers), 2.6, 1.75, left=0.9, gap_x=0.35, sharey=True)
     colours = {**{name: PALETTE[i] for i, name in enumerate(PHASES)}, "other": PALETTE[11]}
@@ -108,14 +92,8 @@ def draw(medians, target):
     axes[0][0].set_ylim(0, 122)
     legend_right(figure, [Patch(color=colours[name], alpha=0.85, label=name) for name in reversed(colours)], 1.75)
     pages.folder(Path(target).parent)
-    pages.save(figure, Path(target), finding(medians))
+    pages.save(figure, Path(target), finding(builds))
     return overlap.overlaps(figure)
-
-
-def finding_in(picture):
-    """As `draw` left it there; empty where a picture has none."""
-    found = xml.etree.ElementTree.parse(picture).find(".//{http://purl.org/dc/elements/1.1/}description")
-    return "" if found is None else found.text
 
 
 def write(text, page):
@@ -135,20 +113,17 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(prog="reports/heritage_compilers.py", description=__doc__, epilog=EXAMPLE,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", metavar="DIR", help="where experiments/heritage/compilers wrote")
-    parser.add_argument("--medians", action="store_true", help="write DIR/medians.csv, a row per run")
     parser.add_argument("--to", metavar="FILE", help="draw the chart there (.svg, .png or .pdf)")
     parser.add_argument("--page", metavar="FILE", help="write the finding on that page, between '<!-- compilers -->' and "
                         "'<!-- end -->'")
     options = parser.parse_args(arguments)
     try:
-        medians = medians_of(options.folder)
-        if options.medians:
-            medians.to_csv(Path(options.folder) / "medians.csv", index=False)
+        builds = builds_of(options.folder)
         if options.to:
-            draw(medians, options.to)
+            draw(builds, options.to)
         if options.page:
-            write(finding(medians), Path(options.page))
-        print(finding(medians))
+            write(finding(builds), Path(options.page))
+        print(finding(builds))
     except (OSError, ValueError, KeyError) as error:
         print(f"reports/heritage_compilers.py: {error}", file=sys.stderr)
         return 2

@@ -11,6 +11,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import heritage_compilers  # noqa: E402
+import readme  # noqa: E402
 
 TIMES = {("g++", "O0"): 20.0, ("g++", "O2"): 2.0, ("g++", "O3"): 1.0, ("clang++", "O0"): 20.1, ("clang++", "O3"): 0.5}  # ms
 
@@ -32,19 +33,19 @@ class Compilers(unittest.TestCase):
 
     def test_medians_and_ratios(self):
         folder = self.folder()
-        self.assertEqual(heritage_compilers.finding(heritage_compilers.medians_of(folder)),
+        self.assertEqual(heritage_compilers.finding(heritage_compilers.builds_of(folder)),
                          "A resting pyramid of 325 boxes in 2D, with the stages of 2009: clang++ takes 520 µs a step at -O3 and "
                          "40 times of that at -O0; g++ takes 1.04 ms a step at -O3 and 20 times of that at -O0; -O2 is 2.0 times "
                          "of -O3; at -O0 clang++ over g++ is alike within the noise; at -O3 clang++ over g++ is 0.5 times; "
                          "all end in the same bits.")
         target = Path(PICTURE) if PICTURE else folder / "picture.png"
-        self.assertEqual(heritage_compilers.draw(heritage_compilers.medians_of(folder), target), ([], []))
+        self.assertEqual(heritage_compilers.draw(heritage_compilers.builds_of(folder), target), ([], []))
         self.assertTrue(target.exists())
 
     def test_a_page_has_the_finding_of_its_picture(self):
         page, folder = Path(HERE.parent.parent / "docs/heritage_figures.md"), self.folder()
         fault = lambda text, picture: "" if heritage_compilers.block(  # noqa: E731
-            heritage_compilers.finding_in(picture)) in text else "the page says something else than its picture"
+            readme.caption_of_figure(picture.read_text(encoding="utf-8"))) in text else "the page says something else than its picture"
         self.assertEqual(fault(page.read_text(encoding="utf-8"), page.parent / "drawings/heritage_compilers.svg"), "")
         copy, picture = folder / "page.md", folder / "picture.svg"
         copy.write_text("before\n<!-- compilers -->\nold\n<!-- end -->\nafter\n", encoding="utf-8")
@@ -57,15 +58,15 @@ class Compilers(unittest.TestCase):
         self.assertEqual(heritage_compilers.main([str(folder), "--page", str(copy)]), 2)
 
     def test_the_planted_bug_other_bits_are_told(self):
-        self.assertIn("they end in 2 different states", heritage_compilers.finding(heritage_compilers.medians_of(
+        self.assertIn("they end in 2 different states", heritage_compilers.finding(heritage_compilers.builds_of(
             self.folder(states="ab"))))
 
     def test_first_steps_do_not_count(self):
         folder = self.folder(times={("g++", "O2"): 2.0}, repeats=1, steps=15)  # ten of these are fifty times as slow
-        self.assertAlmostEqual(heritage_compilers.medians_of(folder)["whole [s]"].iloc[0], 2.04e-3)
+        self.assertAlmostEqual(heritage_compilers.builds_of(folder)["whole [s]"].iloc[0], 2.04e-3)
         real, heritage_compilers.WARM_UP = heritage_compilers.WARM_UP, 0
         try:
-            self.assertAlmostEqual(heritage_compilers.medians_of(folder)["whole [s]"].iloc[0], 50 * 2.04e-3)
+            self.assertAlmostEqual(heritage_compilers.builds_of(folder)["whole [s]"].iloc[0], 50 * 2.04e-3)
         finally:
             heritage_compilers.WARM_UP = real
 
