@@ -22,7 +22,7 @@ HAS_SINGLE = "f32" in (BINARY / "precisions.txt").read_text()
 REPORT_PYTHON = next((argument for argument in sys.argv[3:] if not argument.startswith("--")), "")
 SCRATCH = BINARY / ("docs_test_others" if OTHERS else "docs_test")
 FIRST = ["docs/manual.md", "README.md"]  # the manual's sweep fills the store that README reports
-PAGES = FIRST + sorted(f"docs/{p.name}" for p in (SOURCE / "docs").glob("*.md") if p.name != "manual.md")
+PAGES = [*FIRST, "CONTRIBUTING.md", *sorted(f"docs/{p.name}" for p in (SOURCE / "docs").glob("*.md") if p.name != "manual.md")]
 
 # Sections whose files and commands another test takes from the page.
 ELSEWHERE = {
@@ -45,8 +45,12 @@ NOT_RUN = {
     "./experiments/run quick": "builds and sweeps for minutes",
     "./experiments/run heritage": "builds and sweeps for minutes",
     "./tests/run": "it is what runs this",
+    "./tests/run -R BroadphaseConformance": "it is what runs this",
     ".ci/install_packages run window": "installs",
+    ".ci/install_packages tidy": "installs",
+    "git diff --name-only origin/main -- '*.cpp' | xargs -r clang-tidy -p build/tidy --quiet": "of packages that no test needs",
     "cmake --preset release && cmake --build --preset release": "builds for minutes; this build stands for it",
+    "cmake --preset tidy": "configures a build; those of the other presets are configured alike",
     "cmake --preset release -DLPC_BUILD_BENCHMARKS=ON && cmake --build --preset release --target lpc-bench":
         "builds; the test `benchmarks_start` runs what the preset `test` builds of the same",
     "taskset -c 1 build/release/bin/lpc-bench --benchmark_filter=broadphase --benchmark_out=bench.json "
