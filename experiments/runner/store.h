@@ -73,7 +73,8 @@ class Store {
   void setMeta(const std::string& key, const std::string& value);
   /// What metrics and series are; replaces what the store holds of the same names.
   void describe(const std::vector<DescribedMetric>& metrics);
-  void addBenchmark(const std::string& json);
+  /// What Google Benchmark wrote, as JSON.
+  void addBenchmark(const std::string& text);
   /// Has this block of a verification been booked for this method?
   bool isVerified(const std::string& key);
   /// Books what was verified together with the blocks that it is of; all of it, or nothing when another process has

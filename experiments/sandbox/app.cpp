@@ -283,7 +283,7 @@ template <int D>
 void App<D>::showOther(Opening next, const SceneFile& loaded) {
   constexpr int kOther = 5 - D;
   next.dimension = kOther;
-  Session<kOther>(specOf<kOther>(loaded, next), next.pipelines);  // who cannot play there is refused here
+  static_cast<void>(Session<kOther>(specOf<kOther>(loaded, next), next.pipelines));  // what cannot play is refused
   m_next = next;
 }
 
