@@ -8,7 +8,7 @@
 
 #include "framework/stage/registry.h"
 
-#define LPC_VERSION_TEXT "0.1.0"
+#define LPC_VERSION_TEXT "0.2.0"
 #define LPC_TEXT_OF_(x) #x
 #define LPC_TEXT_OF(x) LPC_TEXT_OF_(x)
 
