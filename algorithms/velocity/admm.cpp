@@ -202,9 +202,9 @@ class Admm final : public VelocityResolver<D> {
   RowSweep<D> m_sweep;
   IslandFactor<D> m_factor;
   Island<D> m_island;
-  double m_largest = 0;                   // bound on the eigenvalues of W
-  std::vector<double> m_free, m_impulse;  // of the problem
-  std::vector<double> m_lifted, m_x, m_y, m_z, m_slide, m_product, m_change, m_diagonal, m_yBefore;
+  double m_largest = 0;                     // bound on the eigenvalues of W
+  IndexedVector<double> m_free, m_impulse;  // of the problem
+  IndexedVector<double> m_lifted, m_x, m_y, m_z, m_slide, m_product, m_change, m_diagonal, m_yBefore;
 };
 
 }  // namespace

@@ -393,7 +393,7 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
   struct Column {
     enum Kind : std::uint8_t { push, corner, slack } kind = push;
     std::size_t first = 0;
-    std::array<double, D> impulse{};
+    IndexedArray<double, D> impulse{};
     std::size_t rows = 0;
     double room = 0;  // of the slack of an interval
   };
@@ -423,7 +423,7 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
   RowSweep<D> m_sweep;
   SymmetricFactor m_factor;
   Lemke m_lemke;
-  std::vector<double> m_free, m_impulse, m_start, m_first, m_kept, m_warm, m_last, m_way, m_dx, m_du, m_answer, m_lcp,
+  IndexedVector<double> m_free, m_impulse, m_start, m_first, m_kept, m_warm, m_last, m_way, m_dx, m_du, m_answer, m_lcp,
       m_q, m_lemkeZ;
   std::vector<std::size_t> m_freeRows;
   std::vector<Column> m_columns;

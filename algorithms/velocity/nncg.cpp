@@ -56,7 +56,7 @@ class Nncg final : public VelocityResolver<D> {
       m_problem.freeVelocities(in, m_free);
       m_problem.lastImpulses(in, m_params.warmStart ? 1 : 0, m_impulse);
       m_problem.clearMotion();
-      for (int i = 0; i < m_problem.size(); ++i) m_problem.push(i, m_impulse[static_cast<std::size_t>(i)]);
+      for (int i = 0; i < m_problem.size(); ++i) m_problem.push(i, m_impulse[i]);
     }
     Profiler::Scope scope(in.profiler, "solver.iterate");
     m_before.resize(m_impulse.size()), m_direction.assign(m_impulse.size(), 0);
@@ -73,34 +73,33 @@ class Nncg final : public VelocityResolver<D> {
   void iterate(std::span<const std::int32_t> rows, WorkDone& work) {
     double last = 0;
     for (int n = 0; n < m_params.iterations; ++n) {
-      for (const std::int32_t i : rows) m_before[at(i)] = m_impulse[at(i)];
+      for (const std::int32_t i : rows) m_before[i] = m_impulse[i];
       m_sweep.sweep(m_problem, rows, m_free, m_impulse);
       countRows<D>(work, rows.size());
       if (n + 1 == m_params.iterations) return;  // ends with a sweep: all limits hold
       double change = 0;                         // in J, so that N s and N m s may be added
       for (const std::int32_t i : rows) {
-        const double by = m_impulse[at(i)] - m_before[at(i)];
+        const double by = m_impulse[i] - m_before[i];
         change += by * by / m_problem.row(i).unit;
       }
       const double beta = n > 0 && last > 0 && change <= last ? change / last : 0;
       last = change;
       work[WorkCount::multiplyAdds] += kOfRow * rows.size();
       for (const std::int32_t i : rows) {
-        const double step = beta * m_direction[at(i)];
-        m_direction[at(i)] = step + m_impulse[at(i)] - m_before[at(i)];
+        const double step = beta * m_direction[i];
+        m_direction[i] = step + m_impulse[i] - m_before[i];
         if (!(step != 0)) continue;
-        m_impulse[at(i)] += step;
+        m_impulse[i] += step;
         m_problem.push(i, step);
       }
     }
   }
-  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   Params m_params;
   ContactProblem<D> m_problem;
   RowSweep<D> m_sweep;
   std::vector<std::int32_t> m_rows;  // all
-  std::vector<double> m_free, m_impulse, m_before, m_direction;
+  IndexedVector<double> m_free, m_impulse, m_before, m_direction;
 };
 
 }  // namespace

@@ -70,7 +70,7 @@ class ProximalNewton final : public VelocityResolver<D> {
       const bool done = m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies) && descend();
       in.work[WorkCount::multiplyAdds] += m_island.multiplyAdds + m_anderson.multiplyAdds;
       if (done) {
-        for (std::size_t i = 0; i < rows.size(); ++i) m_impulse[static_cast<std::size_t>(rows[i])] = m_best[i];
+        for (std::size_t i = 0; i < rows.size(); ++i) m_impulse[rows[i]] = m_best[i];
       } else {
         m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
       }
@@ -241,7 +241,7 @@ class ProximalNewton final : public VelocityResolver<D> {
   SpringIsland<D> m_island;
   Anderson m_anderson;
   double m_least = 0, m_cfm = 0;
-  std::vector<double> m_free, m_impulse;              // of the problem
+  IndexedVector<double> m_free, m_impulse;            // of the problem
   std::vector<double> m_guess, m_best, m_from, m_to;  // of the island
 };
 

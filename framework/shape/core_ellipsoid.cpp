@@ -39,14 +39,14 @@ class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
     MassProperties<D> m;
     m.mass = static_cast<Real>(density * volume);
     for (int k = 0; k < kAngDim<D>; ++k) {  // in 2D about z, which is none of the axes
-      const double own = D == 2 ? 0 : double(m_sizes[static_cast<std::size_t>(k)]);
+      const double own = D == 2 ? 0 : double(m_sizes[k]);
       m.inertia(k, k) = static_cast<Real>(density * volume * (squares - own * own) / (D + 2));
     }
     return m;
   }
 
  private:
-  std::array<Real, static_cast<std::size_t>(D)> m_sizes;
+  IndexedArray<Real, D> m_sizes;
 };
 
 const CurvedRegistrar<Ellipsoid, 2, 3> ellipsoidRegistrar{ShapeKind::ellipsoid,
