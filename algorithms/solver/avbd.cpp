@@ -140,7 +140,7 @@ class Avbd final : public Solver<D> {
   }
   // A force is what stays the same when dt changes.
   Real warmth(const StepInput<D>& in) const {
-    const Real scale = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+    const Real scale = lastImpulseScale(in);
     return m_params.postStabilize ? scale : m_params.alpha * m_params.gamma * scale;
   }
 
@@ -372,7 +372,7 @@ class Avbd final : public Solver<D> {
           add(m.t.col(d), isB ? tangent.armB : tangent.armA, side * rub.impulse[d], rub.stiffness);
         }
       }
-      countBodyRows(in, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
+      countBodyRows(in, m.rows());
     }
     for (const std::int32_t number : in.graph.jointsOf(body)) {
       const int at = m_jointAt[number];

@@ -195,7 +195,7 @@ class Xpbd final : public Solver<D> {
         applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, impulse[d], a, b, rotation);
       }
     }
-    countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
+    countRows<D>(in.work, m.rows());
   }
 
   // On velocities: a point that was pushed stops or bounces, whatever the push was for. It may be pulled by no more

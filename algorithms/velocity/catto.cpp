@@ -91,7 +91,7 @@ class Catto final : public VelocityResolver<D> {
     }
     std::uint64_t rows = 0;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      rows += m.rows();
     }
     countRows<D>(in.work, rows * static_cast<std::uint64_t>(m_params.iterations));
     m_joints.count(in.work, static_cast<std::uint64_t>(m_params.iterations));
@@ -100,11 +100,8 @@ class Catto final : public VelocityResolver<D> {
   }
 
  private:
-  // An impulse is a force times dt: when dt changes, the force is the better guess.
-  static Real growth(const VelocityInput<D>& in) { return in.lastDt > 0 ? in.dt / in.lastDt : Real(1); }
-
   void warmStart(const VelocityInput<D>& in) {
-    const Real factor = m_params.warmFactor * growth(in);
+    const Real factor = m_params.warmFactor * lastImpulseScale(in);
     warmStartContacts(in, factor, m_contacts);
     m_joints.warmStart(in.dt,
                        [&](std::int32_t joint, std::int32_t row) { return factor * in.joints[joint].impulse[row]; });
@@ -126,7 +123,7 @@ class Catto final : public VelocityResolver<D> {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& old = in.manifolds[m.manifold];
       for (int i = 0; i < m.count; ++i) {
-        const Real normal = growth(in) * old.points[i].impulse[0];
+        const Real normal = lastImpulseScale(in) * old.points[i].impulse[0];
         m_limits[m.first + i] = m.friction * std::max(normal, Real(0));
       }
     }

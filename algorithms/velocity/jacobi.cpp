@@ -64,7 +64,7 @@ class Jacobi final : public VelocityResolver<D> {
     for (int i = 0; i < m_params.iterations; ++i) sweep(in, feedback);
     std::uint64_t rows = 0;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      rows += m.rows();
     }
     countRows<D>(in.work, rows * static_cast<std::uint64_t>(m_params.iterations));
     m_joints.count(in.work, static_cast<std::uint64_t>(m_params.iterations));
@@ -103,7 +103,7 @@ class Jacobi final : public VelocityResolver<D> {
 
   // An impulse is a force times dt: when dt changes, the force is the better guess.
   void warmStart(const VelocityInput<D>& in) {
-    const Real factor = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+    const Real factor = lastImpulseScale(in);
     m_change.assign(m_pairs.size(), {});
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& old = in.manifolds[m.manifold];

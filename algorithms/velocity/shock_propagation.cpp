@@ -74,7 +74,7 @@ class ShockPropagation final : public VelocityResolver<D> {
 
  private:
   void warmStart(const VelocityInput<D>& in) {
-    const Real growth = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+    const Real growth = lastImpulseScale(in);
     warmStartContacts(in, growth, m_contacts);
     m_joints.warmStart(in.dt,
                        [&](std::int32_t joint, std::int32_t row) { return growth * in.joints[joint].impulse[row]; });
@@ -92,7 +92,7 @@ class ShockPropagation final : public VelocityResolver<D> {
     for (int i = 0; i < m.count; ++i) pushAt(m, points[i], Real(1), a, b, in.features.rotation);
     for (int i = 0; i < m.count && m.friction > 0; ++i) rubAt(m, points[i], a, b, in.features.rotation);
     in.bodies.motion[m.a] = a, in.bodies.motion[m.b] = b;
-    countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
+    countRows<D>(in.work, m.rows());
   }
 
   void propagate(const VelocityInput<D>& in) {

@@ -27,6 +27,13 @@ Mat<D> pointResponse(const Vec<D>& rA, const Vec<D>& rB, Real invMassSum, const 
   return k;
 }
 
+/// What impulses of the last step are scaled by, to be the first guess of this one's. An impulse is a force times dt:
+/// when dt changes, the force is the better guess. `in`: a VelocityInput or a StepInput.
+template <class Input>
+Real lastImpulseScale(const Input& in) {
+  return in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+}
+
 /// One direction d of impulse between two bodies.
 template <int D>
 struct Row {
@@ -113,6 +120,8 @@ struct ManifoldRows {
   Real friction;
   Vec<D> n;
   RealMatrix<D, D - 1> t;
+
+  std::uint64_t rows() const { return static_cast<std::uint64_t>(count) * (friction > 0 ? D : 1); }
 };
 
 inline void prepareFriction(PointRows<2>& row) { row.stick[0] = row.slide = row.tangent[0].mass; }
@@ -178,7 +187,7 @@ struct ContactRows {
                                       in.restitutionThreshold, in.dt, in.position);
         row.impulse.fill(0);
       }
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
+      countMadeRows<D>(in.work, rows.rows());
     }
   }
 

@@ -88,7 +88,7 @@ class Substeps {
     m_start.resize(in.bodies.pose.size());
     for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
     m_way.assign(m_start.size(), Vec<D>::Zero());
-    const Real scale = (in.lastDt > 0 ? in.dt / in.lastDt : Real(1)) / m_count;
+    const Real scale = lastImpulseScale(in) / m_count;
     const NoBias none;
     m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
                         in.restitutionThreshold, in.work, in.profiler});
@@ -163,7 +163,7 @@ class Substeps {
       const Manifold<D>& m = in.manifolds[rows.manifold];
       const auto a = rows.a, b = rows.b;
       const auto [atA, atB] = places().pair(in.bodies, a, b);
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
+      countMadeRows<D>(in.work, rows.rows());
       const Real sum = rows.invMassA + rows.invMassB, share = sum > 0 ? rows.invMassB / sum : Real(0.5);
       for (int k = 0; k < rows.count; ++k) {
         const ContactPoint<D>& c = m.points[k];
@@ -265,7 +265,7 @@ class Substeps {
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
       const Manifold<D>& m = in.manifolds[rows.manifold];
       if (made(m)) continue;
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
+      countMadeRows<D>(in.work, rows.rows());
       for (int k = 0; k < m.count; ++k) {
         const ContactPoint<D>& c = m.points[k];
         Ang<D> turn;
@@ -335,7 +335,7 @@ class Substeps {
           rubAt(m, m_contacts.points[m.first + k], a, b, rotation);
         }
       }
-      countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
+      countRows<D>(in.work, m.rows());
       motion[m.a] = a, motion[m.b] = b;
     }
   }
