@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/rows/row_sweep.h"
+#include "algorithms/solver/rows/whole_problem.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -11,7 +11,7 @@ using namespace solver;
 // gradient of some function, and the next step goes on along a conjugate direction (Fletcher and Reeves). A direction
 // that makes sweeps change more than before is dropped.
 template <int D>
-class Nncg final : public VelocityResolver<D> {
+class Nncg final : public VelocityResolver<D>, private WholeProblem<D> {
  public:
   struct Params {
     int iterations = 10;
@@ -50,11 +50,7 @@ class Nncg final : public VelocityResolver<D> {
   void solve(const VelocityInput<D>& in) override {
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
-      m_problem.set(in);
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(m_problem.size()));
-      m_sweep.prepare(m_problem);
-      m_problem.freeVelocities(in, m_free);
-      m_problem.lastImpulses(in, m_params.warmStart ? 1 : 0, m_impulse);
+      this->prepare(in, m_params.warmStart ? 1 : 0);
       m_problem.clearMotion();
       for (int i = 0; i < m_problem.size(); ++i) m_problem.push(i, m_impulse[i]);
     }
@@ -67,6 +63,7 @@ class Nncg final : public VelocityResolver<D> {
   }
 
  private:
+  using WholeProblem<D>::m_problem, WholeProblem<D>::m_sweep, WholeProblem<D>::m_free, WholeProblem<D>::m_impulse;
   // Multiply-adds of a row beside the sweep: of what it has changed, and of the way on.
   static constexpr std::uint64_t kOfRow = 4 + 2 * D + D * (D - 1);
 
@@ -96,10 +93,8 @@ class Nncg final : public VelocityResolver<D> {
   }
 
   Params m_params;
-  ContactProblem<D> m_problem;
-  RowSweep<D> m_sweep;
   std::vector<std::int32_t> m_rows;  // all
-  IndexedVector<double> m_free, m_impulse, m_before, m_direction;
+  IndexedVector<double> m_before, m_direction;
 };
 
 }  // namespace
