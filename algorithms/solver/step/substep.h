@@ -192,6 +192,15 @@ class Substeps {
     for (int i = 0; i < iterations; ++i) sweep(in, {});
   }
 
+  /// Sub-step i as a whole: solved with a push, moved, and relaxed.
+  void step(const StepInput<D>& in, int i, const Push& push, int sweeps, int relaxing, bool separationsFollow = true) {
+    begin(in, i);
+    solve(in, push, sweeps);
+    move(in, separationsFollow);
+    relax(in, relaxing);
+    end();
+  }
+
   /// What contacts and joints bore in this sub-step.
   void end() {
     for (std::size_t p = 0; p < m_states.size(); ++p) m_states[p].load += m_contacts.points[p].impulse[0];
