@@ -164,7 +164,7 @@ class Bsp final : public Broadphase<D> {
       child = static_cast<std::int32_t>(m_nodes.size());
       m_nodes.resize(m_nodes.size() + 2);
     }
-    m_nodes[child] = m_nodes[static_cast<std::size_t>(child) + 1] = {};
+    m_nodes[child] = m_nodes[child + 1] = {};
     return child;
   }
   void forget(std::int32_t at) {

@@ -164,7 +164,7 @@ class RebuiltBvh final : public Broadphase<D> {
   };
 
   bool isLeaf(std::int32_t at) const { return m_nodes[at].past == at + 1; }
-  std::int32_t rightOf(std::int32_t at) const { return m_nodes[static_cast<std::size_t>(at) + 1].past; }
+  std::int32_t rightOf(std::int32_t at) const { return m_nodes[at + 1].past; }
 
   void build(const Proxies<D>& proxies) {
     const std::size_t n = m_slots.size();

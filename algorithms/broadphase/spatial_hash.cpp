@@ -147,7 +147,7 @@ class SpatialHash final : public Broadphase<D> {
           const auto slot =
               static_cast<std::int32_t>((place + static_cast<std::uint32_t>(lo[0] + x)) & ((1u << m_bits) - 1));
           m_entries.push_back({packed, cell, item, slot});
-          ++m_start[static_cast<std::size_t>(slot) + 1];
+          ++m_start[slot + 1];
         }
       }
     }

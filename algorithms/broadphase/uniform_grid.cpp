@@ -127,7 +127,7 @@ class UniformGrid final : public Broadphase<D> {
       }
       m_placeOf[k] = small ? static_cast<std::int32_t>(place(lo)) : -1;
       if (small) {
-        ++m_start[static_cast<std::size_t>(m_placeOf[k]) + 1];
+        ++m_start[m_placeOf[k] + 1];
       } else {
         const GatheredBox<D> box = GatheredBox<D>::of(proxies, m_slots[k]);
         m_large.push_back({box, packing.pack(box.lo, box.hi), lo, hi});

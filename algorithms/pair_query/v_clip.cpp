@@ -41,7 +41,7 @@ class Walk {
 
   const SatCore& core(int i) const { return *m_core[i]; }
   Feature& feature(int i) const { return (*m_feature)[i]; }
-  Step moveTo(int i, Kind kind, std::size_t number) {
+  Step moveTo(int i, Kind kind, Index auto number) {
     feature(i) = {kind, static_cast<std::int32_t>(number)};
     return Step::moved;
   }
@@ -242,11 +242,9 @@ class Walk {
     const Real to = heightOver(f, feature(f).number, clip.tail + clip.to * way);
     if (from * to <= 0) return Step::overlap;
     if (std::abs(from) <= std::abs(to)) {
-      return clip.entry ? (feature(f) = beyond(f, *clip.entry), Step::moved)
-                        : moveTo(e, Kind::vertex, static_cast<std::size_t>(edge.v0));
+      return clip.entry ? (feature(f) = beyond(f, *clip.entry), Step::moved) : moveTo(e, Kind::vertex, edge.v0);
     }
-    return clip.exit ? (feature(f) = beyond(f, *clip.exit), Step::moved)
-                     : moveTo(e, Kind::vertex, static_cast<std::size_t>(edge.v1));
+    return clip.exit ? (feature(f) = beyond(f, *clip.exit), Step::moved) : moveTo(e, Kind::vertex, edge.v1);
   }
 
   Real heightOver(int i, std::int32_t face, const Vec<3>& q) const {

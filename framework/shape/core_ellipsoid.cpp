@@ -18,8 +18,8 @@ class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
 
   // The sphere's support under the stretch that makes the ellipsoid: p = S (S d) / |S d|.
   template <class N>
-  std::array<N, static_cast<std::size_t>(D)> extreme(const std::array<N, static_cast<std::size_t>(D)>& d) const {
-    std::array<N, static_cast<std::size_t>(D)> p = d;
+  CorePoint<N, D> extreme(const CorePoint<N, D>& d) const {
+    CorePoint<N, D> p = d;
     N largest = 0, square = 0;
     for (std::size_t k = 0; k < p.size(); ++k) p[k] *= m_sizes[k], largest = std::max(largest, std::abs(p[k]));
     if (!(largest > 0)) return {m_sizes[0]};

@@ -16,7 +16,7 @@ void Proxies<D>::resize(int slots) {
   const auto padded = static_cast<std::size_t>((slots + kPad - 1) / kPad * kPad);
   // Shrinking to the slots first makes all that is left of old tenants free.
   const auto kept = static_cast<std::size_t>(std::min(slots, count));
-  for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k) {
+  for (int k = 0; k < D; ++k) {
     lo[k].resize(kept), lo[k].resize(padded, kInfinite);
     hi[k].resize(kept), hi[k].resize(padded, -kInfinite);
   }
