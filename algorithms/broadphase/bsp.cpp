@@ -61,7 +61,7 @@ class Bsp final : public Broadphase<D> {
     ++m_step;
     visit(0, {0, n, n, 0, 0});
     for (std::size_t k = 0; k < m_found; ++k) {
-      emitIfPair(m_boxes[static_cast<std::size_t>(m_hits[k].a)], m_boxes[static_cast<std::size_t>(m_hits[k].b)], out);
+      emitIfPair(m_boxes[m_hits[k].a], m_boxes[m_hits[k].b], out);
     }
     work[WorkCount::boxTests] += m_tests;
     work[WorkCount::nodeVisits] += m_visits;
@@ -79,7 +79,7 @@ class Bsp final : public Broadphase<D> {
   }
 
  private:
-  using Fields = std::array<double, D>;  // packed coordinates of a corner
+  using Fields = IndexedArray<double, D>;  // packed coordinates of a corner
 
   static constexpr int kBits = Packing<D>::kBits;
   static constexpr std::uint64_t kGuards = Packing<D>::kGuards;
@@ -120,7 +120,7 @@ class Bsp final : public Broadphase<D> {
     if (r.count() < 2 || m_items[r.begin] >= m_awake) return;
     Parts parts;
     if (r.count() <= most || r.depth == m_params.depth || !divide(at, r, parts)) return pairsInLeaf(r);
-    const Node node = m_nodes[static_cast<std::size_t>(at)];
+    const Node node = m_nodes[at];
     const int shift = node.plane.axis * (kBits + 1);
     const std::uint64_t border = (r.lowest & ~(Packing<D>::kField << shift)) | packed(node.plane) << shift;
     const std::size_t above = r.top + r.count(), top = above + r.count();
@@ -131,7 +131,7 @@ class Bsp final : public Broadphase<D> {
   // By the plane that is there if it still divides well, else by a new one. False if there is none.
   bool divide(std::int32_t at, const Region& r, Parts& parts) {
     if (m_items.size() < r.top + 2 * r.count() + 1) m_items.resize(2 * (r.top + 2 * r.count() + 1));
-    const Node node = m_nodes[static_cast<std::size_t>(at)];
+    const Node node = m_nodes[at];
     if (node.plane.axis >= 0) {
       parts = split(node.plane, r);
       if (divideWell(parts, r)) return true;
@@ -144,10 +144,10 @@ class Bsp final : public Broadphase<D> {
       parts = split(plane, r);
       if (!divideWell(parts, r)) continue;
       const std::int32_t child = newChildren();
-      m_nodes[static_cast<std::size_t>(at)] = {plane, child, 0};
+      m_nodes[at] = {plane, child, 0};
       return true;
     }
-    m_nodes[static_cast<std::size_t>(at)].whole = static_cast<std::int32_t>(r.count());
+    m_nodes[at].whole = static_cast<std::int32_t>(r.count());
     return false;
   }
   bool divideWell(const Parts& parts, const Region& r) const {
@@ -159,25 +159,25 @@ class Bsp final : public Broadphase<D> {
   std::int32_t newChildren() {
     std::int32_t child = m_free;
     if (child >= 0) {
-      m_free = m_nodes[static_cast<std::size_t>(child)].child;
+      m_free = m_nodes[child].child;
     } else {
       child = static_cast<std::int32_t>(m_nodes.size());
       m_nodes.resize(m_nodes.size() + 2);
     }
-    m_nodes[static_cast<std::size_t>(child)] = m_nodes[static_cast<std::size_t>(child) + 1] = {};
+    m_nodes[child] = m_nodes[child + 1] = {};
     return child;
   }
   void forget(std::int32_t at) {
-    const std::int32_t child = m_nodes[static_cast<std::size_t>(at)].child;
-    m_nodes[static_cast<std::size_t>(at)] = {};
+    const std::int32_t child = m_nodes[at].child;
+    m_nodes[at] = {};
     if (child < 0) return;
     forget(child), forget(child + 1);
-    m_nodes[static_cast<std::size_t>(child)].child = m_free;
+    m_nodes[child].child = m_free;
     m_free = child;
   }
 
   std::uint64_t packed(const Plane& plane) const {
-    std::array<Real, D> corner;
+    IndexedArray<Real, D> corner;
     corner.fill(plane.at);
     return Packing<D>::field(m_packing.pack(corner, corner).lo, plane.axis);
   }
@@ -190,7 +190,7 @@ class Bsp final : public Broadphase<D> {
     std::int32_t *below = items + r.top, *above = below + r.count();
     for (std::size_t k = r.begin; k < r.end; ++k) {
       const std::int32_t item = items[k];
-      const PackedBox box = m_packed[static_cast<std::size_t>(item)];
+      const PackedBox box = m_packed[item];
       *below = item, *above = item;
       below += static_cast<int>(((box.lo >> shift) & Packing<D>::kField) < border);
       above += static_cast<int>(((box.hi >> shift) & Packing<D>::kField) >= border);
@@ -203,18 +203,18 @@ class Bsp final : public Broadphase<D> {
   // As visit() went with these boxes.
   void tell(std::int32_t at, const Fields& lo, const Fields& hi, int level, const std::vector<std::int32_t>& items,
             std::vector<StructureBox<D>>& out) const {
-    const Node& node = m_nodes[static_cast<std::size_t>(at)];
+    const Node& node = m_nodes[at];
     const bool kept = items.size() <= static_cast<std::size_t>(m_params.leaf);  // its plane may wait for more
     const bool leaf = node.plane.axis < 0 || kept || items.front() >= m_awake || level == m_params.depth;
     out.push_back({m_packing.region(lo, hi), level, leaf && !items.empty()});
     if (leaf) return;
     const std::uint64_t border = packed(node.plane);
-    const auto axis = static_cast<std::size_t>(node.plane.axis);
+    const auto axis = node.plane.axis;
     const auto part = [&](const auto& enters) {
       std::vector<std::int32_t> in(items.size());
-      in.erase(std::copy_if(items.begin(), items.end(), in.begin(),
-                            [&](std::int32_t i) { return enters(m_packed[static_cast<std::size_t>(i)]); }),
-               in.end());
+      in.erase(
+          std::copy_if(items.begin(), items.end(), in.begin(), [&](std::int32_t i) { return enters(m_packed[i]); }),
+          in.end());
       return in;
     };
     const auto below = part([&](const PackedBox& b) { return Packing<D>::field(b.lo, node.plane.axis) < border; });
@@ -227,11 +227,11 @@ class Bsp final : public Broadphase<D> {
   }
 
   // Through the median centre of a sample, first on the axis along which most boxes find room side by side.
-  std::array<Plane, D> choosePlanes(const Region& r) {
+  IndexedArray<Plane, D> choosePlanes(const Region& r) {
     const std::size_t samples = std::min(r.count(), kSamples);
     m_moves += D * samples;
-    std::array<std::array<std::uint64_t, kSamples>, D> centers;
-    std::array<double, D> room;
+    IndexedArray<IndexedArray<std::uint64_t, kSamples>, D> centers;
+    IndexedArray<double, D> room;
     for (std::size_t d = 0; d < D; ++d) {
       std::uint64_t least = ~std::uint64_t{0}, most = 0, size = 0;
       for (std::size_t k = 0; k < samples; ++k) {
@@ -243,13 +243,13 @@ class Bsp final : public Broadphase<D> {
       }
       room[d] = static_cast<double>(most - least) / static_cast<double>(size + 1);
     }
-    std::array<Plane, D> planes;
+    IndexedArray<Plane, D> planes;
     for (Plane& plane : planes) {
       const auto d = static_cast<std::size_t>(std::max_element(room.begin(), room.end()) - room.begin());
       room[d] = -1;
       const auto middle = centers[d].begin() + static_cast<std::ptrdiff_t>(samples / 2);
       std::nth_element(centers[d].begin(), middle, centers[d].begin() + static_cast<std::ptrdiff_t>(samples));
-      const GatheredBox<D>& box = m_boxes[static_cast<std::size_t>(*middle & 0x7fffffffu)];
+      const GatheredBox<D>& box = m_boxes[*middle & 0x7fffffffu];
       plane = {box.lo[d] / 2 + box.hi[d] / 2, static_cast<int>(d)};
     }
     return planes;
@@ -261,8 +261,8 @@ class Bsp final : public Broadphase<D> {
     std::int32_t awake = 0;
     for (std::int32_t k = 0; k < count; ++k) {
       const std::int32_t item = m_items[r.begin + static_cast<std::size_t>(k)];
-      const PackedBox& box = m_packed[static_cast<std::size_t>(item)];
-      m_leaf[static_cast<std::size_t>(k)] = {box, (box.lo | kGuards) - r.lowest, item};
+      const PackedBox& box = m_packed[item];
+      m_leaf[k] = {box, (box.lo | kGuards) - r.lowest, item};
       awake += item < m_awake ? 1 : 0;
     }
     for (std::int32_t a = 0; a < awake; ++a) {
@@ -299,12 +299,12 @@ class Bsp final : public Broadphase<D> {
   std::size_t m_found = 0;  // in m_hits
   std::vector<ProxyId> m_slots;
   std::vector<Real> m_sample;
-  std::vector<GatheredBox<D>> m_boxes;
-  std::vector<PackedBox> m_packed;
-  std::vector<std::int32_t> m_items;     // a stack of lists of boxes
-  std::vector<Node> m_nodes = {Node{}};  // the root first, then pairs: what lasts from step to step
-  std::int32_t m_free = -1;              // the first pair of unused nodes; the next one stands in its `child`
-  std::vector<LeafBox> m_leaf;
+  IndexedVector<GatheredBox<D>> m_boxes;
+  IndexedVector<PackedBox> m_packed;
+  std::vector<std::int32_t> m_items;       // a stack of lists of boxes
+  IndexedVector<Node> m_nodes = {Node{}};  // the root first, then pairs: what lasts from step to step
+  std::int32_t m_free = -1;                // the first pair of unused nodes; the next one stands in its `child`
+  IndexedVector<LeafBox> m_leaf;
   std::vector<Hit> m_hits;
 };
 

@@ -65,30 +65,30 @@ class DynamicTree final : public Broadphase<D> {
 
   void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     const auto emit = [&](const ProxyPair& pair) {
-      const Aabb<D>&a = m_tight[static_cast<std::size_t>(pair.a)], &b = m_tight[static_cast<std::size_t>(pair.b)];
+      const Aabb<D>&a = m_tight[pair.a], &b = m_tight[pair.b];
       if (a.overlaps(b)) out.push_back(pair);
     };
     std::size_t kept = 0;
     for (const ProxyPair pair : m_pairs) {
-      if (m_changed[static_cast<std::size_t>(pair.a)] | m_changed[static_cast<std::size_t>(pair.b)]) continue;
+      if (m_changed[pair.a] | m_changed[pair.b]) continue;
       m_pairs[kept++] = pair;
       emit(pair);
     }
     m_pairs.resize(kept);
     for (const ProxyId i : m_list) {
-      const std::int32_t leaf = m_leaf[static_cast<std::size_t>(i)];
+      const std::int32_t leaf = m_leaf[i];
       if (leaf == kNone) continue;
       const Aabb<D> fat = node(leaf).box;
       m_visits += visit([&](const Aabb<D>& box) { return box.overlaps(fat); },
                         [&](ProxyId j) {
                           // Of two that changed, the pair is found from both.
-                          if (j == i || (j < i && m_changed[static_cast<std::size_t>(j)])) return;
+                          if (j == i || (j < i && m_changed[j])) return;
                           if (!proxies.mayCollide(i, j)) return;
                           m_pairs.push_back({std::min(i, j), std::max(i, j)});
                           emit(m_pairs.back());
                         });
     }
-    for (const ProxyId i : m_list) m_changed[static_cast<std::size_t>(i)] = 0;
+    for (const ProxyId i : m_list) m_changed[i] = 0;
     m_list.clear();
     work[WorkCount::boxTests] += m_pairs.size();
     work[WorkCount::nodeVisits] += std::exchange(m_visits, 0);
@@ -149,8 +149,8 @@ class DynamicTree final : public Broadphase<D> {
   struct Node {
     Aabb<D> box;
     std::int32_t parent;
-    std::array<std::int32_t, 2> child;  // of a leaf: kNone and its slot
-    std::int32_t height;                // 0 of a leaf
+    IndexedArray<std::int32_t, 2> child;  // of a leaf: kNone and its slot
+    std::int32_t height;                  // 0 of a leaf
 
     bool isLeaf() const { return child[0] == kNone; }
   };
@@ -162,8 +162,8 @@ class DynamicTree final : public Broadphase<D> {
     }
   };
 
-  Node& node(std::int32_t at) { return m_nodes[static_cast<std::size_t>(at)]; }
-  const Node& node(std::int32_t at) const { return m_nodes[static_cast<std::size_t>(at)]; }
+  Node& node(std::int32_t at) { return m_nodes[at]; }
+  const Node& node(std::int32_t at) const { return m_nodes[at]; }
 
   // Half of the surface, of the border in 2D. Bounded, or differences of two that overflow would not be numbers.
   static Real surface(const Aabb<D>& box) {
@@ -174,18 +174,17 @@ class DynamicTree final : public Broadphase<D> {
   }
 
   void note(ProxyId i) {
-    std::uint8_t& changed = m_changed[static_cast<std::size_t>(i)];
+    std::uint8_t& changed = m_changed[i];
     if (!changed) m_list.push_back(i);
     changed = 1;
   }
 
   void place(const Proxies<D>& proxies, ProxyId i) {
-    const auto k = static_cast<std::size_t>(i);
     const Aabb<D> box = proxies.box(i);
-    const bool known = m_leaf[k] != kNone;
-    if (known && box.lo == m_tight[k].lo && box.hi == m_tight[k].hi) return;
-    const Vec<D> way = known ? ahead(m_tight[k], box) : Vec<D>(Vec<D>::Zero());
-    m_tight[k] = box;
+    const bool known = m_leaf[i] != kNone;
+    if (known && box.lo == m_tight[i].lo && box.hi == m_tight[i].hi) return;
+    const Vec<D> way = known ? ahead(m_tight[i], box) : Vec<D>(Vec<D>::Zero());
+    m_tight[i] = box;
     if (proxies.isFree(i) || !(box.lo[0] <= box.hi[0])) {
       takeOut(i);
       return;
@@ -193,7 +192,7 @@ class DynamicTree final : public Broadphase<D> {
     std::int32_t start = m_root;
     if (known) {
       // Also when it was made for a larger or faster one: it would meet others for ever.
-      const Aabb<D>& fat = node(m_leaf[k]).box;
+      const Aabb<D>& fat = node(m_leaf[i]).box;
       const Real most = kMostMargins * m_params.margin + 2 * way.cwiseAbs().maxCoeff();
       if (fat.contains(box) && box.grown(most).contains(fat)) return;
       start = takeOut(i);
@@ -202,8 +201,8 @@ class DynamicTree final : public Broadphase<D> {
     for (int d = 0; d < D; ++d) (way[d] > 0 ? fat.hi : fat.lo)[d] += way[d];
     note(i);
     ++m_moves;
-    m_leaf[k] = newNode({fat, kNone, {kNone, i}, 0});
-    insert(m_leaf[k], start);
+    m_leaf[i] = newNode({fat, kNone, {kNone, i}, 0});
+    insert(m_leaf[i], start);
   }
 
   // The way of the next steps, if they are like the last; no longer than the box, since a teleport is no motion.
@@ -220,7 +219,7 @@ class DynamicTree final : public Broadphase<D> {
 
   // Returns the lowest node left of those above.
   std::int32_t takeOut(ProxyId i) {
-    std::int32_t& leaf = m_leaf[static_cast<std::size_t>(i)];
+    std::int32_t& leaf = m_leaf[i];
     if (leaf == kNone) return m_root;
     note(i);
     const std::int32_t parent = node(leaf).parent;
@@ -327,14 +326,14 @@ class DynamicTree final : public Broadphase<D> {
     Real most = 0;
     std::int32_t low = kNone, high = kNone;
     for (const int side : {0, 1}) {
-      const std::int32_t upper = node(at).child[static_cast<std::size_t>(side)];
-      const Node& between = node(node(at).child[static_cast<std::size_t>(1 - side)]);
+      const std::int32_t upper = node(at).child[side];
+      const Node& between = node(node(at).child[1 - side]);
       if (between.isLeaf()) continue;
       const Real now = surface(between.box);
       for (const int which : {0, 1}) {
-        const std::int32_t stays = between.child[static_cast<std::size_t>(1 - which)];
+        const std::int32_t stays = between.child[1 - which];
         const Real gain = now - surface(node(stays).box.merged(node(upper).box));
-        if (gain > most) most = gain, high = upper, low = between.child[static_cast<std::size_t>(which)];
+        if (gain > most) most = gain, high = upper, low = between.child[which];
       }
     }
     if (low == kNone) return;
@@ -372,12 +371,12 @@ class DynamicTree final : public Broadphase<D> {
 
   Params m_params;
   std::int32_t m_root = kNone;
-  std::vector<Node> m_nodes;
-  std::vector<std::int32_t> m_free;  // nodes
-  std::vector<Candidate> m_heap;     // scratch of bestSibling
-  std::vector<std::int32_t> m_leaf;  // by slot, as the following
-  std::vector<Aabb<D>> m_tight;      // as of the last update
-  std::vector<std::uint8_t> m_changed, m_active;
+  IndexedVector<Node> m_nodes;
+  std::vector<std::int32_t> m_free;    // nodes
+  std::vector<Candidate> m_heap;       // scratch of bestSibling
+  IndexedVector<std::int32_t> m_leaf;  // by slot, as the following
+  IndexedVector<Aabb<D>> m_tight;      // as of the last update
+  IndexedVector<std::uint8_t> m_changed, m_active;
   std::vector<std::uint32_t> m_category, m_mask;
   std::vector<ProxyId> m_list;              // who changed since the last findPairs
   std::vector<ProxyPair> m_pairs;           // may collide, and their fat boxes overlap

@@ -3,23 +3,23 @@
 // the order of a sweep, a cell or a tree node are neighbours in memory, too.
 #pragma once
 
+#include "framework/math/indexed.h"
 #include "framework/stage/stage_broadphase.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 
 template <int D>
 struct GatheredBox {
-  std::array<Real, D> lo, hi;  // exact, world (m)
+  IndexedArray<Real, D> lo, hi;  // exact, world (m)
   std::uint32_t category, mask;
   std::int32_t body;
   std::uint32_t slotAndActive;  // slot * 2 + active: keeps the 3D double-precision box at 64 bytes
 
   static GatheredBox of(const Proxies<D>& proxies, ProxyId slot) {
-    const auto i = static_cast<std::size_t>(slot);
     GatheredBox b;
-    for (std::size_t d = 0; d < D; ++d) b.lo[d] = proxies.lo[d][i], b.hi[d] = proxies.hi[d][i];
-    b.category = proxies.category[i], b.mask = proxies.mask[i], b.body = proxies.body[i];
-    b.slotAndActive = static_cast<std::uint32_t>(slot) * 2 + (proxies.active[i] ? 1 : 0);
+    for (std::size_t d = 0; d < D; ++d) b.lo[d] = proxies.lo[d][slot], b.hi[d] = proxies.hi[d][slot];
+    b.category = proxies.category[slot], b.mask = proxies.mask[slot], b.body = proxies.body[slot];
+    b.slotAndActive = static_cast<std::uint32_t>(slot) * 2 + (proxies.active[slot] ? 1 : 0);
     return b;
   }
   ProxyId slot() const { return static_cast<ProxyId>(slotAndActive >> 1); }
@@ -32,8 +32,7 @@ template <int D>
 inline void listSlots(const Proxies<D>& proxies, std::vector<ProxyId>& slots) {
   slots.clear();
   for (ProxyId i = 0; i < proxies.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (!proxies.isFree(i) && proxies.lo[0][k] <= proxies.hi[0][k]) slots.push_back(i);
+    if (!proxies.isFree(i) && proxies.lo[0][i] <= proxies.hi[0][i]) slots.push_back(i);
   }
 }
 
@@ -44,8 +43,7 @@ inline std::size_t listActiveFirst(const Proxies<D>& proxies, std::vector<ProxyI
   std::size_t awake = 0;
   for (const bool active : {true, false}) {
     for (ProxyId i = 0; i < proxies.size(); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      if ((proxies.active[k] != 0) == active && !proxies.isFree(i) && proxies.lo[0][k] <= proxies.hi[0][k]) {
+      if ((proxies.active[i] != 0) == active && !proxies.isFree(i) && proxies.lo[0][i] <= proxies.hi[0][i]) {
         slots.push_back(i);
       }
     }

@@ -7,17 +7,18 @@
 #include <limits>
 
 #include "algorithms/broadphase/gathered_box.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 
 template <int D>
 class Grid {
  public:
-  using Cell = std::array<std::int32_t, D>;
+  using Cell = IndexedArray<std::int32_t, D>;
 
   Grid() = default;
   /// Cells of an edge of `cell` (m); where it is 0 all boxes are points, and any will do.
-  Grid(const std::array<Real, D>& origin, Real cell) : m_origin(origin) {
+  Grid(const IndexedArray<Real, D>& origin, Real cell) : m_origin(origin) {
     const Real most = sizeof(Real) == 8 ? Real(1e100) : Real(1e15);  // 0 * inf would be NaN
     m_inverse = cell > 0 ? std::clamp(1 / cell, std::numeric_limits<Real>::min(), most) : Real(1);
   }
@@ -60,7 +61,7 @@ class Grid {
     return static_cast<Real>(static_cast<double>(m_origin[d]) + coordinate / static_cast<double>(m_inverse));
   }
 
-  std::array<Real, D> m_origin{};  // m
+  IndexedArray<Real, D> m_origin{};  // m
   Real m_inverse = 1;
 };
 

@@ -26,7 +26,7 @@ class Naive final : public Broadphase<D> {
         const ProxyId end = std::min(begin + kBlock, n);
         if (!findGaps(proxies, a, begin, end)) continue;
         for (ProxyId b = begin; b < end; ++b) {
-          if (m_gap[static_cast<std::size_t>(b - begin)] <= 0 && proxies.mayCollide(a, b)) out.push_back({a, b});
+          if (m_gap[b - begin] <= 0 && proxies.mayCollide(a, b)) out.push_back({a, b});
         }
       }
     }
@@ -38,10 +38,10 @@ class Naive final : public Broadphase<D> {
   // The gap between two boxes is the widest over the axes, and positive exactly if they are apart: a difference has the
   // sign of the comparison. Without a branch inside, the compiler takes several boxes at once. True if any touches.
   bool findGaps(const Proxies<D>& proxies, ProxyId a, ProxyId begin, ProxyId end) {
-    std::array<Real, D> lo, hi;
-    std::array<const Real*, D> los, his;
+    IndexedArray<Real, D> lo, hi;
+    IndexedArray<const Real*, D> los, his;
     for (std::size_t d = 0; d < D; ++d) {
-      lo[d] = proxies.lo[d][static_cast<std::size_t>(a)], hi[d] = proxies.hi[d][static_cast<std::size_t>(a)];
+      lo[d] = proxies.lo[d][a], hi[d] = proxies.hi[d][a];
       los[d] = proxies.lo[d].data() + begin, his[d] = proxies.hi[d].data() + begin;
     }
     const auto count = static_cast<std::size_t>(end - begin);
@@ -59,7 +59,7 @@ class Naive final : public Broadphase<D> {
     return any != 0;
   }
 
-  std::array<Real, kBlock> m_gap{};
+  IndexedArray<Real, kBlock> m_gap{};
 };
 
 }  // namespace

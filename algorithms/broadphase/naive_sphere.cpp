@@ -63,10 +63,9 @@ class NaiveSphere final : public Broadphase<D> {
     m_radius.clear();
     for (auto& c : m_center) c.clear();
     for (ProxyId i : m_slot) {
-      const auto s = static_cast<std::size_t>(i);
       Real radius2 = 0;
       for (std::size_t d = 0; d < D; ++d) {
-        const Real lo = proxies.lo[d][s], hi = proxies.hi[d][s];
+        const Real lo = proxies.lo[d][i], hi = proxies.hi[d][i];
         const Real center = Real(0.5) * lo + Real(0.5) * hi;
         const Real half = std::max(hi - center, center - lo);  // of the rounded centre, far out not the half size
         radius2 += half * half;
@@ -77,7 +76,7 @@ class NaiveSphere final : public Broadphase<D> {
     }
   }
 
-  std::array<std::vector<Real>, D> m_center;
+  IndexedArray<std::vector<Real>, D> m_center;
   std::vector<Real> m_radius;
   std::vector<ProxyId> m_slot;
 };

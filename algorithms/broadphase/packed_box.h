@@ -6,6 +6,7 @@
 #pragma once
 
 #include "algorithms/broadphase/window.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 
@@ -33,7 +34,7 @@ class Packing {
     constexpr auto limit = static_cast<Real>((std::uint64_t{1} << kUsed) - 1);
     for (std::size_t d = 0; d < D; ++d) m_scale[d] = Scale(window.lo[d], window.hi[d], limit);
   }
-  PackedBox pack(const std::array<Real, D>& lo, const std::array<Real, D>& hi) const {
+  PackedBox pack(const IndexedArray<Real, D>& lo, const IndexedArray<Real, D>& hi) const {
     PackedBox box{0, 0};
     for (std::size_t d = 0; d < D; ++d) {
       const int at = static_cast<int>(d) * (kBits + 1) + kShift;
@@ -60,7 +61,7 @@ class Packing {
 
   /// Where packs to what is lo <= field < hi on each axis. The first field and the last one have no end: all beyond is
   /// clamped to them.
-  Aabb<D> region(const std::array<double, D>& lo, const std::array<double, D>& hi) const {
+  Aabb<D> region(const IndexedArray<double, D>& lo, const IndexedArray<double, D>& hi) const {
     Aabb<D> box;
     for (std::size_t d = 0; d < D; ++d) {
       box.lo[static_cast<int>(d)] = begins(lo[d], d), box.hi[static_cast<int>(d)] = begins(hi[d], d);
@@ -77,7 +78,7 @@ class Packing {
     return static_cast<Real>(static_cast<double>(scale.origin) + whole / static_cast<double>(scale.factor));
   }
 
-  std::array<Scale, D> m_scale{};
+  IndexedArray<Scale, D> m_scale{};
 };
 
 /// Boxes after the last one that listOverlaps may read, and room in `hits` that it may write beyond its answer.

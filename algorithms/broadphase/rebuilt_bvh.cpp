@@ -66,7 +66,7 @@ class RebuiltBvh final : public Broadphase<D> {
     std::array<std::array<std::int32_t, 2>, 4 * kDeepest> stack;
     std::size_t top = 0;
     const auto push = [&](std::int32_t a, std::int32_t b) {
-      const Node &x = m_nodes[static_cast<std::size_t>(a)], &y = m_nodes[static_cast<std::size_t>(b)];
+      const Node &x = m_nodes[a], &y = m_nodes[b];
       ++visits;
       stack[top] = {a, b};  // without a branch: half of the tests hit
       top += static_cast<std::size_t>((x.active | y.active) & static_cast<int>(x.overlaps(y)));
@@ -75,7 +75,7 @@ class RebuiltBvh final : public Broadphase<D> {
     push(0, 0);
     while (top > 0) {
       const auto [a, b] = stack[--top];
-      const Node &x = m_nodes[static_cast<std::size_t>(a)], &y = m_nodes[static_cast<std::size_t>(b)];
+      const Node &x = m_nodes[a], &y = m_nodes[b];
       const bool leafX = isLeaf(a), leafY = isLeaf(b);
       if (leafX && leafY) {
         tests += a == b ? hitsInLeaf(x) : hitsOfLeaves(x, y);
@@ -126,7 +126,7 @@ class RebuiltBvh final : public Broadphase<D> {
     std::array<std::int32_t, kDeepest> past;  // of the nodes above
     std::size_t level = 0;
     for (std::int32_t at = 0; at < static_cast<std::int32_t>(m_nodes.size()); ++at) {
-      const Node& node = m_nodes[static_cast<std::size_t>(at)];
+      const Node& node = m_nodes[at];
       while (level > 0 && past[level - 1] == at) --level;
       out.push_back({node.box(), static_cast<int>(level), isLeaf(at)});
       if (!isLeaf(at)) past[level++] = node.past;
@@ -141,7 +141,7 @@ class RebuiltBvh final : public Broadphase<D> {
   static constexpr std::size_t kDeepest = 80;         // levels: codes have 33 bits, numbers of boxes 31
 
   struct Node {
-    std::array<Real, D> lo, hi;
+    IndexedArray<Real, D> lo, hi;
     std::int32_t begin, end;  // boxes below
     std::int32_t past;        // the node after all below this one, in the order of a walk from the root
     std::uint8_t active;      // any box below
@@ -155,7 +155,7 @@ class RebuiltBvh final : public Broadphase<D> {
     Aabb<D> box() const { return {Vec<D>(lo.data()), Vec<D>(hi.data())}; }
   };
   struct Item {
-    std::array<Real, D> center;
+    IndexedArray<Real, D> center;
     ProxyId slot;
   };
   struct Range {
@@ -163,8 +163,8 @@ class RebuiltBvh final : public Broadphase<D> {
     std::size_t depth;
   };
 
-  bool isLeaf(std::int32_t at) const { return m_nodes[static_cast<std::size_t>(at)].past == at + 1; }
-  std::int32_t rightOf(std::int32_t at) const { return m_nodes[static_cast<std::size_t>(at) + 1].past; }
+  bool isLeaf(std::int32_t at) const { return m_nodes[at].past == at + 1; }
+  std::int32_t rightOf(std::int32_t at) const { return m_nodes[at + 1].past; }
 
   void build(const Proxies<D>& proxies) {
     const std::size_t n = m_slots.size();
@@ -174,7 +174,7 @@ class RebuiltBvh final : public Broadphase<D> {
       sortByCode(proxies);
     } else {
       for (std::size_t k = 0; k < n; ++k) {
-        const auto i = static_cast<std::size_t>(m_slots[k]);
+        const auto i = m_slots[k];
         for (std::size_t d = 0; d < D; ++d) m_items[k].center[d] = proxies.lo[d][i] / 2 + proxies.hi[d][i] / 2;
         m_items[k].slot = m_slots[k];
       }
@@ -198,7 +198,7 @@ class RebuiltBvh final : public Broadphase<D> {
       Node& node = m_nodes[at];
       const bool leaf = node.end - node.begin <= m_params.leaf;
       node.past = static_cast<std::int32_t>(at) + 1;
-      if (!leaf) node.past = m_nodes[static_cast<std::size_t>(m_nodes[at + 1].past)].past;
+      if (!leaf) node.past = m_nodes[m_nodes[at + 1].past].past;
     }
   }
 
@@ -217,13 +217,13 @@ class RebuiltBvh final : public Broadphase<D> {
 
   void sortByCode(const Proxies<D>& proxies) {
     const Window<D> window = findWindow(proxies, m_slots, m_sample);
-    std::array<Scale, D> scale;
+    IndexedArray<Scale, D> scale;
     for (std::size_t d = 0; d < D; ++d) {
       scale[d] = Scale(window.lo[d], window.hi[d], static_cast<Real>((1 << kCodeBits) - 1));
     }
     m_codes.resize(m_slots.size());
     for (std::size_t k = 0; k < m_slots.size(); ++k) {
-      const auto i = static_cast<std::size_t>(m_slots[k]);
+      const auto i = m_slots[k];
       std::uint64_t code = 0;
       for (std::size_t d = 0; d < D; ++d) {
         const Real center = proxies.lo[d][i] / 2 + proxies.hi[d][i] / 2;
@@ -249,7 +249,7 @@ class RebuiltBvh final : public Broadphase<D> {
     }
   }
   std::int32_t divideByCode(const Range& range) const {
-    const auto code = [&](std::int32_t k) { return m_codes[static_cast<std::size_t>(k)].key; };
+    const auto code = [&](std::int32_t k) { return m_codes[k].key; };
     const std::uint64_t differ = code(range.begin) ^ code(range.end - 1);
     if (differ == 0) return range.begin + (range.end - range.begin) / 2;
     const std::uint64_t border = code(range.end - 1) & ~(std::bit_floor(differ) - 1);  // the first code on the right
@@ -267,10 +267,10 @@ class RebuiltBvh final : public Broadphase<D> {
     Real from = 0, half = -1;
   };
   Spread widest(const Range& range) const {
-    std::array<Real, D> lo, hi;
-    lo = hi = m_items[static_cast<std::size_t>(range.begin)].center;
+    IndexedArray<Real, D> lo, hi;
+    lo = hi = m_items[range.begin].center;
     for (std::int32_t k = range.begin + 1; k < range.end; ++k) {
-      const Item& item = m_items[static_cast<std::size_t>(k)];
+      const Item& item = m_items[k];
       for (std::size_t d = 0; d < D; ++d) {
         lo[d] = std::min(lo[d], item.center[d]), hi[d] = std::max(hi[d], item.center[d]);
       }
@@ -306,7 +306,7 @@ class RebuiltBvh final : public Broadphase<D> {
     const auto bins = static_cast<std::size_t>(m_params.bins);
     std::array<Bin, kMostBins> bin;
     for (std::int32_t k = range.begin; k < range.end; ++k) {
-      const Item& item = m_items[static_cast<std::size_t>(k)];
+      const Item& item = m_items[k];
       Bin& b = bin[binOf(item)];
       b.box = b.box.merged(proxies.box(item.slot)), ++b.count;
     }
@@ -350,17 +350,17 @@ class RebuiltBvh final : public Broadphase<D> {
     for (std::size_t at = m_nodes.size(); at-- > 0;) {
       Node& node = m_nodes[at];
       if (node.past > static_cast<std::int32_t>(at) + 1) {
-        const Node &left = m_nodes[at + 1], &right = m_nodes[static_cast<std::size_t>(left.past)];
+        const Node &left = m_nodes[at + 1], &right = m_nodes[left.past];
         for (std::size_t d = 0; d < D; ++d) {
           node.lo[d] = std::min(left.lo[d], right.lo[d]), node.hi[d] = std::max(left.hi[d], right.hi[d]);
         }
         node.active = left.active | right.active;
         continue;
       }
-      const GatheredBox<D>& first = m_boxes[static_cast<std::size_t>(node.begin)];
+      const GatheredBox<D>& first = m_boxes[node.begin];
       node.lo = first.lo, node.hi = first.hi, node.active = first.active();
       for (std::int32_t k = node.begin + 1; k < node.end; ++k) {
-        const GatheredBox<D>& box = m_boxes[static_cast<std::size_t>(k)];
+        const GatheredBox<D>& box = m_boxes[k];
         for (std::size_t d = 0; d < D; ++d) {
           node.lo[d] = std::min(node.lo[d], box.lo[d]), node.hi[d] = std::max(node.hi[d], box.hi[d]);
         }
@@ -384,18 +384,18 @@ class RebuiltBvh final : public Broadphase<D> {
     return static_cast<std::uint64_t>(x.end - x.begin + (end - near.data()) * (y.end - y.begin));
   }
   void note(std::int32_t k, std::int32_t begin, std::int32_t end) {
-    const PackedBox box = m_packed[static_cast<std::size_t>(k)];
+    const PackedBox box = m_packed[k];
     std::array<std::int32_t, 2>* hit = m_hit.data() + m_hits;
     for (std::int32_t l = begin; l < end; ++l) {
       *hit = {k, l};
-      hit += static_cast<int>(Packing<D>::overlap(m_packed[static_cast<std::size_t>(l)], box));
+      hit += static_cast<int>(Packing<D>::overlap(m_packed[l], box));
     }
     m_hits = static_cast<std::size_t>(hit - m_hit.data());
   }
   void flush(std::vector<ProxyPair>& out) {
     for (std::size_t h = 0; h < m_hits; ++h) {
       const auto [k, l] = m_hit[h];
-      emitIfPair(m_boxes[static_cast<std::size_t>(k)], m_boxes[static_cast<std::size_t>(l)], out);
+      emitIfPair(m_boxes[k], m_boxes[l], out);
     }
     m_hits = 0;
   }
@@ -411,7 +411,7 @@ class RebuiltBvh final : public Broadphase<D> {
       }
       if (++at == static_cast<std::size_t>(node.past)) {
         for (std::int32_t k = node.begin; k < node.end; ++k) {
-          const ProxyId slot = m_order[static_cast<std::size_t>(k)];
+          const ProxyId slot = m_order[k];
           if (meets(proxies.box(slot))) found(slot);
         }
       }
@@ -422,13 +422,13 @@ class RebuiltBvh final : public Broadphase<D> {
   int m_age = 0;                           // updates since the tree was built
   std::uint64_t m_moves = 0;               // since the last findPairs
   std::vector<ProxyId> m_listed, m_slots;  // scratch; who is in the tree, by number
-  std::vector<ProxyId> m_order;            // the same in the order of the tree
+  IndexedVector<ProxyId> m_order;          // the same in the order of the tree
   std::vector<Real> m_sample;
-  std::vector<KeyedIndex<std::uint64_t>> m_codes, m_scratch;
-  std::vector<Item> m_items;
-  std::vector<Node> m_nodes;            // in the order of a walk from the root
-  std::vector<GatheredBox<D>> m_boxes;  // in the order of the tree
-  std::vector<PackedBox> m_packed;      // the same
+  IndexedVector<KeyedIndex<std::uint64_t>> m_codes, m_scratch;
+  IndexedVector<Item> m_items;
+  IndexedVector<Node> m_nodes;            // in the order of a walk from the root
+  IndexedVector<GatheredBox<D>> m_boxes;  // in the order of the tree
+  IndexedVector<PackedBox> m_packed;      // the same
   std::size_t m_hits = 0;
   std::array<std::array<std::int32_t, 2>, kFlush + kMostInLeaf * kMostInLeaf + 1> m_hit;
 };

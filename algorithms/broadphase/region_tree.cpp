@@ -53,7 +53,7 @@ class RegionTree final : public Broadphase<D> {
       gatherUnsorted(proxies);
       const auto n = static_cast<std::int32_t>(m_boxes.size());
       m_items.resize(m_boxes.size());
-      for (std::int32_t k = 0; k < n; ++k) m_items[static_cast<std::size_t>(k)] = k;
+      for (std::int32_t k = 0; k < n; ++k) m_items[k] = k;
       visitRegion(Cell{}, 0, 0, m_items.size());
     } else {
       gatherSorted(proxies);
@@ -77,7 +77,7 @@ class RegionTree final : public Broadphase<D> {
  private:
   static constexpr int kBits = Packing<D>::kBits;
   static constexpr std::size_t kChildren = std::size_t{1} << D;
-  using Cell = std::array<std::uint32_t, D>;  // the lower corner of a region, in packed units
+  using Cell = IndexedArray<std::uint32_t, D>;  // the lower corner of a region, in packed units
 
   struct Node {
     PackedBox bounds;              // of all boxes below
@@ -98,11 +98,11 @@ class RegionTree final : public Broadphase<D> {
       const std::uint64_t lo = Packing<D>::field(box.lo, d), hi = Packing<D>::field(box.hi, d);
       if (m_params.mode == Mode::tight) {
         depth = std::min(depth, kBits - static_cast<int>(std::bit_width(lo ^ hi)));
-        corner[static_cast<std::size_t>(d)] = static_cast<std::uint32_t>(lo);
+        corner[d] = static_cast<std::uint32_t>(lo);
       } else {
         const auto room = static_cast<std::uint64_t>(static_cast<double>(hi - lo) / (m_params.looseness - 1));
         depth = std::min(depth, kBits - static_cast<int>(std::bit_width(room)));
-        corner[static_cast<std::size_t>(d)] = static_cast<std::uint32_t>((lo + hi) / 2);
+        corner[d] = static_cast<std::uint32_t>((lo + hi) / 2);
       }
     }
     depth = std::max(depth, 0);
@@ -111,18 +111,16 @@ class RegionTree final : public Broadphase<D> {
       path <<= D;
       if (level > depth) continue;
       for (int d = 0; d < D; ++d) {
-        path |= static_cast<std::uint64_t>((corner[static_cast<std::size_t>(d)] >> (kBits - level)) & 1u) << d;
+        path |= static_cast<std::uint64_t>((corner[d] >> (kBits - level)) & 1u) << d;
       }
     }
     return path << kDepthBits | static_cast<std::uint64_t>(depth);
   }
   std::size_t childDigit(std::int32_t item, int depth) const {
-    const std::uint64_t path = m_order[static_cast<std::size_t>(item)].key >> kDepthBits;
+    const std::uint64_t path = m_order[item].key >> kDepthBits;
     return static_cast<std::size_t>(path >> (D * (m_params.maxDepth - depth - 1))) & (kChildren - 1);
   }
-  int itemDepth(std::int32_t item) const {
-    return static_cast<int>(m_order[static_cast<std::size_t>(item)].key & ((1u << kDepthBits) - 1));
-  }
+  int itemDepth(std::int32_t item) const { return static_cast<int>(m_order[item].key & ((1u << kDepthBits) - 1)); }
 
   void gatherSorted(const Proxies<D>& proxies) {
     gatherUnsorted(proxies);
@@ -161,14 +159,13 @@ class RegionTree final : public Broadphase<D> {
     for (std::size_t at = m_nodes.size(); at-- > 0;) {
       Node& node = m_nodes[at];
       const bool any = node.own > node.begin;
-      node.bounds =
-          any ? m_packed[static_cast<std::size_t>(node.begin)] : m_nodes[static_cast<std::size_t>(node.child)].bounds;
+      node.bounds = any ? m_packed[node.begin] : m_nodes[node.child].bounds;
       for (std::int32_t k = node.begin; k < node.own; ++k) {
-        node.bounds = Packing<D>::merged(node.bounds, m_packed[static_cast<std::size_t>(k)]);
-        node.active = node.active || m_boxes[static_cast<std::size_t>(k)].active();
+        node.bounds = Packing<D>::merged(node.bounds, m_packed[k]);
+        node.active = node.active || m_boxes[k].active();
       }
       for (std::int32_t c = 0; c < node.children; ++c) {
-        const Node& child = m_nodes[static_cast<std::size_t>(node.child + c)];
+        const Node& child = m_nodes[node.child + c];
         node.bounds = Packing<D>::merged(node.bounds, child.bounds);
         node.active = node.active || child.active;
       }
@@ -176,7 +173,7 @@ class RegionTree final : public Broadphase<D> {
   }
 
   void pairsWithin(std::int32_t at) {
-    const Node& node = m_nodes[static_cast<std::size_t>(at)];
+    const Node& node = m_nodes[at];
     ++m_visits;
     if (!node.active) return;
     for (std::int32_t k = node.begin; k < node.own; ++k) {
@@ -190,7 +187,7 @@ class RegionTree final : public Broadphase<D> {
   }
   // Two subtrees without a common box, descended together.
   void pairsBetween(std::int32_t a, std::int32_t b) {
-    const Node &left = m_nodes[static_cast<std::size_t>(a)], &right = m_nodes[static_cast<std::size_t>(b)];
+    const Node &left = m_nodes[a], &right = m_nodes[b];
     ++m_visits;
     if (!(left.active || right.active) || !Packing<D>::overlap(left.bounds, right.bounds)) return;
     for (std::int32_t k = left.begin; k < left.own; ++k) pairsBelow(k, b);
@@ -202,10 +199,10 @@ class RegionTree final : public Broadphase<D> {
   }
   // One box against a subtree.
   void pairsBelow(std::int32_t item, std::int32_t at) {
-    const Node& node = m_nodes[static_cast<std::size_t>(at)];
+    const Node& node = m_nodes[at];
     ++m_visits;
-    if (!Packing<D>::overlap(m_packed[static_cast<std::size_t>(item)], node.bounds)) return;
-    if (!node.active && !m_boxes[static_cast<std::size_t>(item)].active()) return;
+    if (!Packing<D>::overlap(m_packed[item], node.bounds)) return;
+    if (!node.active && !m_boxes[item].active()) return;
     test(item, node.begin, node.own);
     for (std::int32_t c = 0; c < node.children; ++c) pairsBelow(item, node.child + c);
   }
@@ -214,19 +211,18 @@ class RegionTree final : public Broadphase<D> {
     const auto most = static_cast<std::size_t>(end - begin);
     m_tests += most;
     if (m_hits.size() < most + kListAhead) m_hits.resize(most + kListAhead);
-    const auto i = static_cast<std::size_t>(item);
-    const std::int32_t* stop = listOverlaps<D>(m_packed.data(), m_packed[i], begin, end, m_hits.data());
+    const std::int32_t* stop = listOverlaps<D>(m_packed.data(), m_packed[item], begin, end, m_hits.data());
     for (const std::int32_t* hit = m_hits.data(); hit != stop; ++hit) {
-      emitIfPair(m_boxes[i], m_boxes[static_cast<std::size_t>(*hit)], *m_out);
+      emitIfPair(m_boxes[item], m_boxes[*hit], *m_out);
     }
   }
 
   void tell(std::int32_t at, const Cell& corner, int depth, std::vector<StructureBox<D>>& out) const {
-    const Node& node = m_nodes[static_cast<std::size_t>(at)];
+    const Node& node = m_nodes[at];
     const bool loose = m_params.mode == Mode::loose;
     out.push_back({regionBounds(corner, depth, loose ? m_params.looseness : Real(1)), depth, node.own > node.begin});
     for (std::int32_t c = node.child; c < node.child + node.children; ++c) {
-      tell(c, part(corner, depth, childDigit(m_nodes[static_cast<std::size_t>(c)].begin, depth)), depth + 1, out);
+      tell(c, part(corner, depth, childDigit(m_nodes[c].begin, depth)), depth + 1, out);
     }
   }
 
@@ -250,7 +246,7 @@ class RegionTree final : public Broadphase<D> {
   Aabb<D> regionBounds(const Cell& corner, int depth, Real looseness) const {
     const auto edge = static_cast<double>(std::uint64_t{1} << (kBits - depth));
     const double room = looseness > 1 ? edge * (static_cast<double>(looseness) - 1) / 2 + Packing<D>::kUnit : 0;
-    std::array<double, D> lo, hi;
+    IndexedArray<double, D> lo, hi;
     for (std::size_t d = 0; d < D; ++d) lo[d] = corner[d] - room, hi[d] = corner[d] + edge + room;
     return m_packing.region(lo, hi);
   }
@@ -259,7 +255,7 @@ class RegionTree final : public Broadphase<D> {
     PackedBox box{0, 0};
     const std::uint64_t edge = (std::uint64_t{1} << (kBits - depth)) - 1;
     for (int d = 0; d < D; ++d) {
-      const std::uint64_t lo = corner[static_cast<std::size_t>(d)];
+      const std::uint64_t lo = corner[d];
       box.lo |= lo << (d * (kBits + 1)), box.hi |= (lo + edge) << (d * (kBits + 1));
     }
     return box;
@@ -272,7 +268,7 @@ class RegionTree final : public Broadphase<D> {
     const std::uint64_t edge = std::uint64_t{1} << (kBits - depth - 1);
     std::ptrdiff_t fit = 0;
     for (const std::int32_t* item = begin; item < end; ++item) {
-      const PackedBox& box = m_packed[static_cast<std::size_t>(*item)];
+      const PackedBox& box = m_packed[*item];
       bool small = true;
       for (int d = 0; d < D; ++d) {
         small = small && Packing<D>::field(box.hi, d) - Packing<D>::field(box.lo, d) < edge;
@@ -293,7 +289,7 @@ class RegionTree final : public Broadphase<D> {
         m_items.resize(end);
         for (std::size_t k = begin; k < end; ++k) {
           const std::int32_t item = m_items[k];
-          if (Packing<D>::overlap(m_packed[static_cast<std::size_t>(item)], box)) m_items.push_back(item);
+          if (Packing<D>::overlap(m_packed[item], box)) m_items.push_back(item);
         }
         visitRegion(inner, depth + 1, end, m_items.size());
       }
@@ -312,9 +308,8 @@ class RegionTree final : public Broadphase<D> {
       const Cell inner = part(corner, depth, c);
       const PackedBox box = regionBox(inner, depth + 1);
       std::vector<std::int32_t> within(items.size());  // push_back would be shared with the step as well
-      const auto end = std::copy_if(items.begin(), items.end(), within.begin(), [&](std::int32_t item) {
-        return Packing<D>::overlap(m_packed[static_cast<std::size_t>(item)], box);
-      });
+      const auto end = std::copy_if(items.begin(), items.end(), within.begin(),
+                                    [&](std::int32_t item) { return Packing<D>::overlap(m_packed[item], box); });
       within.erase(end, within.end());
       tellAgain(inner, depth + 1, within, out);
     }
@@ -324,10 +319,10 @@ class RegionTree final : public Broadphase<D> {
   // axis: that corner lies in both boxes, so both stand in its leaf.
   void pairsInLeaf(const PackedBox& region, std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const auto i = static_cast<std::size_t>(m_items[k]);
+      const auto i = m_items[k];
       m_tests += end - k - 1;
       for (std::size_t l = k + 1; l < end; ++l) {
-        const auto j = static_cast<std::size_t>(m_items[l]);
+        const auto j = m_items[l];
         if (!Packing<D>::overlap(m_packed[i], m_packed[j])) continue;
         bool here = true;
         for (int d = 0; d < D; ++d) {
@@ -347,12 +342,12 @@ class RegionTree final : public Broadphase<D> {
   std::uint64_t m_tests = 0, m_visits = 0;
   std::vector<ProxyId> m_slots;
   std::vector<Real> m_sample;
-  std::vector<KeyedIndex<std::uint64_t>> m_order, m_scratch;
-  std::vector<GatheredBox<D>> m_boxes;
-  std::vector<PackedBox> m_packed;
-  std::vector<Node> m_nodes;
+  IndexedVector<KeyedIndex<std::uint64_t>> m_order, m_scratch;
+  IndexedVector<GatheredBox<D>> m_boxes;
+  IndexedVector<PackedBox> m_packed;
+  IndexedVector<Node> m_nodes;
   std::vector<int> m_depth;  // of each node, while building
-  std::vector<std::int32_t> m_items, m_hits;
+  IndexedVector<std::int32_t> m_items, m_hits;
 };
 
 }  // namespace

@@ -60,7 +60,7 @@ class SortAndSweep final : public Broadphase<D> {
 
   // Bounds on the axes that are not swept, in the order of the sweep.
   struct Lanes {
-    std::vector<Small> lo, hi;
+    IndexedVector<Small> lo, hi;
   };
 
   // By a sample: the choice decides the speed only.
@@ -71,7 +71,7 @@ class SortAndSweep final : public Broadphase<D> {
     Real most = -1;
     for (std::size_t d = 0; d < D; ++d) {
       const auto twiceCenter = [&](std::size_t k) {
-        const auto i = static_cast<std::size_t>(m_slots[k]);
+        const auto i = m_slots[k];
         return proxies.lo[d][i] + proxies.hi[d][i];
       };
       Real mean = 0, variance = 0;
@@ -90,7 +90,7 @@ class SortAndSweep final : public Broadphase<D> {
     const Scale key(window.lo[axis], window.hi[axis], Real((1 << kKeyBits) - 1));
     m_order.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
-      const auto i = static_cast<std::size_t>(m_slots[k]);
+      const auto i = m_slots[k];
       m_order[k] = {static_cast<std::uint32_t>(static_cast<std::int32_t>(key(proxies.lo[axis][i]))), m_slots[k]};
     }
     radixSort(m_order, m_scratch, kKeyBits);
@@ -120,10 +120,9 @@ class SortAndSweep final : public Broadphase<D> {
     const auto n = static_cast<int>(m_count);
     std::uint64_t tests = 0;
     for (int a = 0; a < n; ++a) {
-      const auto i = static_cast<std::size_t>(a);
-      const std::int32_t end = m_end[i];
+      const std::int32_t end = m_end[a];
       int b = a + 1;
-      for (; m_begin[static_cast<std::size_t>(b)] <= end; b += kBlock) testBlock(a, b, out);
+      for (; m_begin[b] <= end; b += kBlock) testBlock(a, b, out);
       tests += static_cast<std::uint64_t>(std::min(b, n) - a - 1);
     }
     return tests;
@@ -132,12 +131,11 @@ class SortAndSweep final : public Broadphase<D> {
   // Box a against the boxes at b .. b + kBlock in the order. Some of them may begin after a ends; the exact test
   // refuses those.
   void testBlock(int a, int b, std::vector<ProxyPair>& out) const {
-    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-    std::array<Small, D - 1> lo, hi;
-    std::array<const Small*, D - 1> los, his;
+    IndexedArray<Small, D - 1> lo, hi;
+    IndexedArray<const Small*, D - 1> los, his;
     for (std::size_t l = 0; l < D - 1; ++l) {
-      lo[l] = m_lanes[l].lo[i], hi[l] = m_lanes[l].hi[i];
-      los[l] = m_lanes[l].lo.data() + j, his[l] = m_lanes[l].hi.data() + j;
+      lo[l] = m_lanes[l].lo[a], hi[l] = m_lanes[l].hi[a];
+      los[l] = m_lanes[l].lo.data() + b, his[l] = m_lanes[l].hi.data() + b;
     }
     std::array<Small, kBlock> miss;
     Small all = -1;
@@ -158,7 +156,8 @@ class SortAndSweep final : public Broadphase<D> {
     for (std::size_t q = 0; q < quartets.size(); ++q) {
       if (quartets[q] == ~std::uint64_t{0}) continue;
       for (std::size_t k = q * kQuartet; k < (q + 1) * kQuartet; ++k) {
-        if (!miss[k] && j + k < m_count) emitIfPair(m_boxes[i], m_boxes[j + k], out);
+        const std::size_t at = static_cast<std::size_t>(b) + k;
+        if (!miss[k] && at < m_count) emitIfPair(m_boxes[a], m_boxes[at], out);
       }
     }
   }
@@ -168,9 +167,9 @@ class SortAndSweep final : public Broadphase<D> {
   std::vector<ProxyId> m_slots;
   std::vector<Real> m_sample;
   std::vector<KeyedIndex<std::uint32_t>> m_order, m_scratch;
-  std::vector<std::int32_t> m_begin, m_end;  // on the axis, in the order of the sweep
-  std::array<Lanes, D - 1> m_lanes;
-  std::vector<GatheredBox<D>> m_boxes;
+  IndexedVector<std::int32_t> m_begin, m_end;  // on the axis, in the order of the sweep
+  IndexedArray<Lanes, D - 1> m_lanes;
+  IndexedVector<GatheredBox<D>> m_boxes;
 };
 
 }  // namespace

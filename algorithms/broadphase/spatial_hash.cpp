@@ -81,7 +81,7 @@ class SpatialHash final : public Broadphase<D> {
   // Edge of a cell, in sizes of the median box: larger cells cost tests, smaller ones entries.
   static constexpr Real kRoom = Real(2.5);
 
-  using Cell = std::array<std::int32_t, D>;
+  using Cell = IndexedArray<std::int32_t, D>;
 
   struct Entry {  // one box in one cell
     PackedBox box;
@@ -147,7 +147,7 @@ class SpatialHash final : public Broadphase<D> {
           const auto slot =
               static_cast<std::int32_t>((place + static_cast<std::uint32_t>(lo[0] + x)) & ((1u << m_bits) - 1));
           m_entries.push_back({packed, cell, item, slot});
-          ++m_start[static_cast<std::size_t>(slot) + 1];
+          ++m_start[slot + 1];
         }
       }
     }
@@ -161,7 +161,7 @@ class SpatialHash final : public Broadphase<D> {
     m_next.assign(m_start.begin(), m_start.end() - 1);
     m_sorted.resize(m_entries.size());
     for (const Entry& e : m_entries) {
-      m_sorted[static_cast<std::size_t>(m_next[static_cast<std::size_t>(e.slot)]++)] = e;
+      m_sorted[m_next[e.slot]++] = e;
     }
     m_sorted.resize(m_entries.size() + kListAhead);
   }
@@ -182,12 +182,10 @@ class SpatialHash final : public Broadphase<D> {
       }
     }
     for (std::size_t k = 0; k < found; ++k) {
-      emitIfPair(m_boxes[static_cast<std::size_t>(m_hits[k].a)], m_boxes[static_cast<std::size_t>(m_hits[k].b)], out);
+      emitIfPair(m_boxes[m_hits[k].a], m_boxes[m_hits[k].b], out);
     }
   }
-  bool awake(std::int32_t entry) const {
-    return static_cast<std::size_t>(m_sorted[static_cast<std::size_t>(entry)].item) < m_awake;
-  }
+  bool awake(std::int32_t entry) const { return static_cast<std::size_t>(m_sorted[entry].item) < m_awake; }
 
   // Like listOverlaps, of those in the same cell in which the pair counts: on each axis one of the two begins there.
   Hit* listHits(std::int32_t a, std::int32_t end, Hit* hits) const {
@@ -223,7 +221,7 @@ class SpatialHash final : public Broadphase<D> {
     const std::int32_t* end =
         listOverlaps<D>(m_packed.data(), large.packed, 0, static_cast<std::int32_t>(few), m_list.data());
     for (const std::int32_t* hit = m_list.data(); hit != end; ++hit) {
-      emitIfPair(large.box, m_boxes[static_cast<std::size_t>(*hit)], out);
+      emitIfPair(large.box, m_boxes[*hit], out);
     }
   }
 
@@ -234,11 +232,11 @@ class SpatialHash final : public Broadphase<D> {
   std::size_t m_awake = 0;  // of m_boxes
   std::vector<ProxyId> m_slots;
   std::vector<Real> m_sample;
-  std::vector<std::int32_t> m_start, m_next;  // by slot
-  std::vector<GatheredBox<D>> m_boxes;        // in few cells
-  std::vector<PackedBox> m_packed;            // the same
+  IndexedVector<std::int32_t> m_start, m_next;  // by slot
+  IndexedVector<GatheredBox<D>> m_boxes;        // in few cells
+  std::vector<PackedBox> m_packed;              // the same
   std::vector<Large> m_large;
-  std::vector<Entry> m_entries, m_sorted;
+  IndexedVector<Entry> m_entries, m_sorted;
   std::vector<Hit> m_hits;
   std::vector<std::int32_t> m_list;  // of a large box
 };

@@ -60,7 +60,7 @@ class UniformGrid final : public Broadphase<D> {
   }
 
  private:
-  using Cell = std::array<std::int32_t, D>;  // of the unbounded grid
+  using Cell = IndexedArray<std::int32_t, D>;  // of the unbounded grid
 
   struct Range {
     int begin, end;  // in the flat array
@@ -87,7 +87,7 @@ class UniformGrid final : public Broadphase<D> {
   void chooseGrid(const Proxies<D>& proxies, const Window<D>& window) {
     m_grid = Grid<D>(window.lo, chooseCell(proxies));
     double total = 1;
-    std::array<double, D> size{};
+    IndexedArray<double, D> size{};
     for (std::size_t d = 0; d < D; ++d) {
       const double wanted = std::min(static_cast<double>((window.hi[d] - window.lo[d]) * m_grid.inverse()) + 2, 0x1p29);
       size[d] = 4;  // at least: a neighbour must not be the same cell from the other side
@@ -118,7 +118,7 @@ class UniformGrid final : public Broadphase<D> {
     m_placeOf.resize(m_slots.size());
     m_large.clear();
     for (std::size_t k = 0; k < m_slots.size(); ++k) {
-      const auto i = static_cast<std::size_t>(m_slots[k]);
+      const auto i = m_slots[k];
       Cell lo, hi;
       bool small = true;
       for (std::size_t d = 0; d < D; ++d) {
@@ -127,7 +127,7 @@ class UniformGrid final : public Broadphase<D> {
       }
       m_placeOf[k] = small ? static_cast<std::int32_t>(place(lo)) : -1;
       if (small) {
-        ++m_start[static_cast<std::size_t>(m_placeOf[k]) + 1];
+        ++m_start[m_placeOf[k] + 1];
       } else {
         const GatheredBox<D> box = GatheredBox<D>::of(proxies, m_slots[k]);
         m_large.push_back({box, packing.pack(box.lo, box.hi), lo, hi});
@@ -139,7 +139,7 @@ class UniformGrid final : public Broadphase<D> {
     m_next.assign(m_start.begin(), m_start.end() - 1);
     for (std::size_t k = 0; k < m_slots.size(); ++k) {
       if (m_placeOf[k] < 0) continue;
-      const auto at = static_cast<std::size_t>(m_next[static_cast<std::size_t>(m_placeOf[k])]++);
+      const auto at = m_next[m_placeOf[k]]++;
       m_boxes[at] = GatheredBox<D>::of(proxies, m_slots[k]);
       m_packed[at] = packing.pack(m_boxes[at].lo, m_boxes[at].hi);
     }
@@ -172,9 +172,8 @@ class UniformGrid final : public Broadphase<D> {
         if (x + 1 == width) end = addRow(end, row, 0, 1);
         for (std::size_t other : later) end = addRow(end, other, x - 1, 3);
         for (std::int32_t a = start[x]; a < start[x + 1]; ++a) {
-          const auto i = static_cast<std::size_t>(a);
           ranges[0].begin = a + 1;
-          test(m_boxes[i], m_packed[i], {ranges.data(), end}, out);
+          test(m_boxes[a], m_packed[a], {ranges.data(), end}, out);
         }
       }
     }
@@ -232,7 +231,7 @@ class UniformGrid final : public Broadphase<D> {
     std::int32_t* end = m_hits.data();
     for (const Range& range : ranges) end = listOverlaps<D>(m_packed.data(), packed, range.begin, range.end, end);
     for (const std::int32_t* hit = m_hits.data(); hit != end; ++hit) {
-      emitIfPair(a, m_boxes[static_cast<std::size_t>(*hit)], out);
+      emitIfPair(a, m_boxes[*hit], out);
     }
   }
 
@@ -245,9 +244,9 @@ class UniformGrid final : public Broadphase<D> {
   std::uint64_t m_tests = 0;
   std::vector<ProxyId> m_slots;
   std::vector<Real> m_sample;
-  std::vector<std::int32_t> m_start, m_next, m_placeOf;  // by cell, by cell, by box
-  std::vector<GatheredBox<D>> m_boxes;                   // sorted by cell
-  std::vector<PackedBox> m_packed;                       // the same
+  IndexedVector<std::int32_t> m_start, m_next, m_placeOf;  // by cell, by cell, by box
+  IndexedVector<GatheredBox<D>> m_boxes;                   // sorted by cell
+  IndexedVector<PackedBox> m_packed;                       // the same
   std::vector<Large> m_large;
   std::vector<Range> m_ranges;  // of a large box
   std::vector<std::int32_t> m_hits;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "framework/math/indexed.h"
 #include "framework/stage/stage_broadphase.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
@@ -15,18 +16,18 @@ namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 /// others their resolution.
 template <int D>
 struct Window {
-  std::array<Real, D> lo, hi;  // lo <= hi, m
+  IndexedArray<Real, D> lo, hi;  // lo <= hi, m
 };
 
 /// The tight bounds of all boxes, cut back on each axis to three times the span of the middle 90 % of a sample.
 /// Precondition: `slots` is not empty. `sample` is scratch.
 template <int D>
-Window<D> findWindow(const Proxies<D>& proxies, const std::vector<ProxyId>& slots, std::vector<Real>& sample) {
+Window<D> findWindow(const Proxies<D>& proxies, const IndexedVector<ProxyId>& slots, std::vector<Real>& sample) {
   constexpr std::size_t kSamples = 64;
   const std::size_t stride = std::max<std::size_t>(1, slots.size() / kSamples);
   Window<D> window;
   for (std::size_t d = 0; d < D; ++d) {
-    const std::vector<Real>&lo = proxies.lo[d], &hi = proxies.hi[d];
+    const IndexedVector<Real>&lo = proxies.lo[d], &hi = proxies.hi[d];
     // Four chains each, or the latency of the comparisons shows; free slots and padding are empty boxes and drop out.
     std::array<Real, 4> least, most;
     least.fill(std::numeric_limits<Real>::infinity()), most.fill(-std::numeric_limits<Real>::infinity());
@@ -39,7 +40,7 @@ Window<D> findWindow(const Proxies<D>& proxies, const std::vector<ProxyId>& slot
     const Real min = *std::min_element(least.begin(), least.end());
     const Real max = *std::max_element(most.begin(), most.end());
     sample.clear();
-    for (std::size_t i = 0; i < slots.size(); i += stride) sample.push_back(lo[static_cast<std::size_t>(slots[i])]);
+    for (std::size_t i = 0; i < slots.size(); i += stride) sample.push_back(lo[slots[i]]);
     const auto at = [&](std::size_t k) {
       std::nth_element(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(k), sample.end());
       return sample[k];
@@ -57,13 +58,13 @@ Window<D> findWindow(const Proxies<D>& proxies, const std::vector<ProxyId>& slot
 /// The longest edge (m) of `samples` boxes, or of up to twice as many, spread evenly over the slots: of those among
 /// them that are awake, or of all where none is. Precondition: `slots` is not empty.
 template <int D>
-void sampleSizes(const Proxies<D>& proxies, const std::vector<ProxyId>& slots, std::size_t samples,
+void sampleSizes(const Proxies<D>& proxies, const IndexedVector<ProxyId>& slots, std::size_t samples,
                  std::vector<Real>& sizes) {
   const std::size_t stride = std::max<std::size_t>(1, slots.size() / samples);
   for (const bool onlyActive : {true, false}) {
     sizes.clear();
     for (std::size_t k = 0; k < slots.size(); k += stride) {
-      const auto i = static_cast<std::size_t>(slots[k]);
+      const auto i = slots[k];
       if (onlyActive && !proxies.active[i]) continue;
       Real size = 0;
       for (std::size_t d = 0; d < D; ++d) size = std::max(size, proxies.hi[d][i] - proxies.lo[d][i]);

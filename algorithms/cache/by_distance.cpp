@@ -37,12 +37,12 @@ class ByDistance final : public ContactCache<D> {
  private:
   void inherit(const Manifold<D>& old, Manifold<D>& m) const {
     const cache::FrictionTurn<D> turn(old.normal, m.normal);
-    std::array<bool, kManifoldPoints<D>> given{}, taken{};
+    IndexedArray<bool, kManifoldPoints<D>> given{}, taken{};
     for (int n = std::min(old.count, m.count); n > 0; --n) {
       Real least = std::numeric_limits<Real>::infinity();
-      std::size_t from = 0, to = 0;
-      for (std::size_t o = 0; o < static_cast<std::size_t>(old.count); ++o) {
-        for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+      int from = 0, to = 0;
+      for (int o = 0; o < old.count; ++o) {
+        for (int i = 0; i < m.count; ++i) {
           if (given[o] || taken[i]) continue;
           const ContactPoint<D>&p = m.points[i], &q = old.points[o];
           const Real apart = std::min((p.localA - q.localA).norm(), (p.localB - q.localB).norm());

@@ -2,6 +2,7 @@
 // What a point takes over from the one that it was in the step before.
 #pragma once
 
+#include "framework/math/indexed.h"
 #include "framework/stage/stage_narrowphase.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace cache {
@@ -15,12 +16,12 @@ class FrictionTurn {
   FrictionTurn(const Vec<D>& from, const Vec<D>& to)
       : m_same(from == to), m_turn(tangents(to).transpose() * tangents(from)) {}
 
-  void operator()(std::array<Real, D>& impulse) const {
+  void operator()(IndexedArray<Real, D>& impulse) const {
     if (m_same) return;
     Vec<D - 1> friction;
-    for (int k = 1; k < D; ++k) friction[k - 1] = impulse[static_cast<std::size_t>(k)];
+    for (int k = 1; k < D; ++k) friction[k - 1] = impulse[k];
     friction = (m_turn * friction).eval();
-    for (int k = 1; k < D; ++k) impulse[static_cast<std::size_t>(k)] = friction[k - 1];
+    for (int k = 1; k < D; ++k) impulse[k] = friction[k - 1];
   }
 
  private:
@@ -41,10 +42,10 @@ void inheritByFeature(const Manifold<D>& old, Manifold<D>& m) {
   const FrictionTurn<D> turn(old.normal, m.normal);
   int o = 0;
   for (int i = 0; i < m.count; ++i) {
-    ContactPoint<D>& p = m.points[static_cast<std::size_t>(i)];
-    while (o < old.count && old.points[static_cast<std::size_t>(o)].feature < p.feature) ++o;
+    ContactPoint<D>& p = m.points[i];
+    while (o < old.count && old.points[o].feature < p.feature) ++o;
     if (o == old.count) return;
-    const ContactPoint<D>& q = old.points[static_cast<std::size_t>(o)];
+    const ContactPoint<D>& q = old.points[o];
     if (q.feature == p.feature) inherit(q, turn, p);
   }
 }

@@ -40,7 +40,7 @@ class Recycling final : public ContactCache<D> {
     std::size_t o = 0;
     for (const ShapePair& pair : in.pairs) {
       if (o < in.old.size()) {
-        const auto body = [&](std::int32_t shape) { return in.shapes[static_cast<std::size_t>(shape)].body; };
+        const auto body = [&](std::int32_t shape) { return in.shapes[shape].body; };
         const auto key = std::tuple(body(pair.a), pair.a, body(pair.b), pair.b);
         while (o < in.old.size() && in.old[o].shapeKey() < key) ++o;
         std::size_t end = o;
@@ -76,10 +76,9 @@ class Recycling final : public ContactCache<D> {
   // The manifolds of one pair of shapes, all made at one time.
   bool stays(const CacheInput<D>& in, std::span<const Manifold<D>> old) const {
     const Manifold<D>& m = old[0];
-    const ShapeRecord<D>&a = in.shapes[static_cast<std::size_t>(m.shapeA)],
-          &b = in.shapes[static_cast<std::size_t>(m.shapeB)];
+    const ShapeRecord<D>&a = in.shapes[m.shapeA], &b = in.shapes[m.shapeB];
     if (!flat(a.shape) || !flat(b.shape)) return false;
-    const Pose<D>&X_WA = in.pose[static_cast<std::size_t>(m.bodyA)], &X_WB = in.pose[static_cast<std::size_t>(m.bodyB)];
+    const Pose<D>&X_WA = in.pose[m.bodyA], &X_WB = in.pose[m.bodyB];
     const Pose<D> X_AB = poseBetween(X_WA, X_WB);
     const Ang<D> turn = turnOf(X_AB.q * m.X_AB.q.inverse());
     const Real angle = turn.norm();
@@ -94,19 +93,19 @@ class Recycling final : public ContactCache<D> {
     for (const Manifold<D>& child : old) {
       const Vec<D> n = X_WA.q * child.normalA;
       for (int i = 0; i < child.count; ++i) {
-        if (separation(child.points[static_cast<std::size_t>(i)], n, X_WA, X_WB) <= in.margin) return true;
+        if (separation(child.points[i], n, X_WA, X_WB) <= in.margin) return true;
       }
     }
     return false;
   }
 
   static void renew(const CacheInput<D>& in, Manifold<D>& m) {
-    const Pose<D>&X_WA = in.pose[static_cast<std::size_t>(m.bodyA)], &X_WB = in.pose[static_cast<std::size_t>(m.bodyB)];
+    const Pose<D>&X_WA = in.pose[m.bodyA], &X_WB = in.pose[m.bodyB];
     const Vec<D> n = X_WA.q * m.normalA;
     const cache::FrictionTurn<D> turn(m.normal, n);
     m.normal = n, m.begun = m.ignored = 0;
     for (int i = 0; i < m.count; ++i) {
-      ContactPoint<D>& p = m.points[static_cast<std::size_t>(i)];
+      ContactPoint<D>& p = m.points[i];
       p.separation = separation(p, n, X_WA, X_WB);
       turn(p.impulse);
     }

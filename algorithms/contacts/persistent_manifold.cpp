@@ -70,12 +70,12 @@ class PersistentManifold final : public ContactGenerator<D> {
   void merge(const ContactInput<D>& in, const PlacedPair<D>& placed, const Manifold<D>& old, Manifold<D>& m) {
     const Real breaking = std::min(
         m_params.breaking, kBreakingPart * std::min(boundingRadius(placed.view1()), boundingRadius(placed.view2())));
-    const std::span<const ContactPoint<D>> known(old.points.data(), static_cast<std::size_t>(old.count));
+    const std::span<const ContactPoint<D>> known(old.points.data(), old.points.data() + old.count);
     ContactPoint<D>& found = m.points[0];
     const std::size_t same = nearest(known, found, breaking);
     found.feature = same < known.size() ? known[same].feature : freshNumber(known);
     m_points.assign(1, found);
-    const Pose<D>&X_WA = in.pose[static_cast<std::size_t>(m.bodyA)], &X_WB = in.pose[static_cast<std::size_t>(m.bodyB)];
+    const Pose<D>&X_WA = in.pose[m.bodyA], &X_WB = in.pose[m.bodyB];
     // As a generator would have it: far from the origin the sum of a place and an arm loses digits.
     const auto gapOf = [&](const ContactPoint<D>& p) -> Vec<D> {
       return (X_WB.p - X_WA.p) + (X_WB.q * p.localB - X_WA.q * p.localA);
@@ -102,7 +102,7 @@ class PersistentManifold final : public ContactGenerator<D> {
     m.count = 0;
     for (const ContactPoint<D>& p : m_points) {
       const auto isIt = [&](const PatchPoint<D>& kept) { return kept.feature == p.feature; };
-      if (std::any_of(m_patch.begin(), m_patch.end(), isIt)) m.points[static_cast<std::size_t>(m.count++)] = p;
+      if (std::any_of(m_patch.begin(), m_patch.end(), isIt)) m.points[m.count++] = p;
     }
   }
 

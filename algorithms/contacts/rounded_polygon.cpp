@@ -63,10 +63,10 @@ struct Box2 {
   Xy half;
   static constexpr int count = 4;
 };
-const std::array<Xy, 4> kBoxCorners2 = {Xy(-1, -1), Xy(1, -1), Xy(1, 1), Xy(-1, 1)};
-const std::array<Xy, 4> kBoxNormals2 = {Xy(0, -1), Xy(1, 0), Xy(0, 1), Xy(-1, 0)};
-Xy vertex(const Box2& c, int i) { return product(kBoxCorners2[static_cast<std::size_t>(i)], c.half); }
-Xy normal(const Box2&, int i) { return kBoxNormals2[static_cast<std::size_t>(i)]; }
+const IndexedArray<Xy, 4> kBoxCorners2 = {Xy(-1, -1), Xy(1, -1), Xy(1, 1), Xy(-1, 1)};
+const IndexedArray<Xy, 4> kBoxNormals2 = {Xy(0, -1), Xy(1, 0), Xy(0, 1), Xy(-1, 0)};
+Xy vertex(const Box2& c, int i) { return product(kBoxCorners2[i], c.half); }
+Xy normal(const Box2&, int i) { return kBoxNormals2[i]; }
 
 template <class C>
 int after(const C& c, int i) {
@@ -202,8 +202,7 @@ void clip(const Facing& f, const PlacedPair<2>& pair, Patch2& out) {
   if (keepsLow) write(out.points[0], low1, low2, low, featureNumber(featureCode(f.ia1), featureCode(f.ib2)));
   out.count = int{keepsLow};
   if (!keepsHigh) return;
-  write(out.points[static_cast<std::size_t>(out.count++)], high1, high2, high,
-        featureNumber(featureCode(f.ib1), featureCode(f.ia2)));
+  write(out.points[out.count++], high1, high2, high, featureNumber(featureCode(f.ib1), featureCode(f.ia2)));
 }
 
 // Do the edges lie on two sides of a line across n? Edges that touch do not.
@@ -365,8 +364,7 @@ class RoundedPolygon final : public ContactGenerator<D> {
           const Vec<D> n = planePatch(m_placed[i], Reduction::spread, m_plane, work);
           addPatch<D>(in, m_placed[i], n, m_plane.points, fresh);
         } else {
-          addPatch<D>(in, m_placed[i], patch.normal, {patch.points.data(), static_cast<std::size_t>(patch.count)},
-                      fresh);
+          addPatch<D>(in, m_placed[i], patch.normal, {patch.points.data(), patch.points.data() + patch.count}, fresh);
         }
       }
     }

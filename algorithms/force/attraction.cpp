@@ -55,8 +55,8 @@ class Attraction final : public ForceKind<D> {
 
  private:
   Real massOf(const Bodies<D>& bodies, std::int32_t body) const {
-    if (body < 0 || !movedByForces(bodies, static_cast<std::size_t>(body))) return m_params.mass;
-    return bodies.mass[static_cast<std::size_t>(body)];
+    if (body < 0 || !movedByForces(bodies, body)) return m_params.mass;
+    return bodies.mass[body];
   }
 
   Params m_params;

@@ -72,7 +72,7 @@ class RollingResistance final : public ForceKind<D> {
   static Real loadOf(const ForceRecord<D>& force, const Manifold<D>& m) {
     if (m.ignored || (force.bodyB >= 0 && m.bodyA != force.bodyB && m.bodyB != force.bodyB)) return 0;
     Real sum = 0;
-    for (int k = 0; k < m.count; ++k) sum += std::max(m.points[static_cast<std::size_t>(k)].load, Real(0));
+    for (int k = 0; k < m.count; ++k) sum += std::max(m.points[k].load, Real(0));
     return sum;
   }
   static Ang<2> withoutSpin(const Ang<2>& w, const Vec<2>&) { return w; }

@@ -201,7 +201,7 @@ class Refinement {
   bool m_sideAlone, m_exitAtOnce = false;
   Real m_rounding = 0, m_least = 0, m_tolerance = 0, m_near = 0;  // m
   Vec<D> m_center, m_ray, m_exit = Vec<D>::Zero();                // m_exit as in core_pair.h
-  std::array<Vec<D>, static_cast<std::size_t>(D)> m_portal;
+  IndexedArray<Vec<D>, D> m_portal;
   BestAxis<D> m_best;
 };
 

@@ -24,7 +24,7 @@ class Walk {
   enum class End { apart, overlap, lost };
 
   /// From these features, which become those where it ends.
-  End run(const SatCore& a, const SatCore& b, int steps, std::array<Feature, 2>& features, WorkDone& work) {
+  End run(const SatCore& a, const SatCore& b, int steps, IndexedArray<Feature, 2>& features, WorkDone& work) {
     m_core = {&a, &b}, m_feature = &features;
     for (int i = 0; i < steps; ++i) {
       ++work[WorkCount::axisTests];
@@ -39,9 +39,9 @@ class Walk {
   enum class Step { moved, done, overlap };
   using Kind = FeatureKind;
 
-  const SatCore& core(int i) const { return *m_core[static_cast<std::size_t>(i)]; }
-  Feature& feature(int i) const { return (*m_feature)[static_cast<std::size_t>(i)]; }
-  Step moveTo(int i, Kind kind, std::size_t number) {
+  const SatCore& core(int i) const { return *m_core[i]; }
+  Feature& feature(int i) const { return (*m_feature)[i]; }
+  Step moveTo(int i, Kind kind, Index auto number) {
     feature(i) = {kind, static_cast<std::int32_t>(number)};
     return Step::moved;
   }
@@ -57,7 +57,7 @@ class Walk {
   // The edge of this face that leaves v in the direction in which the face's loop goes round.
   static std::int32_t edgeFrom(const SatCore& core, int v, int face) {
     for (const Polytope<3>::Spoke& s : core.spokes(v)) {
-      const SatCore::Edge& e = core.edges()[static_cast<std::size_t>(s.edge)];
+      const SatCore::Edge& e = core.edges()[s.edge];
       if ((e.faceA == face && e.v0 == v) || (e.faceB == face && e.v1 == v)) return s.edge;
     }
     LPC_ASSERT(false);
@@ -85,7 +85,7 @@ class Walk {
         return;
       }
       case Kind::edge: {
-        const SatCore::Edge& e = of.edges()[static_cast<std::size_t>(f.number)];
+        const SatCore::Edge& e = of.edges()[f.number];
         const Vec<3> v0 = of.vertex(e.v0), v1 = of.vertex(e.v1);
         m_origin = v0;
         out.push_back({v0, v1 - v0, {Kind::vertex, e.v0}});
@@ -96,7 +96,7 @@ class Walk {
         return;
       }
       case Kind::face: {
-        const SatCore::Face& face = of.faces()[static_cast<std::size_t>(f.number)];
+        const SatCore::Face& face = of.faces()[f.number];
         const Vec<3> normal = of.normal(f.number);
         int last = of.loop(face).back();
         Vec<3> from = of.vertex(last);
@@ -174,7 +174,7 @@ class Walk {
   };
   // By m_region. False when nothing is left.
   bool cut(int e, Clip& clip) const {
-    const SatCore::Edge& edge = core(e).edges()[static_cast<std::size_t>(feature(e).number)];
+    const SatCore::Edge& edge = core(e).edges()[feature(e).number];
     clip.tail = core(e).vertex(edge.v0), clip.head = core(e).vertex(edge.v1);
     for (const Bound& bound : m_region) {
       const Real t = bound.height(clip.tail), h = bound.height(clip.head);
@@ -199,7 +199,7 @@ class Walk {
       if (height < least) least = height, worst = &bound;
     }
     if (worst) return feature(f) = beyond(f, worst->neighbour), Step::moved;
-    const SatCore::Plane plane = core(f).plane(core(f).faces()[static_cast<std::size_t>(feature(f).number)]);
+    const SatCore::Plane plane = core(f).plane(core(f).faces()[feature(f).number]);
     const auto heightOf = [&](const Vec<3>& point) { return plane.n.dot(point) - plane.offset; };
     const Real height = heightOf(q);
     if (height > 0) {
@@ -225,7 +225,7 @@ class Walk {
   Step edgeAndFace(int e, int f) {
     regionOf(f, m_region);
     Clip clip;
-    const SatCore::Edge& edge = core(e).edges()[static_cast<std::size_t>(feature(e).number)];
+    const SatCore::Edge& edge = core(e).edges()[feature(e).number];
     if (!cut(e, clip)) {  // beside the face: its edge that is nearest
       const SatRidge ridge(core(e), feature(e).number);
       Real least2 = std::numeric_limits<Real>::infinity();
@@ -242,20 +242,18 @@ class Walk {
     const Real to = heightOver(f, feature(f).number, clip.tail + clip.to * way);
     if (from * to <= 0) return Step::overlap;
     if (std::abs(from) <= std::abs(to)) {
-      return clip.entry ? (feature(f) = beyond(f, *clip.entry), Step::moved)
-                        : moveTo(e, Kind::vertex, static_cast<std::size_t>(edge.v0));
+      return clip.entry ? (feature(f) = beyond(f, *clip.entry), Step::moved) : moveTo(e, Kind::vertex, edge.v0);
     }
-    return clip.exit ? (feature(f) = beyond(f, *clip.exit), Step::moved)
-                     : moveTo(e, Kind::vertex, static_cast<std::size_t>(edge.v1));
+    return clip.exit ? (feature(f) = beyond(f, *clip.exit), Step::moved) : moveTo(e, Kind::vertex, edge.v1);
   }
 
   Real heightOver(int i, std::int32_t face, const Vec<3>& q) const {
-    const SatCore::Plane plane = core(i).plane(core(i).faces()[static_cast<std::size_t>(face)]);
+    const SatCore::Plane plane = core(i).plane(core(i).faces()[face]);
     return plane.n.dot(q) - plane.offset;
   }
 
-  std::array<const SatCore*, 2> m_core{};
-  std::array<Feature, 2>* m_feature = nullptr;
+  IndexedArray<const SatCore*, 2> m_core{};
+  IndexedArray<Feature, 2>* m_feature = nullptr;
   std::vector<Bound> m_region;
   Vec<3> m_origin = Vec<3>::Zero();  // of the region's feature: the vertex, the edge's first end
 };
@@ -317,7 +315,7 @@ class VClip final : public PairQuery<D> {
  private:
   struct Stored {
     std::uint32_t known = 0;  // 1: there are features; no others are taken
-    std::array<Feature, 2> features;
+    IndexedArray<Feature, 2> features;
     std::array<std::uint32_t, 3> none{};
   };
 
@@ -338,7 +336,7 @@ class VClip final : public PairQuery<D> {
   bool walk(const CorePair<D>& pair, PairMemory* memory, BestAxis<D>& best, WorkDone& work) {
     m_a.start(pair.a), m_b.start(pair.b, pair.p, pair.r);
     const Stored last = memory ? std::bit_cast<Stored>(memory->bytes) : Stored{};
-    std::array<Feature, 2> features = last.features;
+    IndexedArray<Feature, 2> features = last.features;
     const bool faces =
         features[0].kind == FeatureKind::face && features[1].kind == FeatureKind::face;  // no walk ends there
     if (last.known != 1 || faces || !exists(features[0], m_a) || !exists(features[1], m_b)) {
@@ -358,7 +356,7 @@ class VClip final : public PairQuery<D> {
     return {FeatureKind::vertex, corner == kNoCorner ? 0 : corner};
   }
 
-  static SatFeatures facing(const std::array<Feature, 2>& f) {
+  static SatFeatures facing(const IndexedArray<Feature, 2>& f) {
     using enum SatFeatures::Kind;
     const auto kind = [&] {
       if (f[0].kind == FeatureKind::face) return faceOfA;
@@ -382,9 +380,9 @@ class VClip final : public PairQuery<D> {
       case FeatureKind::vertex:
         break;
       case FeatureKind::edge:
-        return core.edges()[static_cast<std::size_t>(f.number)].v0;
+        return core.edges()[f.number].v0;
       case FeatureKind::face:
-        return core.loop(core.faces()[static_cast<std::size_t>(f.number)])[0];
+        return core.loop(core.faces()[f.number])[0];
     }
     return f.number;
   }

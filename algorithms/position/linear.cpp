@@ -40,11 +40,10 @@ class Linear final : public PositionResolver<D> {
   void correct(const PositionInput<D>& in) override {
     Bodies<D>& bodies = in.bodies;
     const auto push = [&](std::int32_t bodyA, std::int32_t b, const Vec<D>& apart) {
-      const auto i = static_cast<std::size_t>(bodyA), j = static_cast<std::size_t>(b);
-      const Real ofA = bodyA < 0 ? Real(0) : bodies.invMass[i], sum = ofA + bodies.invMass[j];
+      const Real ofA = bodyA < 0 ? Real(0) : bodies.invMass[bodyA], sum = ofA + bodies.invMass[b];
       if (!(sum > 0)) return;
-      if (ofA > 0) bodies.pose[i].p -= (ofA / sum) * apart;
-      bodies.pose[j].p += (bodies.invMass[j] / sum) * apart;
+      if (ofA > 0) bodies.pose[bodyA].p -= (ofA / sum) * apart;
+      bodies.pose[b].p += (bodies.invMass[b] / sum) * apart;
     };
     for (int i = 0; i < m_params.iterations; ++i) {
       for (const JointRecord<D>& j : in.joints) {
@@ -58,10 +57,10 @@ class Linear final : public PositionResolver<D> {
         countRows<D>(in.work, m_rows.all().size());
       }
       for (int k : in.order) {
-        const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
-        const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+        const Manifold<D>& m = in.manifolds[k];
+        const auto a = m.bodyA, b = m.bodyB;
         for (int p = 0; p < m.count; ++p) {
-          const ContactPoint<D>& c = m.points[static_cast<std::size_t>(p)];
+          const ContactPoint<D>& c = m.points[p];
           const Real depth = -ContactArms<D>(c, m.normal, bodies.pose[a], bodies.pose[b]).separation - m_params.slop;
           if (depth > 0) push(m.bodyA, m.bodyB, m_params.factor * depth * m.normal);
           countRows<D>(in.work, 1);

@@ -51,10 +51,9 @@ class Nonlinear final : public PositionResolver<D> {
     m_joints = in.joints;
     m_contacts.clear();
     for (int i : in.order) {
-      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
+      const Manifold<D>& m = in.manifolds[i];
       for (int k = 0; k < m.count; ++k) {
-        m_contacts.push_back({m.bodyA, m.bodyB, m.normal, m.points[static_cast<std::size_t>(k)].localA,
-                              m.points[static_cast<std::size_t>(k)].localB, -1, false});
+        m_contacts.push_back({m.bodyA, m.bodyB, m.normal, m.points[k].localA, m.points[k].localB, -1, false});
       }
     }
     if (in.features.joints) {
@@ -65,8 +64,7 @@ class Nonlinear final : public PositionResolver<D> {
     const std::size_t n = m_contacts.size();
     if (n == 0) return;
     const auto moves = [&](int body) {
-      const auto i = static_cast<std::size_t>(body);
-      return body >= 0 && (in.bodies.invMass[i] > 0 || in.bodies.invInertia[i].trace() > 0);
+      return body >= 0 && (in.bodies.invMass[body] > 0 || in.bodies.invInertia[body].trace() > 0);
     };
     m_neighbours.build(
         in.bodies.pose.size(), n, [&](std::size_t k) { return std::pair(m_contacts[k].a, m_contacts[k].b); }, moves);
@@ -109,7 +107,7 @@ class Nonlinear final : public PositionResolver<D> {
   };
 
   void addJoint(const PositionInput<D>& in, std::int32_t number) {
-    const JointRecord<D>& joint = in.joints[static_cast<std::size_t>(number)];
+    const JointRecord<D>& joint = in.joints[number];
     jointRows(joint, in.bodies, m_rows);
     bool rigid[2] = {};  // may it ever be wrong in metres, in radians?
     for (const ConstraintRow<D>& row : m_rows.all()) {
@@ -124,7 +122,7 @@ class Nonlinear final : public PositionResolver<D> {
 
   Place place(const Bodies<D>& bodies, const Item& item) {
     if (item.joint >= 0) return jointPlace(bodies, item);
-    const auto a = static_cast<std::size_t>(item.a), b = static_cast<std::size_t>(item.b);
+    const auto a = item.a, b = item.b;
     Vec<D> rA = bodies.pose[a].q * item.localA, rB = bodies.pose[b].q * item.localB;
     const Vec<D> gap = (bodies.pose[b].p - bodies.pose[a].p) + rB - rA;
     rA += gap / 2, rB -= gap / 2;
@@ -132,7 +130,7 @@ class Nonlinear final : public PositionResolver<D> {
     return {item.normal, cross(rA, item.normal), cross(rB, item.normal), depth > m_params.tolerance ? depth : Real(0)};
   }
   Place jointPlace(const Bodies<D>& bodies, const Item& item) {
-    jointRows(m_joints[static_cast<std::size_t>(item.joint)], bodies, m_rows);
+    jointRows(m_joints[item.joint], bodies, m_rows);
     Vec<D> gap = Vec<D>::Zero();
     Ang<D> turn = Ang<D>::Zero();
     for (const ConstraintRow<D>& row : m_rows.all()) {
@@ -157,15 +155,13 @@ class Nonlinear final : public PositionResolver<D> {
     return x;
   }
   static bool turns(const Bodies<D>& bodies, const Item& item) {
-    const auto turns = [&](int body) {
-      return body >= 0 && bodies.invInertia[static_cast<std::size_t>(body)].trace() > 0;
-    };
+    const auto turns = [&](int body) { return body >= 0 && bodies.invInertia[body].trace() > 0; };
     return turns(item.a) || turns(item.b);
   }
   Real depth(const Bodies<D>& bodies, const Item& item) { return place(bodies, item).depth; }
 
   void separate(Bodies<D>& bodies, const Item& item) {
-    const auto a = static_cast<std::size_t>(item.a), b = static_cast<std::size_t>(item.b);
+    const auto a = item.a, b = item.b;
     const Place x = place(bodies, item);
     const Real invMassA = item.a < 0 ? Real(0) : bodies.invMass[a];
     const Ang<D> turnA = item.a < 0 ? Ang<D>(Ang<D>::Zero()) : Ang<D>(bodies.invInertia[a] * x.armA);
@@ -178,7 +174,7 @@ class Nonlinear final : public PositionResolver<D> {
 
   // A turn moves the contact along a circle, not along the normal, so it is limited, and what is missing of this body's
   // share is made up by moving it.
-  void move(Bodies<D>& bodies, std::size_t i, Real amount, const Vec<D>& n, const Ang<D>& arm,
+  void move(Bodies<D>& bodies, std::int32_t i, Real amount, const Vec<D>& n, const Ang<D>& arm,
             const Ang<D>& turnPerAmount) const {
     Ang<D> turn = amount * turnPerAmount;
     Vec<D> shift = (amount * bodies.invMass[i]) * n;
@@ -193,7 +189,7 @@ class Nonlinear final : public PositionResolver<D> {
   }
 
   Params m_params;
-  std::span<const JointRecord<D>> m_joints;  // of this call
+  IndexedSpan<const JointRecord<D>> m_joints;  // of this call
   JointRows<D> m_rows;
   std::vector<Item> m_contacts;
   Extreme m_depths;

@@ -46,8 +46,8 @@ class SplitImpulse final : public PositionResolver<D> {
     for (int i = 0; i < m_params.iterations; ++i) {
       m_joints.sweepErrors(m_moves, m_params.factor, m_params.factor);
       for (Contact& c : m_contacts) {
-        Motion<D>& a = m_moves[static_cast<std::size_t>(c.a)];
-        Motion<D>& b = m_moves[static_cast<std::size_t>(c.b)];
+        Motion<D>& a = m_moves[c.a];
+        Motion<D>& b = m_moves[c.b];
         const Real old = c.impulse;
         c.impulse = std::max(old + c.row.mass * (c.target - rowVelocity<D>(c.row, c.n, a, b, rotation)), Real(0));
         applyRow<D>(c.row, c.n, c.invMassA, c.invMassB, c.impulse - old, a, b, rotation);
@@ -76,10 +76,10 @@ class SplitImpulse final : public PositionResolver<D> {
     m_wrong = false;
     m_contacts.clear();
     for (int k : in.order) {
-      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
-      const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+      const Manifold<D>& m = in.manifolds[k];
+      const auto a = m.bodyA, b = m.bodyB;
       for (int p = 0; p < m.count; ++p) {
-        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(p)];
+        const ContactPoint<D>& c = m.points[p];
         const ContactArms<D> arms(c, m.normal, bodies.pose[a], bodies.pose[b]);
         const Real spare = arms.separation + m_params.slop;
         m_wrong = m_wrong || spare < 0;
@@ -102,7 +102,7 @@ class SplitImpulse final : public PositionResolver<D> {
   Params m_params;
   std::vector<Contact> m_contacts;
   JointSystem<D> m_joints;
-  std::vector<Motion<D>> m_moves;  // displacement of each body, m and rad
+  IndexedVector<Motion<D>> m_moves;  // displacement of each body, m and rad
   bool m_wrong = false;
 };
 

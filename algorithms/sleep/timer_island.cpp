@@ -46,7 +46,7 @@ class TimerIsland final : public SleepPolicy<D> {
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
-    const std::span<const std::int32_t> island = in.graph.islands();
+    const IndexedSpan<const std::int32_t> island = in.graph.islands();
     m_rules.byEvents(in, awake);
     m_held.assign(awake.size(), 0);
     m_falls.assign(awake.size(), 0);
@@ -66,16 +66,16 @@ class TimerIsland final : public SleepPolicy<D> {
       if (m.ignored) continue;
       for (const auto& [from, to] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
         if (sleep::dynamic(in, from) || !sleep::dynamic(in, to)) continue;
-        if (sleep::platform(in, from)) m_held[sleep::index(to)] = 1;
-        if (sleep::carries(in, m, from)) m_falls[sleep::index(island[sleep::index(to)])] = 0;
+        if (sleep::platform(in, from)) m_held[to] = 1;
+        if (sleep::carries(in, m, from)) m_falls[island[to]] = 0;
       }
     }
     for (const JointRecord<D>& j : in.joints) {  // also those to the world, which has no slot
       const bool a = sleep::dynamic(in, j.bodyA), b = sleep::dynamic(in, j.bodyB);
-      if (j.active() && a != b) m_falls[sleep::index(island[sleep::index(a ? j.bodyA : j.bodyB)])] = 0;
+      if (j.active() && a != b) m_falls[island[a ? j.bodyA : j.bodyB]] = 0;
     }
     sleep::forHeld(in, [&](std::int32_t body, std::int32_t holder) {
-      if (sleep::moves(in, holder)) m_held[sleep::index(body)] = 1;
+      if (sleep::moves(in, holder)) m_held[body] = 1;
     });
     // By island: first whether anybody is awake in it, then the shortest rest of its bodies.
     m_rested.assign(awake.size(), -1);
@@ -104,9 +104,9 @@ class TimerIsland final : public SleepPolicy<D> {
  private:
   Params m_params;
   sleep::WakeRules<D> m_rules;
-  std::vector<std::uint8_t> m_held;   // by slot: by something that goes its own way
-  std::vector<std::uint8_t> m_falls;  // by island: has weight, and nothing holds it
-  std::vector<Real> m_rested;         // by island
+  IndexedVector<std::uint8_t> m_held;   // by slot: by something that goes its own way
+  IndexedVector<std::uint8_t> m_falls;  // by island: has weight, and nothing holds it
+  IndexedVector<Real> m_rested;         // by island
 };
 
 }  // namespace

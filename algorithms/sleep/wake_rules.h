@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/math/tolerances.h"
 #include "framework/stage/stage_sleep.h"
 
@@ -16,12 +17,12 @@ inline std::size_t index(std::int32_t slot) { return static_cast<std::size_t>(sl
 
 template <int D>
 bool dynamic(const SleepInput<D>& in, std::int32_t slot) {
-  return slot >= 0 && in.bodies.used[index(slot)] && in.bodies.type[index(slot)] == BodyType::dynamic;
+  return slot >= 0 && in.bodies.used[slot] && in.bodies.type[slot] == BodyType::dynamic;
 }
 
 template <int D>
 bool moves(const SleepInput<D>& in, std::int32_t slot) {
-  const Motion<D>& m = in.bodies.motion[index(slot)];
+  const Motion<D>& m = in.bodies.motion[slot];
   return m.v.squaredNorm() > 0 || m.w.squaredNorm() > 0;
 }
 
@@ -29,7 +30,7 @@ bool moves(const SleepInput<D>& in, std::int32_t slot) {
 /// through them.
 template <int D>
 bool platform(const SleepInput<D>& in, std::int32_t slot) {
-  return in.bodies.type[index(slot)] == BodyType::kinematic && moves(in, slot);
+  return in.bodies.type[slot] == BodyType::kinematic && moves(in, slot);
 }
 
 /// Whether `from` carries the other body of this contact: pushes it against its own share of gravity; without any a
@@ -38,9 +39,9 @@ template <int D>
 bool carries(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
   const std::int32_t to = from == m.bodyA ? m.bodyB : m.bodyA;
   Real nearest = kContactMargin;
-  for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[index(i)].separation);
+  for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[i].separation);
   if (nearest > kLinearSlop) return false;  // near, but it does not carry
-  const Real g = in.gravity.norm(), share = in.bodies.gravityScale[index(to)];
+  const Real g = in.gravity.norm(), share = in.bodies.gravityScale[to];
   const Real down = share * m.normal.dot(in.gravity) * (from == m.bodyB ? Real(1) : Real(-1));
   return !(g > 0 && share != 0 && down < Real(0.1) * std::abs(share) * g);
 }
@@ -48,8 +49,8 @@ bool carries(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
 /// Velocity of a point of a body, which is given in its own frame.
 template <int D>
 Vec<D> velocityAt(const SleepInput<D>& in, std::int32_t slot, const Vec<D>& local) {
-  const Motion<D>& motion = in.bodies.motion[index(slot)];
-  return motion.v + cross(motion.w, Vec<D>(in.bodies.pose[index(slot)].q * local));
+  const Motion<D>& motion = in.bodies.motion[slot];
+  return motion.v + cross(motion.w, Vec<D>(in.bodies.pose[slot].q * local));
 }
 
 /// How fast `from` moves along the faces of this contact at the worst point, m/s: what slides away under a sleeper.
@@ -57,7 +58,7 @@ template <int D>
 Real slide(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
   Real worst = 0;
   for (int i = 0; i < m.count; ++i) {
-    const ContactPoint<D>& c = m.points[index(i)];
+    const ContactPoint<D>& c = m.points[i];
     const Vec<D> v = velocityAt(in, from, from == m.bodyA ? c.localA : c.localB);
     worst = std::max(worst, (v - v.dot(m.normal) * m.normal).norm());
   }
@@ -100,14 +101,14 @@ class WakeRules {
   /// By slot, since byEvents(): who was woken, and whom the user changed. Their memory begins anew.
   std::span<const std::uint8_t> woken() const { return m_woken; }
 
-  void wake(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::int32_t slot) {
-    if (!dynamic(in, slot) || awake[index(slot)]) return;
-    awake[index(slot)] = 1;
-    m_woken[index(slot)] = 1;
+  void wake(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake, std::int32_t slot) {
+    if (!dynamic(in, slot) || awake[slot]) return;
+    awake[slot] = 1;
+    m_woken[slot] = 1;
   }
 
   // What users did is marked first, so that the contacts are walked once for all of it.
-  void byEvents(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+  void byEvents(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
     m_woken.assign(awake.size(), 0);
     bool changed = false;
     m_flag.assign(awake.size(), 0), m_carried.assign(awake.size(), 0);
@@ -122,8 +123,8 @@ class WakeRules {
         case SleepEvent::userChange:
           // What the user does to a body, also to a static one, reaches those who touch it. The body itself was woken
           // by the world already.
-          if (dynamic(in, e.body)) m_woken[index(e.body)] = 1;
-          m_flag[index(e.body)] = 1, changed = true;
+          if (dynamic(in, e.body)) m_woken[e.body] = 1;
+          m_flag[e.body] = 1, changed = true;
           break;
         case SleepEvent::contactBegun:
           break;  // a blow is judged by the contact itself, begun or not
@@ -137,33 +138,33 @@ class WakeRules {
     for (const Manifold<D>& m : in.manifolds) {
       if (m.ignored) continue;
       for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
-        if (!m_flag[index(at)]) continue;
+        if (!m_flag[at]) continue;
         wake(in, awake, other);
-        if (!dynamic(in, at)) m_carried[index(other)] = 1;
+        if (!dynamic(in, at)) m_carried[other] = 1;
       }
     }
     forHeld(in, [&](std::int32_t body, std::int32_t holder) {
-      if (m_flag[index(holder)]) wake(in, awake, body);
+      if (m_flag[holder]) wake(in, awake, body);
     });
   }
 
   // In rounds, so that the order of contacts leaves no trace: the speeds that reach sleepers from those who were woken
   // in the round before. Nobody is woken twice, so it ends.
-  void byBlows(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+  void byBlows(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
     m_speed.assign(awake.size(), 0);
     m_front.assign(awake.size(), 0);
     for (const Manifold<D>& m : in.manifolds) {
       if (m.ignored) continue;
-      if (platform(in, m.bodyA)) m_carried[index(m.bodyB)] = 1;
-      if (platform(in, m.bodyB)) m_carried[index(m.bodyA)] = 1;
-      const bool wakesB = awake[index(m.bodyA)] && dynamic(in, m.bodyB) && !awake[index(m.bodyB)];
-      const bool wakesA = awake[index(m.bodyB)] && dynamic(in, m.bodyA) && !awake[index(m.bodyA)];
+      if (platform(in, m.bodyA)) m_carried[m.bodyB] = 1;
+      if (platform(in, m.bodyB)) m_carried[m.bodyA] = 1;
+      const bool wakesB = awake[m.bodyA] && dynamic(in, m.bodyB) && !awake[m.bodyB];
+      const bool wakesA = awake[m.bodyB] && dynamic(in, m.bodyA) && !awake[m.bodyA];
       if (!wakesA && !wakesB) continue;
       const std::int32_t from = wakesB ? m.bodyA : m.bodyB, to = wakesB ? m.bodyB : m.bodyA;
       if (!moves(in, from)) continue;
       const Real speed = approach(in, m);
       if (speed > in.restitutionThreshold) {
-        m_speed[index(to)] = std::max(m_speed[index(to)], speed * passedOn(in, from, to));
+        m_speed[to] = std::max(m_speed[to], speed * passedOn(in, from, to));
       }
     }
     bool again = false;
@@ -183,10 +184,10 @@ class WakeRules {
       for (const Manifold<D>& m : in.manifolds) {
         if (m.ignored) continue;
         for (const auto& [from, to] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
-          if (!m_front[index(from)] || !dynamic(in, to) || awake[index(to)]) continue;
-          const Real speed = m_speed[index(from)];
+          if (!m_front[from] || !dynamic(in, to) || awake[to]) continue;
+          const Real speed = m_speed[from];
           if (!(speed > in.restitutionThreshold)) continue;
-          m_next[index(to)] = std::max(m_next[index(to)], speed * passedOn(in, from, to));
+          m_next[to] = std::max(m_next[to], speed * passedOn(in, from, to));
         }
       }
       for (std::size_t i = 0; i < awake.size(); ++i) {
@@ -198,16 +199,16 @@ class WakeRules {
   }
 
   // Who carries whom is a relation of the step, so that the order of contacts leaves no trace.
-  void bySlides(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+  void bySlides(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
     m_flag.assign(awake.size(), 0);
     bool again = false;
     forContacts(in, [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
-      if (awake[index(to)] || !awake[index(from)] || !dynamic(in, from) || !moves(in, from)) return;
-      if (slide(in, m, from) > m_wakeSeparation && carries(in, m, from)) m_flag[index(to)] = 1, again = true;
+      if (awake[to] || !awake[from] || !dynamic(in, from) || !moves(in, from)) return;
+      if (slide(in, m, from) > m_wakeSeparation && carries(in, m, from)) m_flag[to] = 1, again = true;
     });
     if (!again) return;
     const auto passOn = [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
-      if (m_flag[index(from)] && !m_flag[index(to)] && carries(in, m, from)) m_flag[index(to)] = 1, again = true;
+      if (m_flag[from] && !m_flag[to] && carries(in, m, from)) m_flag[to] = 1, again = true;
     };
     while (std::exchange(again, false)) {
       in.work[WorkCount::eventVisits] += 2 * in.manifolds.size();
@@ -218,7 +219,7 @@ class WakeRules {
     }
   }
 
-  void byJoints(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+  void byJoints(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
     m_group = in.graph.jointedGroups();
     if (in.joints.empty()) return;
     forHeld(in, [&](std::int32_t body, std::int32_t holder) {
@@ -228,41 +229,41 @@ class WakeRules {
     for (std::size_t i = 0; i < awake.size(); ++i) {
       const auto slot = static_cast<std::int32_t>(i);
       const bool restless = dynamic(in, slot) && awake[i] && moves(in, slot);
-      if (dynamic(in, slot) && (m_woken[i] || restless)) m_flag[index(m_group[i])] = 1;
+      if (dynamic(in, slot) && (m_woken[i] || restless)) m_flag[m_group[i]] = 1;
     }
     for (std::size_t i = 0; i < awake.size(); ++i) {
       const auto slot = static_cast<std::int32_t>(i);
-      if (dynamic(in, slot) && m_flag[index(m_group[i])]) wake(in, awake, slot);
+      if (dynamic(in, slot) && m_flag[m_group[i]]) wake(in, awake, slot);
     }
   }
 
   /// Puts those of `calm` to sleep whom nothing keeps awake; takes out of it whom platforms and holders keep.
-  void fallAsleep(const SleepInput<D>& in, std::span<std::uint8_t> calm, std::span<std::uint8_t> awake) {
+  void fallAsleep(const SleepInput<D>& in, IndexedSpan<std::uint8_t> calm, IndexedSpan<std::uint8_t> awake) {
     if (std::find(calm.begin(), calm.end(), 1) == calm.end()) return;
     findSupported(in, awake);
     for (const Manifold<D>& m : in.manifolds) {
       if (m.ignored) continue;
       for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
-        if (platform(in, other)) calm[index(at)] = 0;
+        if (platform(in, other)) calm[at] = 0;
       }
     }
     forHeld(in, [&](std::int32_t body, std::int32_t holder) {
-      if (moves(in, holder)) calm[index(body)] = 0;
+      if (moves(in, holder)) calm[body] = 0;
     });
     // A jointed group may sleep when all of it is calm and somebody in it stands.
     m_flag.assign(awake.size(), 0);
     m_next.assign(awake.size(), 0);
     for (std::size_t i = 0; i < awake.size(); ++i) {
       if (!dynamic(in, static_cast<std::int32_t>(i))) continue;
-      if (awake[i] && !calm[i]) m_flag[index(m_group[i])] = 1;
-      if (m_stands[i]) m_next[index(m_group[i])] = 1;
+      if (awake[i] && !calm[i]) m_flag[m_group[i]] = 1;
+      if (m_stands[i]) m_next[m_group[i]] = 1;
     }
-    const auto sleeps = [&](std::size_t i) { return !m_flag[index(m_group[i])] && m_next[index(m_group[i])] > 0; };
+    const auto sleeps = [&](std::size_t i) { return !m_flag[m_group[i]] && m_next[m_group[i]] > 0; };
     bool again = true;
     const auto keepAwake = [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
-      if (!calm[index(to)] || !dynamic(in, from) || !awake[index(from)] || sleeps(index(from))) return;
+      if (!calm[to] || !dynamic(in, from) || !awake[from] || sleeps(index(from))) return;
       if (!(slide(in, m, from) > m_wakeSeparation) || !carries(in, m, from)) return;
-      calm[index(to)] = 0, m_flag[index(m_group[index(to)])] = 1, again = true;
+      calm[to] = 0, m_flag[m_group[to]] = 1, again = true;
     };
     while (std::exchange(again, false)) forContacts(in, keepAwake), forContactsBack(in, keepAwake);
     for (std::size_t i = 0; i < awake.size(); ++i) {
@@ -292,7 +293,7 @@ class WakeRules {
   static Real approach(const SleepInput<D>& in, const Manifold<D>& m) {
     Real worst = 0;
     for (int i = 0; i < m.count; ++i) {
-      const ContactPoint<D>& c = m.points[index(i)];
+      const ContactPoint<D>& c = m.points[i];
       const Vec<D> v = velocityAt(in, m.bodyB, c.localB) - velocityAt(in, m.bodyA, c.localA);
       worst = std::max(worst, -v.dot(m.normal));
     }
@@ -301,24 +302,24 @@ class WakeRules {
 
   // How much faster than the striker the struck one can be: 2M/(M+m) after an elastic blow.
   static Real passedOn(const SleepInput<D>& in, std::int32_t from, std::int32_t to) {
-    const Real striker = in.bodies.mass[index(from)], struck = in.bodies.mass[index(to)];
+    const Real striker = in.bodies.mass[from], struck = in.bodies.mass[to];
     return striker > 0 ? 2 * striker / (striker + struck) : Real(2);
   }
 
   // Who stands on something fixed: static bodies, sleepers, and whoever rests on one who stands. Fixed point by sweeps
   // to and fro, two for a pile whose slots rise or fall with height.
-  void findSupported(const SleepInput<D>& in, std::span<const std::uint8_t> awake) {
+  void findSupported(const SleepInput<D>& in, IndexedSpan<const std::uint8_t> awake) {
     m_stands.assign(awake.size(), 0);
     for (std::size_t i = 0; i < awake.size(); ++i) {
       const auto slot = static_cast<std::int32_t>(i);
       m_stands[i] = in.bodies.used[i] && (dynamic(in, slot) ? !awake[i] : !moves(in, slot));
     }
     const auto visit = [&](const Manifold<D>& m) {
-      if (m.ignored || bool(m_stands[index(m.bodyA)]) == bool(m_stands[index(m.bodyB)])) return false;
-      const std::int32_t from = m_stands[index(m.bodyA)] ? m.bodyA : m.bodyB;
+      if (m.ignored || bool(m_stands[m.bodyA]) == bool(m_stands[m.bodyB])) return false;
+      const std::int32_t from = m_stands[m.bodyA] ? m.bodyA : m.bodyB;
       const std::int32_t to = from == m.bodyA ? m.bodyB : m.bodyA;
       if (!dynamic(in, to) || !carries(in, m, from)) return false;
-      m_stands[index(to)] = 1;
+      m_stands[to] = 1;
       return true;
     };
     for (bool again = true; again;) {
@@ -330,9 +331,9 @@ class WakeRules {
 
   Real m_wakeSeparation;
   // Scratch of one decision, by body slot.
-  std::vector<std::uint8_t> m_woken, m_carried, m_stands, m_flag, m_front;
-  std::span<const std::int32_t> m_group;  // of jointed bodies; -1 where a body is not dynamic
-  std::vector<Real> m_speed, m_next;
+  IndexedVector<std::uint8_t> m_woken, m_carried, m_stands, m_flag, m_front;
+  IndexedSpan<const std::int32_t> m_group;  // of jointed bodies; -1 where a body is not dynamic
+  IndexedVector<Real> m_speed, m_next;
 };
 
 }}}  // namespace lpc::LPC_PRECISION::sleep

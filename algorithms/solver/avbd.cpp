@@ -140,7 +140,7 @@ class Avbd final : public Solver<D> {
   }
   // A force is what stays the same when dt changes.
   Real warmth(const StepInput<D>& in) const {
-    const Real scale = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+    const Real scale = lastImpulseScale(in);
     return m_params.postStabilize ? scale : m_params.alpha * m_params.gamma * scale;
   }
 
@@ -153,12 +153,11 @@ class Avbd final : public Solver<D> {
     const Real warm = warmth(in);
     for (std::size_t i = 0; i < m_contacts.manifolds.size(); ++i) {
       const ManifoldRows<D>& m = m_contacts.manifolds[i];
-      m_at[static_cast<std::size_t>(m.manifold)] = static_cast<int>(i);
-      const auto a = static_cast<std::size_t>(m.a), b = static_cast<std::size_t>(m.b);
+      m_at[m.manifold] = static_cast<int>(i);
+      const auto a = m.a, b = m.b;
       for (int k = 0; k < m.count; ++k) {
-        const auto at = static_cast<std::size_t>(m.first + k);
-        const ContactPoint<D>& c =
-            in.manifolds[static_cast<std::size_t>(m.manifold)].points[static_cast<std::size_t>(k)];
+        const auto at = m.first + k;
+        const ContactPoint<D>& c = in.manifolds[m.manifold].points[k];
         PointRows<D>& row = m_contacts.points[at];
         const ContactArms<D> arms(c, m.n, in.bodies.pose[a], in.bodies.pose[b]);
         m_points[at] = {arms.separation + std::clamp(-arms.separation, Real(0), m_params.slop),
@@ -188,7 +187,7 @@ class Avbd final : public Solver<D> {
       joint.reachA = record.bodyA < 0 ? Real(0) : record.X_CaJ.p.norm(), joint.reachB = record.X_CbJ.p.norm();
       jointRows(record, in.bodies, joint.rows);
       joint.impulse.fill(0), joint.start.fill(0);
-      for (std::size_t i = 0; i < static_cast<std::size_t>(joint.rows.count); ++i) {
+      for (int i = 0; i < joint.rows.count; ++i) {
         const ConstraintRow<D>& row = joint.rows.row[i];
         if (row.absent()) continue;
         joint.impulse[i] = warm * record.impulse[i];
@@ -197,10 +196,9 @@ class Avbd final : public Solver<D> {
     }
   }
   bool moves(const StepInput<D>& in, std::int32_t body) const {
-    const auto i = static_cast<std::size_t>(body);
-    return body >= 0 && (in.bodies.invMass[i] > 0 || turns(in, i));
+    return body >= 0 && (in.bodies.invMass[body] > 0 || turns(in, body));
   }
-  bool turns(const StepInput<D>& in, std::size_t i) const { return m_rotation && in.bodies.invInertia[i].trace() > 0; }
+  bool turns(const StepInput<D>& in, Index auto i) const { return m_rotation && in.bodies.invInertia[i].trace() > 0; }
 
   // Where bodies would go without constraints, and where they start from: as far that way as they went in the last
   // step, so that what rests starts at rest.
@@ -241,10 +239,10 @@ class Avbd final : public Solver<D> {
     const bool moved = m_params.rows == Rows::jointsAtEnd;
     if (moved) move(in);
     for (Joint& joint : m_joints) {
-      jointRows(in.joints[static_cast<std::size_t>(joint.joint)], in.bodies, joint.rows);
+      jointRows(in.joints[joint.joint], in.bodies, joint.rows);
       joint.setMasses(in.bodies);
       countMadeRows<D>(in.work, static_cast<std::uint64_t>(joint.rows.count));
-      for (std::size_t i = 0; moved && i < static_cast<std::size_t>(joint.rows.count); ++i) {
+      for (int i = 0; moved && i < joint.rows.count; ++i) {
         ConstraintRow<D>& row = joint.rows.row[i];
         if (!row.absent()) row.error -= m_h * joint.speed(in.bodies, row);
       }
@@ -257,7 +255,7 @@ class Avbd final : public Solver<D> {
     Real impulse, stiffness;
     Real violation;  // m or rad; 0 where the impulse is at a limit
   };
-  Ask askNormal(const ManifoldRows<D>& m, std::size_t at, const Motion<D>& a, const Motion<D>& b) const {
+  Ask askNormal(const ManifoldRows<D>& m, int at, const Motion<D>& a, const Motion<D>& b) const {
     const PointRows<D>& row = m_contacts.points[at];
     const Real s = m_points[at].separation;
     const Real error = (s > 0 ? s : (1 - m_alpha) * s) + m_h * rowVelocity<D>(row.normal, m.n, a, b, m_rotation);
@@ -275,14 +273,14 @@ class Avbd final : public Solver<D> {
     Real stiffness, violation;
   };
   // A point that slides is as stiff as the line from no force to the limit: its own stiffness would hold it back.
-  Rub askFriction(const ManifoldRows<D>& m, std::size_t at, Real limit, const Motion<D>& a, const Motion<D>& b) const {
+  Rub askFriction(const ManifoldRows<D>& m, int at, Real limit, const Motion<D>& a, const Motion<D>& b) const {
     const PointRows<D>& row = m_contacts.points[at];
     RealMatrix<D - 1, 1> v, wanted;
     Rub rub;
     rub.stiffness = m_points[at].tangent * row.slide;
     for (int d = 0; d < D - 1; ++d) {
-      v[d] = rowVelocity<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), a, b, m_rotation);
-      wanted[d] = row.impulse[static_cast<std::size_t>(d) + 1] - rub.stiffness * v[d];
+      v[d] = rowVelocity<D>(row.tangent[d], m.t.col(d), a, b, m_rotation);
+      wanted[d] = row.impulse[d + 1] - rub.stiffness * v[d];
     }
     rub.impulse = clampFriction<D>(wanted, limit);
     const Real asked = wanted.norm();
@@ -290,7 +288,7 @@ class Avbd final : public Solver<D> {
     if (asked > limit) rub.stiffness *= limit / asked;
     return rub;
   }
-  Ask askJoint(const StepInput<D>& in, const Joint& joint, std::size_t i) const {
+  Ask askJoint(const StepInput<D>& in, const Joint& joint, int i) const {
     const ConstraintRow<D>& row = joint.rows.row[i];
     const Real v = joint.speed(in.bodies, row), lo = row.lo * m_h, hi = row.hi * m_h;
     Real stiffness = (row.angular ? joint.angular : joint.linear) * joint.mass[i], impulse = 0, error = 0;
@@ -355,14 +353,14 @@ class Avbd final : public Solver<D> {
       if (stiffness > 0) a += (stiffness * j) * j.transpose();
     };
     for (const std::int32_t number : in.graph.manifoldsOf(body)) {
-      const int at = m_at[static_cast<std::size_t>(number)];
+      const int at = m_at[number];
       if (at < 0) continue;
-      const ManifoldRows<D>& m = m_contacts.manifolds[static_cast<std::size_t>(at)];
+      const ManifoldRows<D>& m = m_contacts.manifolds[at];
       const bool isB = m.b == body;
       const Real side = isB ? Real(1) : Real(-1);
-      const Motion<D>&ma = motion[static_cast<std::size_t>(m.a)], &mb = motion[static_cast<std::size_t>(m.b)];
+      const Motion<D>&ma = motion[m.a], &mb = motion[m.b];
       for (int k = 0; k < m.count; ++k) {
-        const auto p = static_cast<std::size_t>(m.first + k);
+        const auto p = m.first + k;
         const PointRows<D>& row = m_contacts.points[p];
         const Ask push = askNormal(m, p, ma, mb);
         add(m.n, isB ? row.normal.armB : row.normal.armA, side * push.impulse, push.stiffness);
@@ -370,19 +368,19 @@ class Avbd final : public Solver<D> {
         if (!(m.friction > 0 && row.impulse[0] > 0)) continue;
         const Rub rub = askFriction(m, p, m.friction * row.impulse[0], ma, mb);
         for (int d = 0; d < D - 1; ++d) {
-          const Row<D>& tangent = row.tangent[static_cast<std::size_t>(d)];
+          const Row<D>& tangent = row.tangent[d];
           add(m.t.col(d), isB ? tangent.armB : tangent.armA, side * rub.impulse[d], rub.stiffness);
         }
       }
-      countBodyRows(in, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
+      countBodyRows(in, m.rows());
     }
     for (const std::int32_t number : in.graph.jointsOf(body)) {
-      const int at = m_jointAt[static_cast<std::size_t>(number)];
+      const int at = m_jointAt[number];
       if (at < 0) continue;
-      const Joint& joint = m_joints[static_cast<std::size_t>(at)];
+      const Joint& joint = m_joints[at];
       const bool isB = joint.b == body;
       Real load = 0;
-      for (std::size_t k = 0; k < static_cast<std::size_t>(joint.rows.count); ++k) {
+      for (int k = 0; k < joint.rows.count; ++k) {
         const ConstraintRow<D>& row = joint.rows.row[k];
         if (row.absent()) continue;
         const Ask ask = askJoint(in, joint, k);
@@ -408,15 +406,15 @@ class Avbd final : public Solver<D> {
       return std::min(penalty + m_params.ramp * violation, m_params.maxPenalty);
     };
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
+      const Motion<D>&a = motion[m.a], &b = motion[m.b];
       for (int k = 0; k < m.count; ++k) {
-        const auto p = static_cast<std::size_t>(m.first + k);
+        const auto p = m.first + k;
         PointRows<D>& row = m_contacts.points[p];
         const Ask push = askNormal(m, p, a, b);
         row.impulse[0] = push.impulse;
         if (m.friction > 0) {
           const Rub rub = askFriction(m, p, m.friction * push.impulse, a, b);
-          for (int d = 0; d < D - 1; ++d) row.impulse[static_cast<std::size_t>(d) + 1] = rub.impulse[d];
+          for (int d = 0; d < D - 1; ++d) row.impulse[d + 1] = rub.impulse[d];
           m_points[p].tangent = grown(m_points[p].tangent, rub.violation);
         }
         m_points[p].normal = grown(m_points[p].normal, push.violation);
@@ -426,7 +424,7 @@ class Avbd final : public Solver<D> {
     if (m_params.rows == Rows::jointsAtEnd) linearize(in);
     for (Joint& joint : m_joints) {
       Real linear = 0, angular = 0;
-      for (std::size_t i = 0; i < static_cast<std::size_t>(joint.rows.count); ++i) {
+      for (int i = 0; i < joint.rows.count; ++i) {
         if (joint.rows.row[i].absent()) continue;
         const Ask ask = askJoint(in, joint, i);
         joint.impulse[i] = ask.impulse;
@@ -440,12 +438,12 @@ class Avbd final : public Solver<D> {
   // The method knows no restitution: pairs bounce by impulses at the end, and rub by these.
   void bounce(const StepInput<D>& in) {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
+      const Real e = in.manifolds[m.manifold].restitution;
       if (!(e > 0)) continue;
-      Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
-      Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      Motion<D>& a = in.bodies.motion[m.a];
+      Motion<D>& b = in.bodies.motion[m.b];
       for (int k = 0; k < m.count; ++k) {
-        const auto p = static_cast<std::size_t>(m.first + k);
+        const auto p = m.first + k;
         PointRows<D>& row = m_contacts.points[p];
         if (!(m_points[p].arrival < -in.restitutionThreshold) || !(row.impulse[0] > 0)) continue;
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, m_rotation), old = row.impulse[0];
@@ -463,13 +461,13 @@ class Avbd final : public Solver<D> {
     m_contacts.store(in.manifolds);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       for (int k = 0; k < m.count; ++k) {
-        const Point& p = m_points[static_cast<std::size_t>(m.first + k)];
-        auto& memory = in.manifolds[static_cast<std::size_t>(m.manifold)].points[static_cast<std::size_t>(k)].memory;
+        const Point& p = m_points[m.first + k];
+        auto& memory = in.manifolds[m.manifold].points[k].memory;
         memory[0] = p.normal, memory[1] = p.tangent;
       }
     }
     for (const Joint& joint : m_joints) {
-      JointRecord<D>& record = in.joints[static_cast<std::size_t>(joint.joint)];
+      JointRecord<D>& record = in.joints[joint.joint];
       record.impulse = joint.impulse;
       record.memory[linearPenalty] = joint.linear, record.memory[angularPenalty] = joint.angular;
     }
@@ -481,14 +479,14 @@ class Avbd final : public Solver<D> {
   bool m_rotation = true;
   Real m_h = 0, m_alpha = 0;
   ContactRows<D> m_contacts;
-  std::vector<Point> m_points;
-  std::vector<Joint> m_joints;
-  std::vector<int> m_at, m_jointAt;  // by manifold, by slot of a joint: place in the above, or -1
-  std::vector<Pose<D>> m_from;       // at the start of the step
-  std::vector<Motion<D>> m_start, m_free,
+  IndexedVector<Point> m_points;
+  IndexedVector<Joint> m_joints;
+  IndexedVector<int> m_at, m_jointAt;  // by manifold, by slot of a joint: place in the above, or -1
+  IndexedVector<Pose<D>> m_from;       // at the start of the step
+  IndexedVector<Motion<D>> m_start, m_free,
       m_velocity;  // without constraints; what stays when the last sweep has moved bodies
-  std::vector<Inertia<D>> m_inertia;
-  std::vector<Wrench<D>> m_wrenches;
+  IndexedVector<Inertia<D>> m_inertia;
+  IndexedVector<Wrench<D>> m_wrenches;
 };
 
 }  // namespace

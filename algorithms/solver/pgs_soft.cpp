@@ -79,11 +79,7 @@ class PgsSoft final : public Solver<D> {
                                 : Softness(std::min(2 * m_params.hertz, most), m_params.jointDampingRatio, in.dt);
     const Push push{Softness(hertz, ratio, in.dt), Softness(2 * hertz, ratio, in.dt), joints, 0, m_params.pushSpeed,
                     m_params.gaps == Gaps::soft};
-    m_step.begin(in, 0);
-    m_step.solve(in, push, m_params.iterations);
-    m_step.move(in, m_params.relaxAt == RelaxAt::end);
-    m_step.relax(in, m_params.relax);
-    m_step.end();
+    m_step.step(in, 0, push, m_params.iterations, m_params.relax, m_params.relaxAt == RelaxAt::end);
     m_step.finish(in);
   }
 

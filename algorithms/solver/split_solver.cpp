@@ -104,12 +104,11 @@ class SplitSolver final : public Solver<D> {
   void sortBottomUp(const StepInput<D>& in) {
     m_key.resize(in.manifolds.size());
     for (int i : m_order) {
-      const auto k = static_cast<std::size_t>(i);
-      const Manifold<D>& m = in.manifolds[k];
-      m_key[k] = (in.bodies.pose[static_cast<std::size_t>(m.bodyA)] * m.points[0].localA)[1];
+      const Manifold<D>& m = in.manifolds[i];
+      m_key[i] = (in.bodies.pose[m.bodyA] * m.points[0].localA)[1];
       for (int p = 1; p < m.count; ++p) {
-        const Vec<D>& local = m.points[static_cast<std::size_t>(p)].localA;
-        m_key[k] = std::min(m_key[k], (in.bodies.pose[static_cast<std::size_t>(m.bodyA)] * local)[1]);
+        const Vec<D>& local = m.points[p].localA;
+        m_key[i] = std::min(m_key[i], (in.bodies.pose[m.bodyA] * local)[1]);
       }
     }
     sortByKey();
@@ -120,23 +119,23 @@ class SplitSolver final : public Solver<D> {
   void sortWorstFirst(const VelocityInput<D>& in) {
     m_key.resize(in.manifolds.size());
     for (int i : m_order) {
-      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
+      const Manifold<D>& m = in.manifolds[i];
       Real worst = velocityError<D>(in, m, m.points[0]);
       for (int p = 1; p < m.count; ++p) {
-        worst = std::max(worst, velocityError<D>(in, m, m.points[static_cast<std::size_t>(p)]));
+        worst = std::max(worst, velocityError<D>(in, m, m.points[p]));
       }
-      m_key[static_cast<std::size_t>(i)] = -worst;
+      m_key[i] = -worst;
     }
     sortByKey();
   }
 
   void sortByKey() {
     for (int i : m_order) {
-      Real& key = m_key[static_cast<std::size_t>(i)];
+      Real& key = m_key[i];
       if (!(key == key)) key = 0;  // NaN has no place in an order
     }
     std::sort(m_order.begin(), m_order.end(), [&](int a, int b) {
-      const Real x = m_key[static_cast<std::size_t>(a)], y = m_key[static_cast<std::size_t>(b)];
+      const Real x = m_key[a], y = m_key[b];
       return x < y || (!(y < x) && a < b);
     });
   }
@@ -161,7 +160,7 @@ class SplitSolver final : public Solver<D> {
     if (in.watcher) in.watcher->see(problem);
     m_velocity->solve(problem);
     for (const int i : m_order) {
-      for (ContactPoint<D>& c : in.manifolds[static_cast<std::size_t>(i)].points) c.load = c.impulse[0];
+      for (ContactPoint<D>& c : in.manifolds[i].points) c.load = c.impulse[0];
     }
   }
   void move(const StepInput<D>& in) {
@@ -181,7 +180,7 @@ class SplitSolver final : public Solver<D> {
   std::unique_ptr<PositionResolver<D>> m_position;
   std::unique_ptr<Integrator<D>> m_integrator;
   std::vector<int> m_order, m_colours;
-  std::vector<Real> m_key;  // by manifold: what the order follows, m or m/s
+  IndexedVector<Real> m_key;  // by manifold: what the order follows, m or m/s
   std::vector<Motion<D>> m_drift, m_free, m_arrival;
   Impact<D> m_impact;
 };

@@ -70,11 +70,8 @@ class Tgs final : public Solver<D> {
     const Feedback rigid{.rate = m_params.factor / in.dt};
     const Push push{rigid, rigid, rigid, m_params.slop, m_params.pushSpeed};
     for (int i = 0; i < m_params.substeps; ++i) {
-      m_substeps.begin(in, i);
-      m_substeps.solve(in, push, m_params.sweeps);
-      m_substeps.move(in);
-      if (m_params.relaxAt == RelaxAt::eachSubstep || i + 1 == m_params.substeps) m_substeps.relax(in, m_params.relax);
-      m_substeps.end();
+      const bool relaxes = m_params.relaxAt == RelaxAt::eachSubstep || i + 1 == m_params.substeps;
+      m_substeps.step(in, i, push, m_params.sweeps, relaxes ? m_params.relax : 0);
     }
     m_substeps.finish(in);
   }

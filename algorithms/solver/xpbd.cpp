@@ -148,13 +148,12 @@ class Xpbd final : public Solver<D> {
     m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.features, in.restitutionThreshold,
                         in.work, in.profiler, m_arrival});
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Manifold<D>& of = in.manifolds[static_cast<std::size_t>(m.manifold)];
-      const auto [atA, atB] =
-          Places<D>{m_start, m_way}.pair(in.bodies, static_cast<std::size_t>(m.a), static_cast<std::size_t>(m.b));
+      const Manifold<D>& of = in.manifolds[m.manifold];
+      const auto [atA, atB] = Places<D>{m_start, m_way}.pair(in.bodies, m.a, m.b);
       for (int k = 0; k < m.count; ++k) {
-        const ContactArms<D> arms(of.points[static_cast<std::size_t>(k)], m.n, atA, atB);
+        const ContactArms<D> arms(of.points[k], m.n, atA, atB);
         const Real kept = std::clamp(-arms.separation, Real(0), m_params.slop);
-        m_contacts.points[static_cast<std::size_t>(m.first + k)].target = -(arms.separation + kept) / h;
+        m_contacts.points[m.first + k].target = -(arms.separation + kept) / h;
       }
     }
   }
@@ -164,8 +163,8 @@ class Xpbd final : public Solver<D> {
     const auto& motion = in.bodies.motion;
     m_joints.prepare(in.work, in.bodies, in.joints, m_params.jointCompliance / (h * h), {m_start, m_ahead});
     for (const JointBlock<D>& block : m_joints.blocks) {
-      const Motion<D> a = block.a < 0 ? Motion<D>{} : motion[static_cast<std::size_t>(block.a)];
-      const Motion<D>& b = motion[static_cast<std::size_t>(block.b)];
+      const Motion<D> a = block.a < 0 ? Motion<D>{} : motion[block.a];
+      const Motion<D>& b = motion[block.b];
       for (JointRow<D>& row : m_joints.of(block)) row.error -= h * rowSpeed<D>(row, a.v, a.w, b.v, b.w);
     }
   }
@@ -173,10 +172,10 @@ class Xpbd final : public Solver<D> {
   // On positions. Friction only where it holds the point to where it was: what slides is left to the velocities.
   void push(const ManifoldRows<D>& m, const StepInput<D>& in, Real h) {
     const bool rotation = in.features.rotation;
-    Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
-    Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+    Motion<D>& a = in.bodies.motion[m.a];
+    Motion<D>& b = in.bodies.motion[m.b];
     for (int k = 0; k < m.count; ++k) {
-      PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+      PointRows<D>& row = m_contacts.points[m.first + k];
       const Real give = 1 / (1 + m_params.contactCompliance / (h * h) * row.normal.mass);
       const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
       row.impulse[0] = std::max(give * row.normal.mass * (row.target - v), Real(0));
@@ -184,31 +183,30 @@ class Xpbd final : public Solver<D> {
     }
     if (!(m.friction > 0)) return;
     for (int k = 0; k < m.count; ++k) {
-      PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+      PointRows<D>& row = m_contacts.points[m.first + k];
       RealMatrix<D - 1, 1> v;
       for (int d = 0; d < D - 1; ++d) {
-        v[d] = rowVelocity<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), a, b, rotation);
+        v[d] = rowVelocity<D>(row.tangent[d], m.t.col(d), a, b, rotation);
       }
       const RealMatrix<D - 1, 1> impulse = -(row.stick * v);
       if (!(impulse.norm() <= m.friction * row.impulse[0])) continue;
       for (int d = 0; d < D - 1; ++d) {
-        row.impulse[static_cast<std::size_t>(d) + 1] = impulse[d];
-        applyRow<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), m.invMassA, m.invMassB, impulse[d], a, b,
-                    rotation);
+        row.impulse[d + 1] = impulse[d];
+        applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, impulse[d], a, b, rotation);
       }
     }
-    countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
+    countRows<D>(in.work, m.rows());
   }
 
   // On velocities: a point that was pushed stops or bounces, whatever the push was for. It may be pulled by no more
   // than it was pushed.
   void settle(const ManifoldRows<D>& m, const StepInput<D>& in) {
     const bool rotation = in.features.rotation;
-    const auto a = static_cast<std::size_t>(m.a), b = static_cast<std::size_t>(m.b);
-    const Real e = in.features.restitution ? in.manifolds[static_cast<std::size_t>(m.manifold)].restitution : Real(0);
+    const auto a = m.a, b = m.b;
+    const Real e = in.features.restitution ? in.manifolds[m.manifold].restitution : Real(0);
     auto& motion = in.bodies.motion;
     for (int k = 0; k < m.count; ++k) {
-      PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+      PointRows<D>& row = m_contacts.points[m.first + k];
       const Real old = row.impulse[0];
       if (!(old > 0)) continue;
       const Real arrival = rowVelocity<D>(row.normal, m.n, m_arrival[a], m_arrival[b], rotation);
@@ -220,7 +218,7 @@ class Xpbd final : public Solver<D> {
     }
     if (!(m.friction > 0)) return;
     for (int k = 0; k < m.count; ++k) {
-      rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], motion[a], motion[b], rotation);
+      rubAt(m, m_contacts.points[m.first + k], motion[a], motion[b], rotation);
     }
     countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (D - 1));
   }
@@ -231,16 +229,14 @@ class Xpbd final : public Solver<D> {
       for (std::size_t d = 0; d < D; ++d) m_total[k][d] += m_contacts.points[k].impulse[d];
     }
     for (const JointBlock<D>& block : m_joints.blocks) {
-      auto& sum = m_jointImpulse[static_cast<std::size_t>(block.joint)];
-      for (const JointRow<D>& row : m_joints.of(block)) sum[static_cast<std::size_t>(row.number)] += row.impulse;
+      auto& sum = m_jointImpulse[block.joint];
+      for (const JointRow<D>& row : m_joints.of(block)) sum[row.number] += row.impulse;
     }
   }
   void store(const StepInput<D>& in) {
     for (std::size_t k = 0; k < m_total.size(); ++k) m_contacts.points[k].impulse = m_total[k];
     m_contacts.store(in.manifolds);
-    const auto keep = [&](std::int32_t j) {
-      in.joints[static_cast<std::size_t>(j)].impulse = m_jointImpulse[static_cast<std::size_t>(j)];
-    };
+    const auto keep = [&](std::int32_t j) { in.joints[j].impulse = m_jointImpulse[j]; };
     for (const JointBlock<D>& block : m_joints.blocks) keep(block.joint);
     for (const std::int32_t j : m_joints.rowless) keep(j);
   }
@@ -250,12 +246,13 @@ class Xpbd final : public Solver<D> {
   Params m_params;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
-  std::vector<Pose<D>> m_from;                  // before the move of this sub-step
-  std::vector<Vec<D>> m_start, m_way, m_ahead;  // place at the start of the step, way since, way with this sub-step, m
-  std::vector<Motion<D>> m_arrival;             // before its forces
-  std::vector<std::array<Real, D>> m_total;
-  std::vector<std::array<Real, kJointRows>> m_jointImpulse;  // by slot
-  std::vector<Wrench<D>> m_wrenches;
+  IndexedVector<Pose<D>> m_from;  // before the move of this sub-step
+  IndexedVector<Vec<D>> m_start, m_way,
+      m_ahead;                         // place at the start of the step, way since, way with this sub-step, m
+  IndexedVector<Motion<D>> m_arrival;  // before its forces
+  IndexedVector<IndexedArray<Real, D>> m_total;
+  IndexedVector<IndexedArray<Real, kJointRows>> m_jointImpulse;  // by slot
+  IndexedVector<Wrench<D>> m_wrenches;
 };
 
 }  // namespace

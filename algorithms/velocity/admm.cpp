@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/island/island.h"
-#include "algorithms/solver/rows/row_sweep.h"
+#include "algorithms/solver/rows/whole_problem.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -20,7 +20,7 @@ enum class Correction { deSaxce, none };
 // the bodies, linear in a tower; of a matrix alone as a dense one. Islands that are too large go to projected
 // Gauss-Seidel, and are counted: WorkCount::fallbacks.
 template <int D>
-class Admm final : public VelocityResolver<D> {
+class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
  public:
   struct Params {
     int iterations = 100;
@@ -73,30 +73,22 @@ class Admm final : public VelocityResolver<D> {
   void solve(const VelocityInput<D>& in) override {
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
-      m_problem.set(in);
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(m_problem.size()));
-      m_sweep.prepare(m_problem);
-      m_problem.freeVelocities(in, m_free);
-      m_problem.lastImpulses(in, m_params.warmStart ? 1 : 0, m_impulse);
+      this->prepare(in, m_params.warmStart ? 1 : 0);
     }
     Profiler::Scope scope(in.profiler, "solver.iterate");
-    const auto islands = m_problem.islands();
-    for (std::size_t k = 0; k + 1 < islands.size(); ++k) {
-      const auto first = static_cast<std::size_t>(islands[k]), last = static_cast<std::size_t>(islands[k + 1]);
-      const auto rows = m_problem.grouped().subspan(first, last - first);
-      if (!m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies, m_params.maxRows)) {
-        m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
-        continue;
-      }
+    this->eachIsland(in.work, m_params.sweeps, [&](std::span<const std::int32_t> rows) {
+      if (!m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies, m_params.maxRows)) return false;
       m_island.multiplyAdds = 0;
       iterate();
       in.work[WorkCount::multiplyAdds] += m_island.multiplyAdds;
       m_island.store(m_impulse);
-    }
+      return true;
+    });
     m_problem.apply(in, m_impulse);
   }
 
  private:
+  using WholeProblem<D>::m_problem, WholeProblem<D>::m_free, WholeProblem<D>::m_impulse;
   static constexpr double kPower = 0.05, kRatio = 10;  // of the update of rho: how far, and when
   static constexpr int kFirstPower = 6, kLastPower = 12, kPatience = 5;
   // Above this coefficient a cone is as good as a half-space, and the correction would overthrow the iteration.
@@ -198,13 +190,10 @@ class Admm final : public VelocityResolver<D> {
   }
 
   Params m_params;
-  ContactProblem<D> m_problem;
-  RowSweep<D> m_sweep;
   IslandFactor<D> m_factor;
   Island<D> m_island;
-  double m_largest = 0;                   // bound on the eigenvalues of W
-  std::vector<double> m_free, m_impulse;  // of the problem
-  std::vector<double> m_lifted, m_x, m_y, m_z, m_slide, m_product, m_change, m_diagonal, m_yBefore;
+  double m_largest = 0;  // bound on the eigenvalues of W
+  IndexedVector<double> m_lifted, m_x, m_y, m_z, m_slide, m_product, m_change, m_diagonal, m_yBefore;
 };
 
 }  // namespace

@@ -91,7 +91,7 @@ class Catto final : public VelocityResolver<D> {
     }
     std::uint64_t rows = 0;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      rows += m.rows();
     }
     countRows<D>(in.work, rows * static_cast<std::uint64_t>(m_params.iterations));
     m_joints.count(in.work, static_cast<std::uint64_t>(m_params.iterations));
@@ -100,15 +100,11 @@ class Catto final : public VelocityResolver<D> {
   }
 
  private:
-  // An impulse is a force times dt: when dt changes, the force is the better guess.
-  static Real growth(const VelocityInput<D>& in) { return in.lastDt > 0 ? in.dt / in.lastDt : Real(1); }
-
   void warmStart(const VelocityInput<D>& in) {
-    const Real factor = m_params.warmFactor * growth(in);
+    const Real factor = m_params.warmFactor * lastImpulseScale(in);
     warmStartContacts(in, factor, m_contacts);
-    m_joints.warmStart(in.dt, [&](std::int32_t joint, std::int32_t row) {
-      return factor * in.joints[static_cast<std::size_t>(joint)].impulse[static_cast<std::size_t>(row)];
-    });
+    m_joints.warmStart(in.dt,
+                       [&](std::int32_t joint, std::int32_t row) { return factor * in.joints[joint].impulse[row]; });
     m_joints.applyAccumulated(in.bodies.motion);
   }
 
@@ -125,10 +121,10 @@ class Catto final : public VelocityResolver<D> {
   void prepareLimits(const VelocityInput<D>& in) {
     m_limits.resize(m_contacts.points.size());
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Manifold<D>& old = in.manifolds[static_cast<std::size_t>(m.manifold)];
+      const Manifold<D>& old = in.manifolds[m.manifold];
       for (int i = 0; i < m.count; ++i) {
-        const Real normal = growth(in) * old.points[static_cast<std::size_t>(i)].impulse[0];
-        m_limits[static_cast<std::size_t>(m.first + i)] = m.friction * std::max(normal, Real(0));
+        const Real normal = lastImpulseScale(in) * old.points[i].impulse[0];
+        m_limits[m.first + i] = m.friction * std::max(normal, Real(0));
       }
     }
   }
@@ -138,7 +134,7 @@ class Catto final : public VelocityResolver<D> {
     const bool rotation = in.features.rotation;
     const ManifoldRows<D>& m = m_contacts.manifolds[k];
     // Local copies: the compiler keeps them in registers over all rows of the manifold.
-    Motion<D> a = bodies.motion[static_cast<std::size_t>(m.a)], b = bodies.motion[static_cast<std::size_t>(m.b)];
+    Motion<D> a = bodies.motion[m.a], b = bodies.motion[m.b];
     PointRows<D>* const points = m_contacts.points.data() + m.first;
     const auto place = [&](int i) { return back ? m.count - 1 - i : i; };
     if (m_params.block && m_isBlock[k]) {
@@ -157,12 +153,12 @@ class Catto final : public VelocityResolver<D> {
           rubSquareAt(m, row, m.friction * row.impulse[0], a, b, rotation);
           break;
         case Friction::box:
-          rubSquareAt(m, row, m_limits[static_cast<std::size_t>(m.first + place(i))], a, b, rotation);
+          rubSquareAt(m, row, m_limits[m.first + place(i)], a, b, rotation);
           break;
       }
     }
-    bodies.motion[static_cast<std::size_t>(m.a)] = a;
-    bodies.motion[static_cast<std::size_t>(m.b)] = b;
+    bodies.motion[m.a] = a;
+    bodies.motion[m.b] = b;
   }
 
   void pushTogether(const NormalBlock<D>& block, const ManifoldRows<D>& m, PointRows<D>* points, Motion<D>& a,
@@ -170,15 +166,13 @@ class Catto final : public VelocityResolver<D> {
     const bool rotation = in.features.rotation;
     typename NormalBlock<D>::Impulses old{}, v{};
     for (int i = 0; i < m.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      old[k] = points[i].impulse[0];
-      v[k] = rowVelocity<D>(points[i].normal, m.n, a, b, rotation) - points[i].target;
+      old[i] = points[i].impulse[0];
+      v[i] = rowVelocity<D>(points[i].normal, m.n, a, b, rotation) - points[i].target;
     }
     const auto wanted = block.solve(old, v, in.work);
     for (int i = 0; i < m.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      points[i].impulse[0] = std::max(old[k] + m_params.relaxation * (wanted[k] - old[k]), Real(0));
-      applyRow<D>(points[i].normal, m.n, m.invMassA, m.invMassB, points[i].impulse[0] - old[k], a, b, rotation);
+      points[i].impulse[0] = std::max(old[i] + m_params.relaxation * (wanted[i] - old[i]), Real(0));
+      applyRow<D>(points[i].normal, m.n, m.invMassA, m.invMassB, points[i].impulse[0] - old[i], a, b, rotation);
     }
   }
 
@@ -187,7 +181,7 @@ class Catto final : public VelocityResolver<D> {
   JointSystem<D> m_joints;
   std::vector<NormalBlock<D>> m_blocks;  // by manifold
   std::vector<std::uint8_t> m_isBlock;
-  std::vector<Real> m_limits;  // of friction=box, by point, N s
+  IndexedVector<Real> m_limits;  // of friction=box, by point, N s
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/island/lemke.h"
 #include "algorithms/solver/island/pyramid_lcp.h"
-#include "algorithms/solver/rows/row_sweep.h"
+#include "algorithms/solver/rows/whole_problem.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -19,7 +19,7 @@ using namespace solver;
 //
 // A pyramid has corners: the first is laid where the contact slides, so that it turns with the scene.
 template <int D>
-class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
+class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, private PyramidLcp<D> {
  public:
   struct Params {
     int facets = 8;
@@ -65,28 +65,21 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
   void solve(const VelocityInput<D>& in) override {
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
-      m_problem.set(in);
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(m_problem.size()));
-      m_sweep.prepare(m_problem);
-      m_problem.freeVelocities(in, m_free);
-      m_problem.lastImpulses(in, 1, m_impulse);
+      this->prepare(in, 1);
     }
     Profiler::Scope scope(in.profiler, "solver.iterate");
-    const auto islands = m_problem.islands();
-    for (std::size_t k = 0; k + 1 < islands.size(); ++k) {
-      const auto first = static_cast<std::size_t>(islands[k]), last = static_cast<std::size_t>(islands[k + 1]);
-      const auto rows = m_problem.grouped().subspan(first, last - first);
+    this->eachIsland(in.work, m_params.sweeps, [&](std::span<const std::int32_t> rows) {
       m_island.multiplyAdds = 0;
       const bool done =
           m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies, m_params.maxRows) && direct(rows);
       in.work[WorkCount::multiplyAdds] += m_island.multiplyAdds;
-      if (done) continue;
-      m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
-    }
+      return done;
+    });
     m_problem.apply(in, m_impulse);
   }
 
  private:
+  using WholeProblem<D>::m_problem, WholeProblem<D>::m_free, WholeProblem<D>::m_impulse;
   using Lcp = PyramidLcp<D>;
   using Lcp::m_island, Lcp::m_bodies, Lcp::m_facets, Lcp::m_cfm, Lcp::m_tolerance, Lcp::m_middle, Lcp::m_factored,
       Lcp::m_velocity, Lcp::m_product, Lcp::m_matrix, Lcp::m_state, Lcp::row, Lcp::w, Lcp::facets, Lcp::layPyramids,
@@ -393,7 +386,7 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
   struct Column {
     enum Kind : std::uint8_t { push, corner, slack } kind = push;
     std::size_t first = 0;
-    std::array<double, D> impulse{};
+    IndexedArray<double, D> impulse{};
     std::size_t rows = 0;
     double room = 0;  // of the slack of an interval
   };
@@ -419,12 +412,9 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
   }
 
   Params m_params;
-  ContactProblem<D> m_problem;
-  RowSweep<D> m_sweep;
   SymmetricFactor m_factor;
   Lemke m_lemke;
-  std::vector<double> m_free, m_impulse, m_start, m_first, m_kept, m_warm, m_last, m_way, m_dx, m_du, m_answer, m_lcp,
-      m_q, m_lemkeZ;
+  std::vector<double> m_start, m_first, m_kept, m_warm, m_last, m_way, m_dx, m_du, m_answer, m_lcp, m_q, m_lemkeZ;
   std::vector<std::size_t> m_freeRows;
   std::vector<Column> m_columns;
 };

@@ -64,7 +64,7 @@ class Jacobi final : public VelocityResolver<D> {
     for (int i = 0; i < m_params.iterations; ++i) sweep(in, feedback);
     std::uint64_t rows = 0;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      rows += m.rows();
     }
     countRows<D>(in.work, rows * static_cast<std::uint64_t>(m_params.iterations));
     m_joints.count(in.work, static_cast<std::uint64_t>(m_params.iterations));
@@ -78,10 +78,10 @@ class Jacobi final : public VelocityResolver<D> {
     Bodies<D>& bodies = in.bodies;
     m_pairs.assign(bodies.pose.size(), 0);
     const auto count = [&](std::int32_t body) {
-      if (body >= 0) m_pairs[static_cast<std::size_t>(body)] += 1;
+      if (body >= 0) m_pairs[body] += 1;
     };
     for (const int i : in.order) {
-      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
+      const Manifold<D>& m = in.manifolds[i];
       if (m.count > 0) count(m.bodyA), count(m.bodyB);
     }
     if (in.features.joints) {
@@ -103,14 +103,14 @@ class Jacobi final : public VelocityResolver<D> {
 
   // An impulse is a force times dt: when dt changes, the force is the better guess.
   void warmStart(const VelocityInput<D>& in) {
-    const Real factor = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+    const Real factor = lastImpulseScale(in);
     m_change.assign(m_pairs.size(), {});
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Manifold<D>& old = in.manifolds[static_cast<std::size_t>(m.manifold)];
+      const Manifold<D>& old = in.manifolds[m.manifold];
       Motion<D>&a = change(m.a), &b = change(m.b);
       for (int i = 0; i < m.count; ++i) {
-        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + i)];
-        const auto& impulse = old.points[static_cast<std::size_t>(i)].impulse;
+        PointRows<D>& row = m_contacts.points[m.first + i];
+        const auto& impulse = old.points[i].impulse;
         for (std::size_t d = 0; d < (m.friction > 0 ? D : 1); ++d) {
           row.impulse[d] = d == 0 ? std::max(factor * impulse[0], Real(0)) : factor * impulse[d];
           applyRow<D>(d == 0 ? row.normal : row.tangent[d - 1], d == 0 ? m.n : Vec<D>(m.t.col(static_cast<int>(d) - 1)),
@@ -118,9 +118,8 @@ class Jacobi final : public VelocityResolver<D> {
         }
       }
     }
-    m_joints.warmStart(in.dt, [&](std::int32_t joint, std::int32_t row) {
-      return factor * in.joints[static_cast<std::size_t>(joint)].impulse[static_cast<std::size_t>(row)];
-    });
+    m_joints.warmStart(in.dt,
+                       [&](std::int32_t joint, std::int32_t row) { return factor * in.joints[joint].impulse[row]; });
     m_joints.applyAccumulated(m_change);
     move(in);
   }
@@ -129,16 +128,15 @@ class Jacobi final : public VelocityResolver<D> {
     m_change.assign(m_pairs.size(), {});
     for (JointBlock<D>& block : m_joints.blocks) {
       const std::span<JointRow<D>> rows = m_joints.of(block);
-      std::array<Real, kJointRows> old{};
+      IndexedArray<Real, kJointRows> old{};
       for (std::size_t i = 0; i < rows.size(); ++i) old[i] = rows[i].impulse;
       const Real share = push(in, block.a, block.b,
                               [&](Motion<D>& a, Motion<D>& b) { m_joints.sweepBlock(block, a, b, in.dt, feedback); });
       for (std::size_t i = 0; i < rows.size(); ++i) rows[i].impulse = old[i] + share * (rows[i].impulse - old[i]);
     }
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const auto points =
-          std::span(m_contacts.points).subspan(static_cast<std::size_t>(m.first), static_cast<std::size_t>(m.count));
-      std::array<std::array<Real, D>, kManifoldPoints<D>> old{};
+      const auto points = m_contacts.points.part(m.first, m.count);
+      IndexedArray<IndexedArray<Real, D>, kManifoldPoints<D>> old{};
       for (std::size_t i = 0; i < points.size(); ++i) old[i] = points[i].impulse;
       const Real share =
           push(in, m.a, m.b, [&](Motion<D>& a, Motion<D>& b) { sweepManifold(m, points, a, b, in.features.rotation); });
@@ -153,7 +151,7 @@ class Jacobi final : public VelocityResolver<D> {
   // Answers which share of it counts.
   template <class Body>
   Real push(const VelocityInput<D>& in, std::int32_t bodyA, std::int32_t bodyB, const Body& body) {
-    const auto at = [&](std::int32_t i) { return i < 0 ? Motion<D>{} : in.bodies.motion[static_cast<std::size_t>(i)]; };
+    const auto at = [&](std::int32_t i) { return i < 0 ? Motion<D>{} : in.bodies.motion[i]; };
     const Motion<D> fromA = at(bodyA), fromB = at(bodyB);
     Motion<D> a = fromA, b = fromB;
     body(a, b);
@@ -166,10 +164,10 @@ class Jacobi final : public VelocityResolver<D> {
   }
   // That push a body which can move.
   Real pairs(const VelocityInput<D>& in, std::int32_t body) const {
-    const auto i = static_cast<std::size_t>(body);
-    return body >= 0 && (in.bodies.invMass[i] > 0 || in.bodies.invInertia[i].trace() > 0) ? m_pairs[i] : Real(0);
+    return body >= 0 && (in.bodies.invMass[body] > 0 || in.bodies.invInertia[body].trace() > 0) ? m_pairs[body]
+                                                                                                : Real(0);
   }
-  Motion<D>& change(std::int32_t body) { return m_change[static_cast<std::size_t>(body)]; }
+  Motion<D>& change(std::int32_t body) { return m_change[body]; }
 
   void move(const VelocityInput<D>& in) {
     for (std::size_t i = 0; i < m_change.size(); ++i) {
@@ -191,10 +189,10 @@ class Jacobi final : public VelocityResolver<D> {
   Params m_params;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
-  std::vector<Real> m_pairs;  // by body: of contacts or joints that push it
+  IndexedVector<Real> m_pairs;  // by body: of contacts or joints that push it
   std::vector<Real> m_invMass;
   std::vector<Inertia<D>> m_invInertia;
-  std::vector<Motion<D>> m_change;
+  IndexedVector<Motion<D>> m_change;
 };
 
 }  // namespace

@@ -74,7 +74,7 @@ class Millington final : public VelocityResolver<D> {
     const Manifold<D>* manifold;
     ContactPoint<D>* contact;
     Real kick = 0;  // part of the normal velocity that this step's forces have just made, m/s
-    std::array<Real, D> impulse{};
+    IndexedArray<Real, D> impulse{};
   };
 
   void solveContacts(const VelocityInput<D>& in) {
@@ -107,7 +107,7 @@ class Millington final : public VelocityResolver<D> {
     const auto n = static_cast<long>(m_points.size());
     long quiet = 0;
     for (long i = 0; i < limit && quiet < n; ++i, ++quiet) {
-      Point& p = m_points[static_cast<std::size_t>(i % n)];
+      Point& p = m_points[i % n];
       if (!(error(in, p) > m_params.epsilon)) continue;
       resolve(in, p);
       quiet = -1;
@@ -118,20 +118,16 @@ class Millington final : public VelocityResolver<D> {
   void collect(const VelocityInput<D>& in) {
     m_points.clear();
     for (int i : in.order) {
-      Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
+      Manifold<D>& m = in.manifolds[i];
       for (int k = 0; k < m.count; ++k) {
-        ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
-        const ContactArms<D> arms(c, m.normal, in.bodies.pose[static_cast<std::size_t>(m.bodyA)],
-                                  in.bodies.pose[static_cast<std::size_t>(m.bodyB)]);
+        ContactPoint<D>& c = m.points[k];
+        const ContactArms<D> arms(c, m.normal, in.bodies.pose[m.bodyA], in.bodies.pose[m.bodyB]);
         m_points.push_back({m.bodyA, m.bodyB, arms.rA, arms.rB, &m, &c});
         Point& p = m_points.back();
         if (!in.arrival.empty()) p.kick = (velocity(in.bodies.motion, p) - velocity(in.arrival, p)).dot(m.normal);
       }
     }
-    const auto moves = [&](int body) {
-      const auto i = static_cast<std::size_t>(body);
-      return in.bodies.invMass[i] > 0 || in.bodies.invInertia[i].trace() > 0;
-    };
+    const auto moves = [&](int body) { return in.bodies.invMass[body] > 0 || in.bodies.invInertia[body].trace() > 0; };
     m_neighbours.build(
         in.bodies.pose.size(), m_points.size(), [&](std::size_t k) { return std::pair(m_points[k].a, m_points[k].b); },
         moves);
@@ -148,9 +144,9 @@ class Millington final : public VelocityResolver<D> {
     }
   }
 
-  static Vec<D> velocity(std::span<const Motion<D>> motion, const Point& p) {
-    const Motion<D>& a = motion[static_cast<std::size_t>(p.a)];
-    const Motion<D>& b = motion[static_cast<std::size_t>(p.b)];
+  static Vec<D> velocity(IndexedSpan<const Motion<D>> motion, const Point& p) {
+    const Motion<D>& a = motion[p.a];
+    const Motion<D>& b = motion[p.b];
     return b.v + cross(b.w, p.rB) - a.v - cross(a.w, p.rA);
   }
 
@@ -164,7 +160,7 @@ class Millington final : public VelocityResolver<D> {
   // The impulse that gives the wanted normal velocity and stops sliding; if friction is too weak for that, the one on
   // the edge of the cone against the direction of the sticking impulse.
   void resolve(const VelocityInput<D>& in, Point& p) const {
-    const auto a = static_cast<std::size_t>(p.a), b = static_cast<std::size_t>(p.b);
+    const auto a = p.a, b = p.b;
     Bodies<D>& bodies = in.bodies;
     const Vec<D>& n = p.manifold->normal;
     const Mat<D> k =
@@ -196,11 +192,11 @@ class Millington final : public VelocityResolver<D> {
     bodies.motion[b].w += bodies.invInertia[b] * cross(p.rB, impulse);
     const auto t = tangents(n);
     p.impulse[0] += impulse.dot(n);
-    for (int d = 0; d < D - 1; ++d) p.impulse[static_cast<std::size_t>(d) + 1] += impulse.dot(t.col(d));
+    for (int d = 0; d < D - 1; ++d) p.impulse[d + 1] += impulse.dot(t.col(d));
   }
 
   Params m_params;
-  std::vector<Point> m_points;
+  IndexedVector<Point> m_points;
   Extreme m_errors;
   ContactsOfBodies m_neighbours;
   JointSystem<D> m_joints;

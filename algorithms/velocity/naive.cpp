@@ -63,13 +63,13 @@ class NaiveVelocity final : public VelocityResolver<D> {
     m_joints.sweep(motion, in.dt, {.rate = in.position.jointBias(in.dt)});
     m_joints.count(in.work);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
+      Motion<D>&a = motion[m.a], &b = motion[m.b];
       for (int i = 0; i < m.count; ++i) {
-        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + i)];
+        PointRows<D>& row = m_contacts.points[m.first + i];
         // The velocity of now, not of the start of the step: contacts before this one have changed it.
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
-        const Manifold<D>& manifold = in.manifolds[static_cast<std::size_t>(m.manifold)];
-        const Real target = contactTarget<D>(manifold.points[static_cast<std::size_t>(i)].separation, v, v - row.kick,
+        const Manifold<D>& manifold = in.manifolds[m.manifold];
+        const Real target = contactTarget<D>(manifold.points[i].separation, v, v - row.kick,
                                              in.features.restitution ? manifold.restitution : Real(0),
                                              in.restitutionThreshold, in.dt, in.position);
         const Real impulse = row.normal.mass * (target - v);
@@ -79,7 +79,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
         row.impulse[0] += impulse;
         if (!(m.friction > 0)) continue;
         // Friction of this pass alone: rubAt sees only what the pass has pushed so far.
-        const std::array<Real, D> total = row.impulse;
+        const IndexedArray<Real, D> total = row.impulse;
         row.impulse.fill(0);
         row.impulse[0] = impulse;
         rubAt(m, row, a, b, rotation);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/rows/row_sweep.h"
+#include "algorithms/solver/rows/whole_problem.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -11,7 +11,7 @@ using namespace solver;
 // gradient of some function, and the next step goes on along a conjugate direction (Fletcher and Reeves). A direction
 // that makes sweeps change more than before is dropped.
 template <int D>
-class Nncg final : public VelocityResolver<D> {
+class Nncg final : public VelocityResolver<D>, private WholeProblem<D> {
  public:
   struct Params {
     int iterations = 10;
@@ -50,13 +50,9 @@ class Nncg final : public VelocityResolver<D> {
   void solve(const VelocityInput<D>& in) override {
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
-      m_problem.set(in);
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(m_problem.size()));
-      m_sweep.prepare(m_problem);
-      m_problem.freeVelocities(in, m_free);
-      m_problem.lastImpulses(in, m_params.warmStart ? 1 : 0, m_impulse);
+      this->prepare(in, m_params.warmStart ? 1 : 0);
       m_problem.clearMotion();
-      for (int i = 0; i < m_problem.size(); ++i) m_problem.push(i, m_impulse[static_cast<std::size_t>(i)]);
+      for (int i = 0; i < m_problem.size(); ++i) m_problem.push(i, m_impulse[i]);
     }
     Profiler::Scope scope(in.profiler, "solver.iterate");
     m_before.resize(m_impulse.size()), m_direction.assign(m_impulse.size(), 0);
@@ -67,40 +63,38 @@ class Nncg final : public VelocityResolver<D> {
   }
 
  private:
+  using WholeProblem<D>::m_problem, WholeProblem<D>::m_sweep, WholeProblem<D>::m_free, WholeProblem<D>::m_impulse;
   // Multiply-adds of a row beside the sweep: of what it has changed, and of the way on.
   static constexpr std::uint64_t kOfRow = 4 + 2 * D + D * (D - 1);
 
   void iterate(std::span<const std::int32_t> rows, WorkDone& work) {
     double last = 0;
     for (int n = 0; n < m_params.iterations; ++n) {
-      for (const std::int32_t i : rows) m_before[at(i)] = m_impulse[at(i)];
+      for (const std::int32_t i : rows) m_before[i] = m_impulse[i];
       m_sweep.sweep(m_problem, rows, m_free, m_impulse);
       countRows<D>(work, rows.size());
       if (n + 1 == m_params.iterations) return;  // ends with a sweep: all limits hold
       double change = 0;                         // in J, so that N s and N m s may be added
       for (const std::int32_t i : rows) {
-        const double by = m_impulse[at(i)] - m_before[at(i)];
+        const double by = m_impulse[i] - m_before[i];
         change += by * by / m_problem.row(i).unit;
       }
       const double beta = n > 0 && last > 0 && change <= last ? change / last : 0;
       last = change;
       work[WorkCount::multiplyAdds] += kOfRow * rows.size();
       for (const std::int32_t i : rows) {
-        const double step = beta * m_direction[at(i)];
-        m_direction[at(i)] = step + m_impulse[at(i)] - m_before[at(i)];
+        const double step = beta * m_direction[i];
+        m_direction[i] = step + m_impulse[i] - m_before[i];
         if (!(step != 0)) continue;
-        m_impulse[at(i)] += step;
+        m_impulse[i] += step;
         m_problem.push(i, step);
       }
     }
   }
-  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   Params m_params;
-  ContactProblem<D> m_problem;
-  RowSweep<D> m_sweep;
   std::vector<std::int32_t> m_rows;  // all
-  std::vector<double> m_free, m_impulse, m_before, m_direction;
+  IndexedVector<double> m_before, m_direction;
 };
 
 }  // namespace

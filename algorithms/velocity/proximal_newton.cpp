@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/island/anderson.h"
 #include "algorithms/solver/island/spring_island.h"
-#include "algorithms/solver/rows/row_sweep.h"
+#include "algorithms/solver/rows/whole_problem.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -16,7 +16,7 @@ using namespace solver;
 // passes. A tower needs springs as stiff as double can bear, and then two passes; where contacts are many more than
 // bodies need, softer ones from the last impulses are at the end at once when nothing moves.
 template <int D>
-class ProximalNewton final : public VelocityResolver<D> {
+class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D> {
  public:
   struct Params {
     Real cfm = Real(1e-7);
@@ -55,30 +55,21 @@ class ProximalNewton final : public VelocityResolver<D> {
   void solve(const VelocityInput<D>& in) override {
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
-      m_problem.set(in);
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(m_problem.size()));
-      m_sweep.prepare(m_problem);
-      m_problem.freeVelocities(in, m_free);
-      m_problem.lastImpulses(in, 1, m_impulse);
+      this->prepare(in, 1);
     }
     Profiler::Scope scope(in.profiler, "solver.iterate");
-    const auto islands = m_problem.islands();
-    for (std::size_t k = 0; k + 1 < islands.size(); ++k) {
-      const auto first = static_cast<std::size_t>(islands[k]), last = static_cast<std::size_t>(islands[k + 1]);
-      const auto rows = m_problem.grouped().subspan(first, last - first);
+    this->eachIsland(in.work, m_params.sweeps, [&](std::span<const std::int32_t> rows) {
       m_island.multiplyAdds = m_anderson.multiplyAdds = 0;
       const bool done = m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies) && descend();
       in.work[WorkCount::multiplyAdds] += m_island.multiplyAdds + m_anderson.multiplyAdds;
-      if (done) {
-        for (std::size_t i = 0; i < rows.size(); ++i) m_impulse[static_cast<std::size_t>(rows[i])] = m_best[i];
-      } else {
-        m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
-      }
-    }
+      for (std::size_t i = 0; done && i < rows.size(); ++i) m_impulse[rows[i]] = m_best[i];
+      return done;
+    });
     m_problem.apply(in, m_impulse);
   }
 
  private:
+  using WholeProblem<D>::m_problem, WholeProblem<D>::m_free, WholeProblem<D>::m_impulse;
   using Group = typename SpringIsland<D>::Group;
   static constexpr double kBetter = 0.9;  // of the least residual so far: less is rounding, or rows that contradict
   static constexpr double kSlow = 0.5;
@@ -236,12 +227,9 @@ class ProximalNewton final : public VelocityResolver<D> {
   }
 
   Params m_params;
-  ContactProblem<D> m_problem;
-  RowSweep<D> m_sweep;
   SpringIsland<D> m_island;
   Anderson m_anderson;
   double m_least = 0, m_cfm = 0;
-  std::vector<double> m_free, m_impulse;              // of the problem
   std::vector<double> m_guess, m_best, m_from, m_to;  // of the island
 };
 

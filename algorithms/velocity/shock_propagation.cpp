@@ -74,11 +74,10 @@ class ShockPropagation final : public VelocityResolver<D> {
 
  private:
   void warmStart(const VelocityInput<D>& in) {
-    const Real growth = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+    const Real growth = lastImpulseScale(in);
     warmStartContacts(in, growth, m_contacts);
-    m_joints.warmStart(in.dt, [&](std::int32_t joint, std::int32_t row) {
-      return growth * in.joints[static_cast<std::size_t>(joint)].impulse[static_cast<std::size_t>(row)];
-    });
+    m_joints.warmStart(in.dt,
+                       [&](std::int32_t joint, std::int32_t row) { return growth * in.joints[joint].impulse[row]; });
     m_joints.applyAccumulated(in.bodies.motion);
   }
 
@@ -88,18 +87,18 @@ class ShockPropagation final : public VelocityResolver<D> {
   }
 
   void sweep(const ManifoldRows<D>& m, const VelocityInput<D>& in) {
-    Motion<D> a = in.bodies.motion[static_cast<std::size_t>(m.a)], b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+    Motion<D> a = in.bodies.motion[m.a], b = in.bodies.motion[m.b];
     PointRows<D>* const points = m_contacts.points.data() + m.first;
     for (int i = 0; i < m.count; ++i) pushAt(m, points[i], Real(1), a, b, in.features.rotation);
     for (int i = 0; i < m.count && m.friction > 0; ++i) rubAt(m, points[i], a, b, in.features.rotation);
-    in.bodies.motion[static_cast<std::size_t>(m.a)] = a, in.bodies.motion[static_cast<std::size_t>(m.b)] = b;
-    countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
+    in.bodies.motion[m.a] = a, in.bodies.motion[m.b] = b;
+    countRows<D>(in.work, m.rows());
   }
 
   void propagate(const VelocityInput<D>& in) {
     m_graph.reset(in.bodies, in.manifolds, in.joints, in.work);
-    const std::span<const std::int32_t> levels = m_graph.supportLevels();
-    const auto level = [&](int body) { return levels[static_cast<std::size_t>(body)]; };
+    const IndexedSpan<const std::int32_t> levels = m_graph.supportLevels();
+    const auto level = [&](int body) { return levels[body]; };
     // By the level of the upper body, counted, in the given order within each. What hangs in the air (-1) has none.
     m_start.assign(2, 0);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
@@ -112,8 +111,7 @@ class ShockPropagation final : public VelocityResolver<D> {
     m_upwards.resize(m_contacts.manifolds.size());
     for (std::size_t k = 0; k < m_upwards.size(); ++k) {
       ManifoldRows<D>& m = m_contacts.manifolds[k];
-      const auto upper = static_cast<std::size_t>(std::max(level(m.a), level(m.b)) + 1);
-      m_upwards[m_next[upper]++] = k;
+      m_upwards[m_next[std::max(level(m.a), level(m.b)) + 1]++] = k;
       if (level(m.a) != level(m.b)) freeze(m, level(m.a) < level(m.b), in.features.rotation);
     }
     for (std::size_t l = 1; l + 1 < m_start.size(); ++l) {
@@ -134,7 +132,7 @@ class ShockPropagation final : public VelocityResolver<D> {
       row.mass = k > 0 ? 1 / k : Real(0);
     };
     for (int i = 0; i < m.count; ++i) {
-      PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + i)];
+      PointRows<D>& row = m_contacts.points[m.first + i];
       freezeRow(row.normal);
       if (!(m.friction > 0)) continue;
       for (Row<D>& tangent : row.tangent) freezeRow(tangent);
@@ -146,7 +144,7 @@ class ShockPropagation final : public VelocityResolver<D> {
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
   ContactGraph<D> m_graph;
-  std::vector<std::size_t> m_start, m_next, m_upwards;
+  IndexedVector<std::size_t> m_start, m_next, m_upwards;
 };
 
 }  // namespace

@@ -53,17 +53,13 @@ class Bullet : public BoxPeer {
   std::vector<btBroadphaseProxy*> m_proxies;
 };
 
-class BulletTree final : public Bullet {
- public:
-  explicit BulletTree(bool deferred) : m_deferred(deferred) {}
-
- private:
+// As the witness bullet_dbvt, but it looks for pairs once per frame, not at each move.
+class BulletDeferredTree final : public Bullet {
   std::unique_ptr<btBroadphaseInterface> create(const std::vector<Box>&) override {
     auto tree = std::make_unique<btDbvtBroadphase>();
-    tree->m_deferedcollide = m_deferred;
+    tree->m_deferedcollide = true;
     return tree;
   }
-  bool m_deferred;
 };
 
 class BulletSweep final : public Bullet {
@@ -122,9 +118,8 @@ class BulletBoxes final : public PairPeer {
 const PairPeerRegistrar boxes({"peer_bullet_box_box", {ShapeKind::box}, [](const PairData<3>& data) {
                                  return std::make_unique<BulletBoxes>(data);
                                }});
-const BoxPeerRegistrar immediate({"peer_bullet_dbvt", 100000, [] { return std::make_unique<BulletTree>(false); }});
 const BoxPeerRegistrar deferred({"peer_bullet_dbvt_deferred", 100000,
-                                 [] { return std::make_unique<BulletTree>(true); }});
+                                 [] { return std::make_unique<BulletDeferredTree>(); }});
 const BoxPeerRegistrar sweep({"peer_bullet_axis_sweep", 10000, [] { return std::make_unique<BulletSweep>(); }});
 
 }  // namespace

@@ -101,6 +101,7 @@ void needs(NeedsOptions& o, Session& session) {
   RunOptions run;
   run.plugins = session.plugins, run.quiet = o.quiet;
   if (std::error_code none; !std::filesystem::exists(o.store, none)) checkWorkers(sweeps);  // before it is made
+  NeedsSeen seen;
   {
     Store store(o.store, true);
     store.claim();
@@ -110,8 +111,9 @@ void needs(NeedsOptions& o, Session& session) {
       session.exitCode = 130;
       return;
     }
+    seen = readNeeds(sweeps[0], store);
   }
-  print(sweeps[0], readNeeds(sweeps[0], o.store));
+  print(sweeps[0], seen);
   std::printf("\n%s: lpc report %s draws it\n", o.store.c_str(), o.store.c_str());
 }
 

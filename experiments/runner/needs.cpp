@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/needs.h"
 
-#include <SQLiteCpp/SQLiteCpp.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 
 #include "experiments/runner/scene_model.h"
-#include "experiments/runner/store.h"
 #include "experiments/trial/measure/metric.h"
 #include "framework/math/check.h"
 #include "framework/math/names.h"
@@ -32,10 +28,8 @@ constexpr SwitchedStage kSwitchedStages[] = {{"cache", StageKind::cache, ""},
 constexpr std::size_t kFewestSeeds = 4;  // with fewer the noise is not measured
 constexpr double kUnmeasured = 2;        // and only a ratio beyond this is told
 
-struct Ended {
+struct Ended : Store::Row {
   int dimension = 0;
-  std::string outcome, reason;
-  std::map<std::string, double> metrics;
   std::map<int, std::array<double, 3>> places;  // of each body at the end, by slot (m)
 };
 
@@ -48,23 +42,11 @@ std::map<int, std::array<double, 3>> placesOf(const std::vector<double>& numbers
   return out;
 }
 
-std::optional<Ended> read(SQLite::Database& db, const PlannedTrial& trial) {
-  SQLite::Statement row(db, "SELECT outcome, reason, metrics FROM trial WHERE key=?");
-  row.bind(1, trial.key);
-  if (!row.executeStep()) return std::nullopt;
-  Ended out{trial.asked().dimension, row.getColumn(0).getString(), row.getColumn(1).getString(), {}, {}};
-  for (const auto& [name, value] : storedJson(row.getColumn(2).getString())) {
-    if (value.is_number()) out.metrics[name] = value;
-  }
-  SQLite::Statement poses(db, "SELECT data FROM poses WHERE key=? ORDER BY step DESC LIMIT 1");
-  poses.bind(1, trial.key);
-  if (poses.executeStep()) {
-    const auto blob = poses.getColumn(0);
-    std::vector<double> numbers(static_cast<std::size_t>(blob.getBytes()) / sizeof(double));
-    if (!numbers.empty()) std::memcpy(numbers.data(), blob.getBlob(), numbers.size() * sizeof(double));
-    out.places = placesOf(numbers, out.dimension);
-  }
-  return out;
+std::optional<Ended> read(Store& store, const PlannedTrial& trial) {
+  std::optional<Store::Row> row = store.measured(trial.key);
+  if (!row) return std::nullopt;
+  const int dimension = trial.asked().dimension;
+  return Ended{std::move(*row), dimension, placesOf(store.lastPoses(trial.key), dimension)};
 }
 
 // Median and largest of what separates the bodies of two ends.
@@ -170,12 +152,11 @@ std::string remarkOn(const ModelSeen& model, const ModelSeen& again) {
   return joined(said);
 }
 
-NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store) try {
-  SQLite::Database db(store, SQLite::OPEN_READONLY);
+NeedsSeen readNeeds(const PlannedSweep& sweep, Store& store) {
   NeedsSeen out;
   std::optional<Ended> first, own;
   for (const PlannedTrial& trial : sweep.trials) {
-    const std::optional<Ended> ended = read(db, trial);
+    const std::optional<Ended> ended = read(store, trial);
     const std::string model = trial.axes["model"];
     const bool again = trial.axes["repeat"] == 1;
     if (model == kMinimalModel && !again) {
@@ -205,8 +186,6 @@ NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store) try {
     compare(*own, *ended, seen->median, seen->largest);
   }
   return out;
-} catch (const SQLite::Exception& e) {
-  failStore(store, e);
 }
 
 }}  // namespace lpc::LPC_PRECISION

@@ -2,6 +2,7 @@
 // What a scene needs: each switch of its model turned one by one, over seeds, beside the model that its file asks for.
 #pragma once
 
+#include "experiments/runner/store.h"
 #include "experiments/runner/sweep_file.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -47,6 +48,6 @@ struct NeedsSeen {
 std::string remarkOn(const ModelSeen& model, const ModelSeen& again);
 
 /// From the trials in the store.
-NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store);
+NeedsSeen readNeeds(const PlannedSweep& sweep, Store& store);
 
 }}  // namespace lpc::LPC_PRECISION

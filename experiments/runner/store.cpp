@@ -175,6 +175,18 @@ std::optional<Store::Row> Store::measured(const std::string& key) try {
   failStore(m_db.getFilename(), e);
 }
 
+std::vector<double> Store::lastPoses(const std::string& key) try {
+  SQLite::Statement s(m_db, "SELECT data FROM poses WHERE key=? ORDER BY step DESC LIMIT 1");
+  s.bind(1, key);
+  if (!s.executeStep()) return {};
+  const auto blob = s.getColumn(0);
+  std::vector<double> numbers(static_cast<std::size_t>(blob.getBytes()) / sizeof(double));
+  if (!numbers.empty()) std::memcpy(numbers.data(), blob.getBlob(), numbers.size() * sizeof(double));
+  return numbers;
+} catch (const SQLite::Exception& e) {
+  failStore(m_db.getFilename(), e);
+}
+
 StoredTrial Store::find(const std::string& keyBegin) try {
   const bool digits = keyBegin.find_first_not_of("0123456789abcdef") == keyBegin.npos;
   if (keyBegin.empty() || !digits) throw UserError("'" + keyBegin + "' is no key; valid: digits 0 to 9 and a to f");

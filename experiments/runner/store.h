@@ -57,6 +57,8 @@ class Store {
     std::map<std::string, double> metrics;  // that are numbers
   };
   std::optional<Row> measured(const std::string& key);
+  /// The last poses of a trial, by body as docs/manual.md says; none: it kept none.
+  std::vector<double> lastPoses(const std::string& key);
   /// The only trial whose key begins so. Throws UserError where there is none, or another.
   StoredTrial find(const std::string& keyBegin);
   /// Seconds that the trial took.

@@ -74,7 +74,7 @@ class SimulationDrawing {
       if (j.active()) joint(j);
     }
     for (const Manifold<D>& m : m_manifolds) {
-      for (int i = 0; i < m.count; ++i) contact(m, m.points[static_cast<std::size_t>(i)]);
+      for (int i = 0; i < m.count; ++i) contact(m, m.points[i]);
     }
     for (std::size_t i = 0; i < m_bodies.pose.size(); ++i) {
       if (m_bodies.used[i] && m_bodies.type[i] != BodyType::fixed) motion(i);
@@ -119,13 +119,13 @@ class SimulationDrawing {
     WorkDone work;
     graph.reset(m_bodies, m_manifolds, m_joints, work);
     const std::span<const std::int32_t> islands = graph.islands();
-    std::vector<std::size_t> lowest(islands.size(), islands.size());
+    IndexedVector<std::size_t> lowest(islands.size(), islands.size());
     for (std::size_t i = 0; i < islands.size(); ++i) {
       const bool moves = looks[i].moves;
       if (islands[i] < 0) {
         looks[i] = lookOf(kDrawnFixed, true);
       } else {
-        std::size_t& first = lowest[static_cast<std::size_t>(islands[i])];
+        std::size_t& first = lowest[islands[i]];
         first = std::min(first, i);
         looks[i] = lookOf(islandColour(first), !m_layers.sleep || m_bodies.awake[i]);
       }
@@ -195,7 +195,7 @@ class SimulationDrawing {
     if (m_layers.friction && !m.ignored) {
       Vec<D> rub = Vec<D>::Zero();
       const auto along = tangents(m.normal);
-      for (int k = 1; k < D; ++k) rub += c.impulse[static_cast<std::size_t>(k)] * along.col(k - 1);
+      for (int k = 1; k < D; ++k) rub += c.impulse[k] * along.col(k - 1);
       line(p, p + m_layers.impulseLength * rub, kDrawnFriction);
     }
     if (m_layers.contacts) point(p, kContactPixels, bears ? kDrawnBearing : kDrawnIdle);

@@ -126,7 +126,7 @@ void drawTrace(const PairTrace<D>& trace, std::size_t number, DebugDraw<D>& draw
     const auto& face = step.faces[i];
     const DrawColour colour = static_cast<int>(i) == step.face ? kYellow : kBlue;
     for (std::size_t k = 0; k + (D == 2) < face.size(); ++k) {
-      const auto at = [&](std::size_t c) { return step.corners[static_cast<std::size_t>(face[c % face.size()])]; };
+      const auto at = [&](std::size_t c) { return step.corners[face[c % face.size()]]; };
       draw.line(at(k), at(k + 1), colour);
     }
   }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "framework/math/indexed.h"
+
 namespace lpc {
 
 /// What was done, counted: a cost that no noisy machine disturbs. One counter per chart; they are never summed.
@@ -30,16 +32,16 @@ enum class WorkCount {
   kCount
 };
 
-inline constexpr std::array<std::string_view, static_cast<std::size_t>(WorkCount::kCount)> kCountNames = {
+inline constexpr IndexedArray<std::string_view, static_cast<int>(WorkCount::kCount)> kCountNames = {
     "box_tests",    "node_visits",    "sort_moves",  "part_tests",  "pair_queries", "support_calls",
     "axis_tests",   "polytope_faces", "row_updates", "force_evals", "detections",   "event_visits",
     "graph_visits", "impact_limits",  "fallbacks",   "swept_pairs", "stops",        "multiply_adds"};
 
 struct WorkDone {
-  std::array<std::uint64_t, static_cast<std::size_t>(WorkCount::kCount)> counts{};
+  IndexedArray<std::uint64_t, static_cast<int>(WorkCount::kCount)> counts{};
 
-  std::uint64_t& operator[](WorkCount c) { return counts[static_cast<std::size_t>(c)]; }
-  std::uint64_t operator[](WorkCount c) const { return counts[static_cast<std::size_t>(c)]; }
+  std::uint64_t& operator[](WorkCount c) { return counts[c]; }
+  std::uint64_t operator[](WorkCount c) const { return counts[c]; }
 };
 
 /// Multiply-adds of one Gauss-Seidel update of a row between two bodies: the relative velocity, the impulse, and both

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/shape/mass.h"
 #include "framework/shape/shape_def.h"
 
@@ -66,28 +67,25 @@ struct BodyDef {
 /// solver needs no branch for them.
 template <int D>
 struct Bodies {
-  std::vector<Pose<D>> pose;  // X_WC of the centre-of-mass frame C: body axes, origin at the centre of mass
-  std::vector<Motion<D>> motion;
-  std::vector<Real> invMass;               // 1/kg
-  std::vector<Inertia<D>> invInertia;      // world frame, 1/(kg m^2)
-  std::vector<Real> mass;                  // kg; 0 for static and kinematic bodies
-  std::vector<Inertia<D>> invInertiaBody;  // body frame; zero for bodies that may not turn
-  std::vector<Vec<D>> center;              // p_BC, the centre of mass in the body's own frame
-  std::vector<BodyType> type;
-  std::vector<std::uint8_t> used, awake, canSleep, pinned, rotatable;
-  std::vector<Real> gravityScale;
-  std::vector<std::optional<MassProperties<D>>> givenMass;  // by the user, in the body's own frame
-  std::vector<std::array<Real, 2>> sleep;                   // the sleep policy's two scalars
-  std::vector<std::array<Real, 6>> solver;                  // the solver's own; zeros for a new body
-  std::vector<std::uint32_t> generation;
-  std::vector<std::uint64_t> userData;
+  IndexedVector<Pose<D>> pose;  // X_WC of the centre-of-mass frame C: body axes, origin at the centre of mass
+  IndexedVector<Motion<D>> motion;
+  IndexedVector<Real> invMass;               // 1/kg
+  IndexedVector<Inertia<D>> invInertia;      // world frame, 1/(kg m^2)
+  IndexedVector<Real> mass;                  // kg; 0 for static and kinematic bodies
+  IndexedVector<Inertia<D>> invInertiaBody;  // body frame; zero for bodies that may not turn
+  IndexedVector<Vec<D>> center;              // p_BC, the centre of mass in the body's own frame
+  IndexedVector<BodyType> type;
+  IndexedVector<std::uint8_t> used, awake, canSleep, pinned, rotatable;
+  IndexedVector<Real> gravityScale;
+  IndexedVector<std::optional<MassProperties<D>>> givenMass;  // by the user, in the body's own frame
+  IndexedVector<std::array<Real, 2>> sleep;                   // the sleep policy's two scalars
+  IndexedVector<std::array<Real, 6>> solver;                  // the solver's own; zeros for a new body
+  IndexedVector<std::uint32_t> generation;
+  IndexedVector<std::uint64_t> userData;
 
   int size() const { return static_cast<int>(pose.size()); }
   /// Moves by forces and contacts this step.
-  bool active(int slot) const {
-    const auto i = static_cast<std::size_t>(slot);
-    return used[i] && awake[i] && type[i] == BodyType::dynamic;
-  }
+  bool active(int slot) const { return used[slot] && awake[slot] && type[slot] == BodyType::dynamic; }
 };
 
 /// All shapes, by slot (= ProxyId).

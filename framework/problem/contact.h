@@ -7,19 +7,19 @@
 #include <string_view>
 #include <tuple>
 
+#include "framework/math/indexed.h"
 #include "framework/problem/body.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct ContactPoint {
-  Vec<D> localA = Vec<D>::Zero();  // p_CaA: the witness on A, in A's centre-of-mass frame
-  Vec<D> localB = Vec<D>::Zero();  // p_CbB: the witness on B, in B's
-  Real separation = 0;             // (p_WB - p_WA) . n, m; negative when penetrating
-  std::uint64_t feature = 0;       // the same pair of features has the same number in the next step
-  std::array<Real, D>
-      impulse{};                 // the next step starts from it, N s: along n, then along tangents(n). Zero means cold.
-  std::array<Real, D> memory{};  // the solver's own, carried with the point
+  Vec<D> localA = Vec<D>::Zero();   // p_CaA: the witness on A, in A's centre-of-mass frame
+  Vec<D> localB = Vec<D>::Zero();   // p_CbB: the witness on B, in B's
+  Real separation = 0;              // (p_WB - p_WA) . n, m; negative when penetrating
+  std::uint64_t feature = 0;        // the same pair of features has the same number in the next step
+  IndexedArray<Real, D> impulse{};  // N s, along n, then along tangents(n): the next step starts from it. Zero: cold
+  IndexedArray<Real, D> memory{};   // the solver's own, carried with the point
   /// What the point bore along n in the whole step, N s; each solver writes it, without blows of an impact law that has
   /// rows of its own (split_solver's poisson and sequential). Where sub-steps start from the one
   /// before, `impulse` is that of the last times their number, and no sum.
@@ -40,7 +40,7 @@ struct Manifold {
   Real friction = 0, restitution = 0;     // of the pair
   std::uint8_t begun = 0;                 // 1 in the step in which the pair starts to have contacts
   std::uint8_t ignored = 0;               // 1 when a listener vetoed it: kept, but not solved
-  std::array<ContactPoint<D>, kManifoldPoints<D>> points{};
+  IndexedArray<ContactPoint<D>, kManifoldPoints<D>> points{};
   /// When its points were made: where B's centre-of-mass frame was in A's, and the normal in A's. The world writes
   /// them.
   Pose<D> X_AB{};

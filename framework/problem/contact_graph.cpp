@@ -7,11 +7,6 @@
 #include "framework/math/check.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
-namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 template <int D>
 void ContactGraph<D>::reset(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
@@ -22,13 +17,12 @@ void ContactGraph<D>::reset(const Bodies<D>& bodies, std::span<const Manifold<D>
 
 template <int D>
 bool ContactGraph<D>::isNode(std::int32_t body) const {
-  return body >= 0 && m_bodies->used[index(body)] && m_bodies->type[index(body)] == BodyType::dynamic;
+  return body >= 0 && m_bodies->used[body] && m_bodies->type[body] == BodyType::dynamic;
 }
 
 template <int D>
 std::span<const std::int32_t> ContactGraph<D>::Incidence::of(std::int32_t body) const {
-  const std::size_t from = index(start[index(body)]), to = index(start[index(body) + 1]);
-  return std::span(ids).subspan(from, to - from);
+  return {ids.data() + start[body], ids.data() + start[body + 1]};
 }
 
 // Counted, then filled in the order of the edges. `edge(k)`: its two bodies, -1 for the world or for no edge at all.
@@ -41,15 +35,15 @@ void ContactGraph<D>::build(Incidence& out, std::size_t edges, const Edge& edge)
   const auto each = [&](const auto& visit) {
     for (std::size_t k = 0; k < edges; ++k) {
       const auto [a, b] = edge(k);
-      if (a >= 0) visit(index(a), k);
-      if (b >= 0) visit(index(b), k);
+      if (a >= 0) visit(a, k);
+      if (b >= 0) visit(b, k);
     }
   };
-  each([&](std::size_t body, std::size_t) { ++out.start[body + 1]; });
+  each([&](std::int32_t body, std::size_t) { ++out.start[body + 1]; });
   for (std::size_t i = 0; i < bodies; ++i) out.start[i + 1] += out.start[i];
-  out.ids.resize(index(out.start[bodies]));
+  out.ids.resize(static_cast<std::size_t>(out.start[bodies]));
   out.next.assign(out.start.begin(), out.start.end());
-  each([&](std::size_t body, std::size_t k) { out.ids[index(out.next[body]++)] = static_cast<std::int32_t>(k); });
+  each([&](std::int32_t body, std::size_t k) { out.ids[out.next[body]++] = static_cast<std::int32_t>(k); });
   (*m_work)[WorkCount::graphVisits] += bodies + 2 * edges;
 }
 
@@ -76,22 +70,22 @@ auto ContactGraph<D>::jointed() const -> const Incidence& {
 }
 
 template <int D>
-std::span<const std::int32_t> ContactGraph<D>::manifoldsOf(std::int32_t body) const {
+IndexedSpan<const std::int32_t> ContactGraph<D>::manifoldsOf(std::int32_t body) const {
   return touching().of(body);
 }
 
 template <int D>
-std::span<const std::int32_t> ContactGraph<D>::jointsOf(std::int32_t body) const {
+IndexedSpan<const std::int32_t> ContactGraph<D>::jointsOf(std::int32_t body) const {
   return jointed().of(body);
 }
 
 // Breadth first from the lowest body that has no number yet: linear, where union-find is not quite.
 template <int D>
-void ContactGraph<D>::group(std::vector<std::int32_t>& out, bool alsoTouching) const {
+void ContactGraph<D>::group(IndexedVector<std::int32_t>& out, bool alsoTouching) const {
   out.assign(m_bodies->pose.size(), -1);
   std::int32_t number = 0;
   const auto reach = [&](std::int32_t body) {
-    if (isNode(body) && out[index(body)] < 0) out[index(body)] = number, m_queue.push_back(body);
+    if (isNode(body) && out[body] < 0) out[body] = number, m_queue.push_back(body);
   };
   std::uint64_t visits = out.size();
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -100,11 +94,11 @@ void ContactGraph<D>::group(std::vector<std::int32_t>& out, bool alsoTouching) c
     if (m_queue.empty()) continue;
     for (std::size_t at = 0; at < m_queue.size(); ++at) {
       const std::int32_t body = m_queue[at];
-      for (const std::int32_t j : jointed().of(body)) reach(m_joints[index(j)].bodyA), reach(m_joints[index(j)].bodyB);
+      for (const std::int32_t j : jointed().of(body)) reach(m_joints[j].bodyA), reach(m_joints[j].bodyB);
       visits += jointed().of(body).size();
       if (!alsoTouching) continue;
       for (const std::int32_t m : touching().of(body)) {
-        reach(m_manifolds[index(m)].bodyA), reach(m_manifolds[index(m)].bodyB);
+        reach(m_manifolds[m].bodyA), reach(m_manifolds[m].bodyB);
       }
       visits += touching().of(body).size();
     }
@@ -114,19 +108,19 @@ void ContactGraph<D>::group(std::vector<std::int32_t>& out, bool alsoTouching) c
 }
 
 template <int D>
-std::span<const std::int32_t> ContactGraph<D>::islands() const {
+IndexedSpan<const std::int32_t> ContactGraph<D>::islands() const {
   if (!m_hasIslands) group(m_islands, true), m_hasIslands = true;
   return m_islands;
 }
 
 template <int D>
-std::span<const std::int32_t> ContactGraph<D>::jointedGroups() const {
+IndexedSpan<const std::int32_t> ContactGraph<D>::jointedGroups() const {
   if (!m_hasGroups) group(m_groups, false), m_hasGroups = true;
   return m_groups;
 }
 
 template <int D>
-std::span<const std::int32_t> ContactGraph<D>::supportLevels() const {
+IndexedSpan<const std::int32_t> ContactGraph<D>::supportLevels() const {
   if (m_hasLevels) return m_levels;
   m_hasLevels = true;
   m_levels.assign(m_bodies->pose.size(), -1);
@@ -139,10 +133,10 @@ std::span<const std::int32_t> ContactGraph<D>::supportLevels() const {
   for (std::size_t at = 0; at < m_queue.size(); ++at) {
     const std::int32_t body = m_queue[at];
     for (const std::int32_t k : touching().of(body)) {
-      const Manifold<D>& m = m_manifolds[index(k)];
+      const Manifold<D>& m = m_manifolds[k];
       const std::int32_t other = m.bodyA == body ? m.bodyB : m.bodyA;
-      if (!isNode(other) || m_levels[index(other)] >= 0) continue;
-      m_levels[index(other)] = m_levels[index(body)] + 1, m_queue.push_back(other);
+      if (!isNode(other) || m_levels[other] >= 0) continue;
+      m_levels[other] = m_levels[body] + 1, m_queue.push_back(other);
     }
     visits += touching().of(body).size();
   }
@@ -156,24 +150,25 @@ void ContactGraph<D>::colour(std::span<const int> contacts, std::vector<int>& or
   m_colour.clear();
   int colours = 0, own = kGreedyColours;
   for (const int k : contacts) {
-    const Manifold<D>& m = m_manifolds[index(k)];
+    const Manifold<D>& m = m_manifolds[k];
     const bool a = isNode(m.bodyA), b = isNode(m.bodyB);
-    const std::uint64_t taken = (a ? m_taken[index(m.bodyA)] : 0) | (b ? m_taken[index(m.bodyB)] : 0);
+    const std::uint64_t taken = (a ? m_taken[m.bodyA] : 0) | (b ? m_taken[m.bodyB] : 0);
     const int lowest = std::countr_one(taken), mine = lowest < kGreedyColours ? lowest : own++;
     if (lowest < kGreedyColours) {
-      if (a) m_taken[index(m.bodyA)] |= std::uint64_t{1} << lowest;
-      if (b) m_taken[index(m.bodyB)] |= std::uint64_t{1} << lowest;
+      if (a) m_taken[m.bodyA] |= std::uint64_t{1} << lowest;
+      if (b) m_taken[m.bodyB] |= std::uint64_t{1} << lowest;
     }
     m_colour.push_back(mine);
     colours = std::max(colours, mine + 1);
   }
   // Sorted by counting: each colour keeps the order of the contacts.
   offsets.assign(static_cast<std::size_t>(colours) + 1, 0);
-  for (const int c : m_colour) ++offsets[index(c) + 1];
+  for (const int c : m_colour) ++offsets[static_cast<std::size_t>(c) + 1];
   for (std::size_t c = 1; c < offsets.size(); ++c) offsets[c] += offsets[c - 1];
   m_queue.assign(offsets.begin(), offsets.end());  // where the next of each colour goes
   order.resize(contacts.size());
-  for (std::size_t k = 0; k < contacts.size(); ++k) order[index(m_queue[index(m_colour[k])]++)] = contacts[k];
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    order[static_cast<std::size_t>(m_queue[m_colour[k]]++)] = contacts[k];
   (*m_work)[WorkCount::graphVisits] += m_taken.size() + 2 * contacts.size() + offsets.size();
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/math/work.h"
 #include "framework/problem/contact.h"
 #include "framework/problem/joint.h"
@@ -24,20 +25,20 @@ class ContactGraph {
 
   /// Indices of the manifolds and slots of the joints of a body, rising. A joint to the world is
   /// one of its body; a broken one holds nobody.
-  std::span<const std::int32_t> manifoldsOf(std::int32_t body) const;
-  std::span<const std::int32_t> jointsOf(std::int32_t body) const;
+  IndexedSpan<const std::int32_t> manifoldsOf(std::int32_t body) const;
+  IndexedSpan<const std::int32_t> jointsOf(std::int32_t body) const;
 
   /// Groups of dynamic bodies that touch or are jointed: number by body slot, -1 for bodies that are in none. Numbers
   /// follow the lowest slot. A dynamic body alone is a group of its own.
-  std::span<const std::int32_t> islands() const;
+  IndexedSpan<const std::int32_t> islands() const;
   /// The same by joints alone.
-  std::span<const std::int32_t> jointedGroups() const;
+  IndexedSpan<const std::int32_t> jointedGroups() const;
 
   /// How many contacts, at the least, a dynamic body is away from one that is not: 1 for what touches the ground, 2 for
   /// what touches that; 0 for static and kinematic bodies, -1 for what hangs in the air. The layers in which shock
   /// propagation goes upwards (Guendelman, Bridson and Fedkiw 2003, who order by trial steps under gravity; by this
   /// distance: Erleben 2007).
-  std::span<const std::int32_t> supportLevels() const;
+  IndexedSpan<const std::int32_t> supportLevels() const;
 
   /// Puts `contacts` (indices of manifolds, vetoed or not) into an order in which those of one colour stand together
   /// and share no dynamic body, each colour in the order given: order[offsets[c]] to order[offsets[c + 1]] have colour
@@ -50,7 +51,7 @@ class ContactGraph {
   /// Edges by body: those of body i are ids[start[i]] .. ids[start[i + 1]].
   struct Incidence {
     bool built = false;
-    std::vector<std::int32_t> start, next, ids;
+    IndexedVector<std::int32_t> start, next, ids;
     std::span<const std::int32_t> of(std::int32_t body) const;
   };
   template <class Edge>
@@ -58,18 +59,18 @@ class ContactGraph {
   const Incidence& touching() const;
   const Incidence& jointed() const;
   bool isNode(std::int32_t body) const;
-  void group(std::vector<std::int32_t>& out, bool alsoTouching) const;
+  void group(IndexedVector<std::int32_t>& out, bool alsoTouching) const;
 
   const Bodies<D>* m_bodies = nullptr;
-  std::span<const Manifold<D>> m_manifolds;
-  std::span<const JointRecord<D>> m_joints;
+  IndexedSpan<const Manifold<D>> m_manifolds;
+  IndexedSpan<const JointRecord<D>> m_joints;
   WorkDone* m_work = nullptr;
 
   // Answers and scratch.
   mutable Incidence m_touching, m_jointed;
   mutable bool m_hasIslands = false, m_hasGroups = false, m_hasLevels = false;
-  mutable std::vector<std::int32_t> m_islands, m_groups, m_levels, m_queue, m_colour;
-  mutable std::vector<std::uint64_t> m_taken;  // colours, by body
+  mutable IndexedVector<std::int32_t> m_islands, m_groups, m_levels, m_queue, m_colour;
+  mutable IndexedVector<std::uint64_t> m_taken;  // colours, by body
 };
 
 }}  // namespace lpc::LPC_PRECISION

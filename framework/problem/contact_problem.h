@@ -20,6 +20,7 @@
 #include <span>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/math/worse.h"
 #include "framework/problem/contact_rows.h"
 #include "framework/problem/given_problem.h"
@@ -79,7 +80,7 @@ class ContactProblem {
 
   const std::vector<Row>& rows() const { return m_rows; }
   int size() const { return static_cast<int>(m_rows.size()); }
-  const Row& row(int i) const { return m_rows[static_cast<std::size_t>(i)]; }
+  const Row& row(int i) const { return m_rows[i]; }
 
   /// Rows that nothing can move are left out. Arrays keep their capacity. What is given is not copied: it outlives
   /// this.
@@ -110,7 +111,7 @@ class ContactProblem {
   void impulses(const VelocityInput<D>& in, std::vector<double>& x) const {
     if (!in.given) return impulses(in.manifolds, in.joints, x);
     x.resize(m_rows.size());
-    for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = in.given->impulse[numberOf(m_rows[i])];
+    for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = in.given->impulse[m_rows[i].number];
   }
   void impulses(std::span<Manifold<D>> manifolds, std::span<JointRecord<D>> joints, std::vector<double>& x) const {
     x.resize(m_rows.size());
@@ -123,12 +124,12 @@ class ContactProblem {
     for (std::size_t i = 0; i < m_rows.size(); ++i) {
       const Row& r = m_rows[i];
       if (in.given) {
-        u[i] = in.given->velocity[numberOf(r)];
+        u[i] = in.given->velocity[r.number];
         continue;
       }
       double v = -r.target;
-      if (r.b < m_bodies) v += along(r.d, r.armB, in.bodies.motion[static_cast<std::size_t>(r.b)]);
-      if (r.a < m_bodies) v -= along(r.d, r.armA, in.bodies.motion[static_cast<std::size_t>(r.a)]);
+      if (r.b < m_bodies) v += along(r.d, r.armB, in.bodies.motion[r.b]);
+      if (r.a < m_bodies) v -= along(r.d, r.armA, in.bodies.motion[r.a]);
       u[i] = v;
     }
   }
@@ -156,12 +157,12 @@ class ContactProblem {
   }
 
   /// y = W x, with the compliance of springs, without W: through the velocities of the bodies.
-  void multiply(std::span<const double> x, std::vector<double>& y) {
+  void multiply(IndexedSpan<const double> x, std::vector<double>& y) {
     clearMotion();
-    for (int i = 0; i < size(); ++i) push(i, x[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < size(); ++i) push(i, x[i]);
     y.resize(m_rows.size());
     for (int i = 0; i < size(); ++i) {
-      y[static_cast<std::size_t>(i)] = pushed(i) + row(i).compliance * x[static_cast<std::size_t>(i)];
+      y[i] = pushed(i) + row(i).compliance * x[i];
     }
   }
 
@@ -173,41 +174,41 @@ class ContactProblem {
   void push(int i, double impulse) {
     const Row& r = row(i);
     if (m_given) {
-      m_given->eachOf(r.number, [&](std::int32_t k, double w) { m_moved[static_cast<std::size_t>(k)] += w * impulse; });
+      m_given->eachOf(r.number, [&](std::int32_t k, double w) { m_moved[k] += w * impulse; });
       return;
     }
-    Moved &a = m_motion[static_cast<std::size_t>(r.a)], &b = m_motion[static_cast<std::size_t>(r.b)];
+    Moved &a = m_motion[r.a], &b = m_motion[r.b];
     a.v -= impulse * r.pushA, a.w -= impulse * r.turnA;
     b.v += impulse * r.pushB, b.w += impulse * r.turnB;
   }
   double pushed(int i) const {
     const Row& r = row(i);
-    if (m_given) return m_moved[numberOf(r)];
-    const Moved &a = m_motion[static_cast<std::size_t>(r.a)], &b = m_motion[static_cast<std::size_t>(r.b)];
+    if (m_given) return m_moved[r.number];
+    const Moved &a = m_motion[r.a], &b = m_motion[r.b];
     return r.d.dot(b.v - a.v) + r.armB.dot(b.w) - r.armA.dot(a.w);
   }
 
   /// Adds what the impulses do to the velocities, and writes them into manifolds and joints. A joint whose bodies
   /// cannot move keeps what it had; a row that is absent now has none.
-  void apply(const VelocityInput<D>& in, std::span<const double> x) {
+  void apply(const VelocityInput<D>& in, IndexedSpan<const double> x) {
     clearMotion();
     if (in.given) {
       std::fill(in.given->impulse.begin(), in.given->impulse.end(), 0.0);
       for (int i = 0; i < size(); ++i) {
-        push(i, x[static_cast<std::size_t>(i)]);
-        in.given->impulse[numberOf(row(i))] = x[static_cast<std::size_t>(i)];
+        push(i, x[i]);
+        in.given->impulse[row(i).number] = x[i];
       }
       for (std::size_t k = 0; k < m_moved.size(); ++k) in.given->velocity[k] += m_moved[k];
       return;
     }
     for (const int i : in.order) {
-      Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
-      for (int k = 0; k < m.count; ++k) m.points[static_cast<std::size_t>(k)].impulse.fill(0);
+      Manifold<D>& m = in.manifolds[i];
+      for (int k = 0; k < m.count; ++k) m.points[k].impulse.fill(0);
     }
-    for (const std::int32_t j : m_joints) in.joints[static_cast<std::size_t>(j)].impulse.fill(0);
+    for (const std::int32_t j : m_joints) in.joints[j].impulse.fill(0);
     for (int i = 0; i < size(); ++i) {
-      push(i, x[static_cast<std::size_t>(i)]);
-      stored(in.manifolds, in.joints, row(i)) = static_cast<Real>(x[static_cast<std::size_t>(i)]);
+      push(i, x[i]);
+      stored(in.manifolds, in.joints, row(i)) = static_cast<Real>(x[i]);
     }
     for (std::size_t i = 0; i + 1 < m_motion.size(); ++i) {
       in.bodies.motion[i].v += m_motion[i].v.template cast<Real>();
@@ -223,28 +224,28 @@ class ContactProblem {
   }
 
   /// Of impulses x; `corrected` false: that of the convex law, without De Saxce's correction.
-  ProblemResidual naturalMap(std::span<const double> x, std::span<const double> freeVelocity, bool corrected = true) {
+  ProblemResidual naturalMap(IndexedSpan<const double> x, IndexedSpan<const double> freeVelocity,
+                             bool corrected = true) {
     ProblemResidual worst;
     multiply(x, m_velocity);
     for (int i = 0; i < size(); ++i) {
       const Row& r = row(i);
       if (r.law == ProblemLaw::tangent) continue;
       const int n = r.law == ProblemLaw::normal ? D : 1;
-      std::array<double, D> here{}, u{}, moved{};
+      IndexedArray<double, D> here{}, u{}, moved{};
       double slide = 0;
       const double mass = r.unit;  // one for all directions: another would turn the cone
       for (int k = 0; k < n; ++k) {
-        const auto at = static_cast<std::size_t>(i + k), to = static_cast<std::size_t>(k);
-        here[to] = x[at], u[to] = m_velocity[at] + freeVelocity[at];
-        if (k > 0) slide += u[to] * u[to];
+        here[k] = x[i + k], u[k] = m_velocity[i + k] + freeVelocity[i + k];
+        if (k > 0) slide += u[k] * u[k];
       }
       if (n > 1 && corrected) u[0] += r.friction * std::sqrt(slide);
       for (std::size_t k = 0; k < D; ++k) moved[k] = here[k] - mass * u[k];
       project(i, moved.data());
-      std::array<double, D> inside = here;
+      IndexedArray<double, D> inside = here;
       project(i, inside.data());
       double error = 0, outside = 0;
-      for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+      for (int k = 0; k < n; ++k) {
         error += (here[k] - moved[k]) * (here[k] - moved[k]);
         outside += (here[k] - inside[k]) * (here[k] - inside[k]);
       }
@@ -271,16 +272,12 @@ class ContactProblem {
     if (r.law == ProblemLaw::normal) return s.law == ProblemLaw::tangent && k < i + D;
     return r.holds() && s.holds() && r.owner == s.owner && r.d.isZero(0) == s.d.isZero(0);
   }
-  static std::size_t numberOf(const Row& r) { return static_cast<std::size_t>(r.number); }
   static double along(const typename Row::Linear& d, const typename Row::Angular& arm, const Motion<D>& m) {
     return d.dot(m.v.template cast<double>()) + arm.dot(m.w.template cast<double>());
   }
-  static Real& stored(std::span<Manifold<D>> manifolds, std::span<JointRecord<D>> joints, const Row& r) {
-    const auto owner = static_cast<std::size_t>(r.owner);
-    if (r.ofJoint) return joints[owner].impulse[static_cast<std::size_t>(r.number)];
-    return manifolds[owner]
-        .points[static_cast<std::size_t>(r.number / D)]
-        .impulse[static_cast<std::size_t>(r.number % D)];
+  static Real& stored(IndexedSpan<Manifold<D>> manifolds, IndexedSpan<JointRecord<D>> joints, const Row& r) {
+    if (r.ofJoint) return joints[r.owner].impulse[r.number];
+    return manifolds[r.owner].points[r.number / D].impulse[r.number % D];
   }
 
   Row& add(const VelocityInput<D>& in, int a, int b, const ConstraintRow<D>& from) {
@@ -290,13 +287,12 @@ class ContactProblem {
     r.armA = from.armA.template cast<double>(), r.armB = from.armB.template cast<double>();
     r.pushA.setZero(), r.turnA.setZero();
     using Turn = Eigen::Matrix<double, kAngDim<D>, kAngDim<D>, Eigen::DontAlign>;
-    const auto s = static_cast<std::size_t>(a), t = static_cast<std::size_t>(b);
     const bool turns = in.features.rotation;
-    if (a >= 0) r.pushA = double(in.bodies.invMass[s]) * r.d;
-    if (a >= 0 && turns) r.turnA = Turn(in.bodies.invInertia[s].template cast<double>()) * r.armA;
-    r.pushB = double(in.bodies.invMass[t]) * r.d, r.turnB.setZero();
-    if (turns) r.turnB = Turn(in.bodies.invInertia[t].template cast<double>()) * r.armB;
-    r.movable = in.bodies.invMass[t] > 0 || (a >= 0 && in.bodies.invMass[s] > 0);
+    if (a >= 0) r.pushA = double(in.bodies.invMass[a]) * r.d;
+    if (a >= 0 && turns) r.turnA = Turn(in.bodies.invInertia[a].template cast<double>()) * r.armA;
+    r.pushB = double(in.bodies.invMass[b]) * r.d, r.turnB.setZero();
+    if (turns) r.turnB = Turn(in.bodies.invInertia[b].template cast<double>()) * r.armB;
+    r.movable = in.bodies.invMass[b] > 0 || (a >= 0 && in.bodies.invMass[a] > 0);
     r.lo = double(from.lo) * double(in.dt), r.hi = double(from.hi) * double(in.dt);
     const double w = response(r, r);
     r.mass = w > 0 ? 1 / w : 0.0;
@@ -313,7 +309,7 @@ class ContactProblem {
     };
     const auto contacts = static_cast<std::int32_t>(m_given->friction.size());
     for (std::int32_t c = 0; c < contacts; ++c) {
-      const double mu = friction ? m_given->friction[static_cast<std::size_t>(c)] : 0.0;
+      const double mu = friction ? m_given->friction[c] : 0.0;
       const std::size_t first = m_rows.size();
       bool rubs = mu > 0;
       if (!add(D * c, ProblemLaw::interval)) {
@@ -339,7 +335,7 @@ class ContactProblem {
     const double dt = double(in.dt), rate = double(in.position.jointBias(in.dt));
     bool present = false;
     for (int i = 0; i < m_jointRows.count; ++i) {
-      const ConstraintRow<D>& from = m_jointRows.row[static_cast<std::size_t>(i)];
+      const ConstraintRow<D>& from = m_jointRows.row[i];
       if (from.absent()) continue;
       present = true;
       Row& r = add(in, in.joints[j].bodyA, in.joints[j].bodyB, from);
@@ -359,7 +355,7 @@ class ContactProblem {
   }
 
   void addContacts(const VelocityInput<D>& in, int manifold) {
-    const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(manifold)];
+    const Manifold<D>& m = in.manifolds[manifold];
     m_contactRows.clear();
     contactRows(in, m, m_contactRows);
     for (int k = 0; k < m.count; ++k) {
@@ -388,17 +384,16 @@ class ContactProblem {
     m_parent.resize(static_cast<std::size_t>(m_bodies) + 1);
     for (std::size_t i = 0; i < m_parent.size(); ++i) m_parent[i] = static_cast<std::int32_t>(i);
     const auto root = [&](std::int32_t i) {
-      while (m_parent[static_cast<std::size_t>(i)] != i) {
-        auto& up = m_parent[static_cast<std::size_t>(i)];
-        i = up = m_parent[static_cast<std::size_t>(up)];
+      while (m_parent[i] != i) {
+        auto& up = m_parent[i];
+        i = up = m_parent[up];
       }
       return i;
     };
     const auto moves = [&](std::int32_t i) {
-      const auto k = static_cast<std::size_t>(i);
-      return i < m_bodies && (m_given || bodies.invMass[k] > 0 || bodies.invInertia[k].trace() > 0);
+      return i < m_bodies && (m_given || bodies.invMass[i] > 0 || bodies.invInertia[i].trace() > 0);
     };
-    const auto join = [&](std::int32_t a, std::int32_t b) { m_parent[static_cast<std::size_t>(root(a))] = root(b); };
+    const auto join = [&](std::int32_t a, std::int32_t b) { m_parent[root(a)] = root(b); };
     std::int32_t normal = 0;
     for (const Row& r : m_rows) {
       if (moves(r.a) && moves(r.b)) join(r.a, r.b);
@@ -414,28 +409,28 @@ class ContactProblem {
     m_islands.assign(1, 0), m_of.resize(m_rows.size());
     for (std::size_t i = 0; i < m_rows.size(); ++i) {
       const Row& r = m_rows[i];
-      std::int32_t& number = m_number[static_cast<std::size_t>(root(moves(r.a) ? r.a : r.b))];
+      std::int32_t& number = m_number[root(moves(r.a) ? r.a : r.b)];
       if (number < 0) number = static_cast<std::int32_t>(m_islands.size()) - 1, m_islands.push_back(0);
-      m_of[i] = number, ++m_islands[static_cast<std::size_t>(number) + 1];
+      m_of[i] = number, ++m_islands[number + 1];
     }
     for (std::size_t k = 1; k < m_islands.size(); ++k) m_islands[k] += m_islands[k - 1];
     m_next.assign(m_islands.begin(), m_islands.end());
     m_grouped.resize(m_rows.size());
     for (std::size_t i = 0; i < m_rows.size(); ++i) {
-      m_grouped[static_cast<std::size_t>(m_next[static_cast<std::size_t>(m_of[i])]++)] = static_cast<std::int32_t>(i);
+      m_grouped[m_next[m_of[i]]++] = static_cast<std::int32_t>(i);
     }
   }
 
   const GivenProblem* m_given = nullptr;
   std::int32_t m_bodies = 0;  // or rows of what is given
-  std::vector<Row> m_rows;
-  std::vector<std::int32_t> m_joints;  // whose impulses are written
+  IndexedVector<Row> m_rows;
+  IndexedVector<std::int32_t> m_joints;  // whose impulses are written
   JointRows<D> m_jointRows;
-  std::vector<ConstraintRow<D>> m_contactRows;
-  std::vector<Moved> m_motion;
-  std::vector<double> m_moved;  // by row of what is given
-  std::vector<double> m_velocity;
-  std::vector<std::int32_t> m_parent, m_number, m_of, m_next, m_grouped, m_islands;
+  IndexedVector<ConstraintRow<D>> m_contactRows;
+  IndexedVector<Moved> m_motion;
+  IndexedVector<double> m_moved;  // by row of what is given
+  IndexedVector<double> m_velocity;
+  IndexedVector<std::int32_t> m_parent, m_number, m_of, m_next, m_grouped, m_islands;
 };
 
 }}  // namespace lpc::LPC_PRECISION

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/problem/constraint_row.h"
 #include "framework/stage/stage_solver.h"
 
@@ -15,10 +16,10 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// that angular momentum is kept to rounding also while shapes overlap.
 template <int D>
 void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<ConstraintRow<D>>& out) {
-  const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+  const auto a = m.bodyA, b = m.bodyB;
   const RealMatrix<D, D - 1> t = tangents(m.normal);
   for (int k = 0; k < m.count; ++k) {
-    const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+    const ContactPoint<D>& c = m.points[k];
     const ContactArms<D> arms(c, m.normal, in.bodies.pose[a], in.bodies.pose[b]);
     const auto along = [&](const Vec<D>& d) {
       ConstraintRow<D> row;
@@ -29,7 +30,7 @@ void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<C
     ConstraintRow<D>& normal = out.emplace_back(along(m.normal));
     normal.block = RowBlock::box, normal.lo = 0;
     normal.error = c.separation;
-    const auto speed = [&](std::span<const Motion<D>> motion) {
+    const auto speed = [&](IndexedSpan<const Motion<D>> motion) {
       return rowSpeed(normal, motion[a].v, motion[a].w, motion[b].v, motion[b].w);
     };
     const Real v = speed(in.bodies.motion), arrival = in.arrival.empty() ? v : speed(in.arrival);

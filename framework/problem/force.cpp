@@ -17,21 +17,17 @@ ForceRecord<D> makeForce(const ForceDef<D>& def, const Bodies<D>& bodies) {
   if (!ends.all && toAll) refuse("acts on one body; valid: b, its name");
   if (!toAll && force.bodyA == force.bodyB)
     refuse("between a body and itself; valid: two bodies, or the world and one");
-  const auto moves = [&](std::int32_t body) {
-    return body >= 0 && movedByForces(bodies, static_cast<std::size_t>(body));
-  };
+  const auto moves = [&](std::int32_t body) { return body >= 0 && movedByForces(bodies, body); };
   if (!toAll && !moves(force.bodyA) && !moves(force.bodyB)) refuse("on bodies that do not move");
   if (!ends.anchors && (def.anchorA || def.anchorB)) refuse("acts at no point; valid: no anchors");
   if (toAll && def.anchorB) refuse("on all bodies acts at their centres of mass; valid: no anchor on b");
   const auto local = [&](std::int32_t body, const std::optional<Vec<D>>& anchor) -> Vec<D> {
     if (!anchor) return Vec<D>::Zero();
     if (!anchor->allFinite()) refuse("has an anchor that is not finite");
-    return body < 0 ? *anchor : Vec<D>(*anchor - bodies.center[static_cast<std::size_t>(body)]);
+    return body < 0 ? *anchor : Vec<D>(*anchor - bodies.center[body]);
   };
   force.localA = local(force.bodyA, def.anchorA), force.localB = local(force.bodyB, def.anchorB);
-  const auto pose = [&](std::int32_t body) {
-    return body < 0 ? Pose<D>{} : bodies.pose[static_cast<std::size_t>(body)];
-  };
+  const auto pose = [&](std::int32_t body) { return body < 0 ? Pose<D>{} : bodies.pose[body]; };
   force.kind->begin(force, pose(force.bodyA), pose(force.bodyB));
   return force;
 }

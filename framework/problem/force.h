@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/problem/contact.h"
 #include "framework/stage/registry.h"
 
@@ -23,13 +24,13 @@ struct Wrench {
 /// What forces may depend on. An integrator may ask about states that no body is in.
 template <int D>
 struct ForceState {
-  const Bodies<D>& bodies;        // masses, types, flags: not its poses and motions
-  std::span<const Pose<D>> pose;  // X_WC by slot
-  std::span<const Motion<D>> motion;
+  const Bodies<D>& bodies;          // masses, types, flags: not its poses and motions
+  IndexedSpan<const Pose<D>> pose;  // X_WC by slot
+  IndexedSpan<const Motion<D>> motion;
   Real dt = 0;  // s, of the step that is made: a force that brakes stops within it and does not turn round; 0: any
   /// The contacts of the step before, with the impulses of its solver, and how long it took (s): for kinds that say
   /// readsContacts(). They stay the same however often a step asks. None in the first step.
-  std::span<const Manifold<D>> contacts = {};
+  IndexedSpan<const Manifold<D>> contacts = {};
   Real contactDt = 0;
 };
 
@@ -105,7 +106,7 @@ void applyForces(std::span<const ForceRecord<D>> forces, const ForceState<D>& st
   }
 }
 template <int D>
-bool movedByForces(const Bodies<D>& bodies, std::size_t body) {
+bool movedByForces(const Bodies<D>& bodies, Index auto body) {
   return bodies.used[body] && bodies.type[body] == BodyType::dynamic;
 }
 /// f(slot) for each body that the force acts on: B, or all.
@@ -126,14 +127,13 @@ struct ForceEnd {
 
   ForceEnd(const ForceState<D>& state, std::int32_t of, const Vec<D>& local) : p(local), body(of) {
     if (of < 0) return;
-    const auto i = static_cast<std::size_t>(of);
-    arm = state.pose[i].q * local;
-    p = state.pose[i].p + arm;
-    v = state.motion[i].v + cross(state.motion[i].w, arm);
+    arm = state.pose[of].q * local;
+    p = state.pose[of].p + arm;
+    v = state.motion[of].v + cross(state.motion[of].w, arm);
   }
-  void push(const Vec<D>& force, const Bodies<D>& bodies, std::span<Wrench<D>> out) const {
-    if (body < 0 || !movedByForces(bodies, static_cast<std::size_t>(body))) return;
-    Wrench<D>& w = out[static_cast<std::size_t>(body)];
+  void push(const Vec<D>& force, const Bodies<D>& bodies, IndexedSpan<Wrench<D>> out) const {
+    if (body < 0 || !movedByForces(bodies, body)) return;
+    Wrench<D>& w = out[body];
     w.force += force, w.torque += cross(arm, force);
   }
 };

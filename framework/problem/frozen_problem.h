@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/problem/given_problem.h"
 #include "framework/stage/stage_solver.h"
 
@@ -44,7 +45,7 @@ class FrozenTargets final : public PositionResolver<D> {
 
  private:
   static bool before(const std::pair<Real, Real>& a, const std::pair<Real, Real>& b) { return a.first < b.first; }
-  std::vector<std::pair<Real, Real>> m_targets;  // m, m/s; sorted
+  IndexedVector<std::pair<Real, Real>> m_targets;  // m, m/s; sorted
 };
 
 template <int D>
@@ -52,11 +53,11 @@ struct FrozenProblem {
   Real dt = 0, lastDt = 0, restitutionThreshold = 0;
   Vec<D> gravity = Vec<D>::Zero();  // m/s^2; nothing is solved with it: g dt is what errors are measured by
   Features features;
-  Bodies<D> bodies;                // those that contacts and joints name
-  std::vector<Motion<D>> arrival;  // as in VelocityInput; may be empty
-  std::vector<Manifold<D>> manifolds;
-  std::vector<int> order, colours;
-  std::vector<JointRecord<D>> joints;
+  Bodies<D> bodies;                  // those that contacts and joints name
+  IndexedVector<Motion<D>> arrival;  // as in VelocityInput; may be empty
+  IndexedVector<Manifold<D>> manifolds;
+  IndexedVector<int> order, colours;
+  IndexedVector<JointRecord<D>> joints;
   FrozenTargets<D> position;
   std::optional<GivenProblem> given;  // in the place of bodies, contacts and joints
 
@@ -109,15 +110,15 @@ FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   out.features = in.features, out.position.rate = in.position.jointBias(in.dt);
   if (in.given) out.given = *in.given;
   const Bodies<D>& bodies = in.bodies;
-  std::vector<std::int32_t> slot(static_cast<std::size_t>(bodies.size()), 0);  // 1: named; then its number + 1
+  IndexedVector<std::int32_t> slot(bodies.pose.size(), 0);  // 1: named; then its number + 1
   const auto name = [&](std::int32_t body) {
-    if (body >= 0) slot[static_cast<std::size_t>(body)] = 1;
+    if (body >= 0) slot[body] = 1;
   };
-  const auto number = [&](std::int32_t body) { return body < 0 ? -1 : slot[static_cast<std::size_t>(body)] - 1; };
-  std::vector<int> kept(in.order.begin(), in.order.end());
+  const auto number = [&](std::int32_t body) { return body < 0 ? -1 : slot[body] - 1; };
+  IndexedVector<int> kept(in.order.begin(), in.order.end());
   std::sort(kept.begin(), kept.end());
   for (const int i : kept) {
-    name(in.manifolds[static_cast<std::size_t>(i)].bodyA), name(in.manifolds[static_cast<std::size_t>(i)].bodyB);
+    name(in.manifolds[i].bodyA), name(in.manifolds[i].bodyB);
   }
   const std::span<JointRecord<D>> joints = in.features.joints ? in.joints : std::span<JointRecord<D>>();
   for (const JointRecord<D>& j : joints) {
@@ -131,16 +132,14 @@ FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
     slot[i] = out.bodies.size();
   }
   for (const int i : kept) {
-    const Manifold<D>& from = in.manifolds[static_cast<std::size_t>(i)];
-    const auto turned = [&](std::int32_t body, const Vec<D>& local) {
-      return Vec<D>(bodies.pose[static_cast<std::size_t>(body)].q * local);
-    };
+    const Manifold<D>& from = in.manifolds[i];
+    const auto turned = [&](std::int32_t body, const Vec<D>& local) { return Vec<D>(bodies.pose[body].q * local); };
     Manifold<D>& m = out.manifolds.emplace_back();
     m.bodyA = number(from.bodyA), m.bodyB = number(from.bodyB), m.count = from.count, m.normal = from.normal;
     m.friction = from.friction, m.restitution = from.restitution;
     for (int k = 0; k < m.count; ++k) {
-      const ContactPoint<D>& point = from.points[static_cast<std::size_t>(k)];
-      ContactPoint<D>& to = m.points[static_cast<std::size_t>(k)];
+      const ContactPoint<D>& point = from.points[k];
+      ContactPoint<D>& to = m.points[k];
       to.localA = turned(from.bodyA, point.localA), to.localB = turned(from.bodyB, point.localB);
       to.separation = point.separation, to.impulse = point.impulse;
       if (point.separation <= 0) out.position.add(point.separation, in.position.bias(point.separation, in.dt));

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "framework/math/check.h"
+#include "framework/math/indexed.h"
 #include "framework/problem/body.h"
 #include "framework/problem/constraint_row.h"
 #include "framework/stage/registry.h"
@@ -44,9 +45,9 @@ struct JointRecord {
   std::uint32_t generation = 0;
   Pose<D> X_CaJ{}, X_CbJ{};  // in the centre-of-mass frames; X_WJ where A is the world
   Real breakForce = 0, breakTorque = 0;
-  std::array<Real, kJointRows> impulse{};  // of the last step, on B, by row: N s or N m s
-  std::array<Real, kJointRows> memory{};   // the solver's own, by row
-  std::array<Real, 4> state{};             // the kind's own
+  IndexedArray<Real, kJointRows> impulse{};  // of the last step, on B, by row: N s or N m s
+  IndexedArray<Real, kJointRows> memory{};   // the solver's own, by row
+  std::array<Real, 4> state{};               // the kind's own
 
   bool active() const { return kind && !broken; }
 };
@@ -55,7 +56,7 @@ struct JointRecord {
 /// starts from impulse i of the last.
 template <int D>
 struct JointRows {
-  std::array<ConstraintRow<D>, kJointRows> row;
+  IndexedArray<ConstraintRow<D>, kJointRows> row;
   int count = 0;
 
   /// Along d at a point: rA and rB from the centres of mass, m.
@@ -76,12 +77,12 @@ struct JointRows {
     r.block = RowBlock::box, r.lo = r.hi = 0;
     return r;
   }
-  std::span<const ConstraintRow<D>> all() const { return {row.data(), static_cast<std::size_t>(count)}; }
+  std::span<const ConstraintRow<D>> all() const { return {row.data(), row.data() + count}; }
 
  private:
   ConstraintRow<D>& next() {
     LPC_ASSERT(count < kJointRows);
-    return row[static_cast<std::size_t>(count++)] = {};
+    return row[count++] = {};
   }
 };
 
@@ -129,15 +130,15 @@ struct JointError {
 /// X_WC of a body, the world's own for -1.
 template <int D>
 Pose<D> poseOf(const Bodies<D>& bodies, std::int32_t body) {
-  return body < 0 ? Pose<D>{} : bodies.pose[static_cast<std::size_t>(body)];
+  return body < 0 ? Pose<D>{} : bodies.pose[body];
 }
 
 /// The mass (kg) that two bodies have against each other, m M / (m + M): what a spring between them swings. Of those
 /// that do not move, the other's own. a -1: the world.
 template <int D>
 Real massBetween(const Bodies<D>& bodies, std::int32_t a, std::int32_t b) {
-  const Real mA = a < 0 ? Real(0) : bodies.mass[static_cast<std::size_t>(a)];
-  const Real mB = bodies.mass[static_cast<std::size_t>(b)];
+  const Real mA = a < 0 ? Real(0) : bodies.mass[a];
+  const Real mB = bodies.mass[b];
   return mA > 0 && mB > 0 ? mA * (mB / (mA + mB)) : mA + mB;
 }
 

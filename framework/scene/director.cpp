@@ -46,7 +46,7 @@ void Director<D>::addJoint(Simulation<D>& world, int joint) {
   const auto& j = m_scene.joints.at(static_cast<std::size_t>(joint));
   JointDef<D> def = j.def;
   def.bodyA = body(j.bodyA), def.bodyB = body(j.bodyB);
-  m_jointHandles[static_cast<std::size_t>(joint)] = world.add(def);
+  m_jointHandles[joint] = world.add(def);
 }
 
 template <int D>
@@ -55,7 +55,7 @@ void Director<D>::addForce(Simulation<D>& world, int force) {
   ForceDef<D> def = f.def;
   def.bodyA = body(f.bodyA), def.bodyB = body(f.bodyB);
   const ForceHandle handle = world.add(def);
-  m_forceHandles[static_cast<std::size_t>(force)] = handle;
+  m_forceHandles[force] = handle;
   if (f.removeAt >= 0) m_ending.push_back({f.removeAt, handle});
 }
 

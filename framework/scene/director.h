@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/scene/scene_spec.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -42,8 +43,8 @@ class Director {
 
  private:
   template <class H>
-  static H at(const std::vector<H>& handles, int i) {
-    return i >= 0 && static_cast<std::size_t>(i) < handles.size() ? handles[static_cast<std::size_t>(i)] : H{};
+  static H at(const IndexedVector<H>& handles, int i) {
+    return i >= 0 && static_cast<std::size_t>(i) < handles.size() ? handles[i] : H{};
   }
   /// What is due when, in its order.
   struct Turns {
@@ -64,9 +65,9 @@ class Director {
   };
 
   SceneSpec<D> m_scene;
-  std::vector<Handle> m_bodyHandles;
-  std::vector<JointHandle> m_jointHandles;
-  std::vector<ForceHandle> m_forceHandles;
+  IndexedVector<Handle> m_bodyHandles;
+  IndexedVector<JointHandle> m_jointHandles;
+  IndexedVector<ForceHandle> m_forceHandles;
   std::optional<long> m_begin;  // the world's step number when the script began
   Turns m_coming, m_joints, m_forces, m_leaving;
   std::size_t m_nextEvent = 0;

@@ -18,8 +18,8 @@ class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
 
   // The sphere's support under the stretch that makes the ellipsoid: p = S (S d) / |S d|.
   template <class N>
-  std::array<N, static_cast<std::size_t>(D)> extreme(const std::array<N, static_cast<std::size_t>(D)>& d) const {
-    std::array<N, static_cast<std::size_t>(D)> p = d;
+  CorePoint<N, D> extreme(const CorePoint<N, D>& d) const {
+    CorePoint<N, D> p = d;
     N largest = 0, square = 0;
     for (std::size_t k = 0; k < p.size(); ++k) p[k] *= m_sizes[k], largest = std::max(largest, std::abs(p[k]));
     if (!(largest > 0)) return {m_sizes[0]};
@@ -39,14 +39,14 @@ class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
     MassProperties<D> m;
     m.mass = static_cast<Real>(density * volume);
     for (int k = 0; k < kAngDim<D>; ++k) {  // in 2D about z, which is none of the axes
-      const double own = D == 2 ? 0 : double(m_sizes[static_cast<std::size_t>(k)]);
+      const double own = D == 2 ? 0 : double(m_sizes[k]);
       m.inertia(k, k) = static_cast<Real>(density * volume * (squares - own * own) / (D + 2));
     }
     return m;
   }
 
  private:
-  std::array<Real, static_cast<std::size_t>(D)> m_sizes;
+  IndexedArray<Real, D> m_sizes;
 };
 
 const CurvedRegistrar<Ellipsoid, 2, 3> ellipsoidRegistrar{ShapeKind::ellipsoid,

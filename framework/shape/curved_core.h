@@ -13,9 +13,14 @@
 #include <functional>
 #include <map>
 
+#include "framework/math/indexed.h"
 #include "framework/shape/mass.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
+
+/// A point of a core, in numbers of any precision.
+template <class N, int D>
+using CorePoint = std::array<N, static_cast<std::size_t>(D)>;
 
 template <int D>
 class CurvedCore {
@@ -28,8 +33,7 @@ class CurvedCore {
   /// A point of the core that lies farthest along d, of any length; for d = 0 some point of the core.
   virtual Vec<D> support(const Vec<D>& d) const = 0;
   /// The same for the referee: within 8 roundings of a long double of half().norm() from the core, and as far along d.
-  virtual std::array<long double, static_cast<std::size_t>(D)> support(
-      const std::array<long double, static_cast<std::size_t>(D)>& d) const = 0;
+  virtual CorePoint<long double, D> support(const CorePoint<long double, D>& d) const = 0;
   /// The flat or straight part of the surface that meets a plane with outward normal d best, as contact generators clip
   /// it: one corner where there is none, two of a straight line, or a convex polygon inscribed in a flat face,
   /// counter-clockwise seen from outside, of up to 64 corners. The i-th corner stays the i-th while d changes little.
@@ -44,17 +48,14 @@ template <int D, class Core>
 class CurvedBase : public CurvedCore<D> {
  public:
   Vec<D> support(const Vec<D>& d) const final {
-    std::array<Real, static_cast<std::size_t>(D)> along;
-    for (int k = 0; k < D; ++k) along[static_cast<std::size_t>(k)] = d[k];
-    const auto p = self().extreme(along);
+    IndexedArray<Real, D> along;
+    for (int k = 0; k < D; ++k) along[k] = d[k];
+    const IndexedArray<Real, D> p{self().extreme(along)};
     Vec<D> out;
-    for (int k = 0; k < D; ++k) out[k] = p[static_cast<std::size_t>(k)];
+    for (int k = 0; k < D; ++k) out[k] = p[k];
     return out;
   }
-  std::array<long double, static_cast<std::size_t>(D)> support(
-      const std::array<long double, static_cast<std::size_t>(D)>& d) const final {
-    return self().extreme(d);
-  }
+  CorePoint<long double, D> support(const CorePoint<long double, D>& d) const final { return self().extreme(d); }
 
  private:
   const Core& self() const { return static_cast<const Core&>(*this); }

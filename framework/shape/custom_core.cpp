@@ -49,8 +49,8 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
       refuse("its support point along " + listed<D>(d) + " is " + listed<D>(p) + ", outside of its half extents " +
              listed<D>(half));
     }
-    std::array<long double, static_cast<std::size_t>(D)> wide;
-    for (int k = 0; k < D; ++k) wide[static_cast<std::size_t>(k)] = d[k];
+    IndexedArray<long double, D> wide;
+    for (int k = 0; k < D; ++k) wide[k] = d[k];
     const auto q = core.support(wide);
     long double reach = 0;
     for (std::size_t k = 0; k < D; ++k) reach += q[k] * wide[k];

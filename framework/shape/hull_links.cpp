@@ -40,9 +40,7 @@ bool isWhole(const Polytope<3>& hull) {
 
 double slackOf(const Polytope<3>& hull) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  const auto corner = [&](int i) {
-    return Point3(hull.vertices[static_cast<std::size_t>(hull.loop[static_cast<std::size_t>(i)])].cast<double>());
-  };
+  const auto corner = [&](int i) { return Point3(hull.vertices[hull.loop[i]].cast<double>()); };
   Point3 centre = Point3::Zero();
   double largest = 0, radius = 0, inner = kNone, below = 0;
   for (const Vec<3>& v : hull.vertices) {
@@ -79,14 +77,14 @@ void linkVertices(Polytope<3>& hull) {
   // Counted, then filled in the order of the edges.
   hull.firstSpoke.assign(hull.vertices.size() + 1, 0);
   hull.spokes.resize(2 * hull.edges.size());
-  const auto first = [&](int v) -> int& { return hull.firstSpoke[static_cast<std::size_t>(v)]; };
+  const auto first = [&](int v) -> int& { return hull.firstSpoke[v]; };
   for (const auto& e : hull.edges) ++first(e.v0), ++first(e.v1);
   int end = 0;
   for (int& f : hull.firstSpoke) end += f, f = end;
   for (int k = static_cast<int>(hull.edges.size()); k-- > 0;) {
-    const auto& e = hull.edges[static_cast<std::size_t>(k)];
-    hull.spokes[static_cast<std::size_t>(--first(e.v0))] = {e.v1, k};
-    hull.spokes[static_cast<std::size_t>(--first(e.v1))] = {e.v0, k};
+    const auto& e = hull.edges[k];
+    hull.spokes[--first(e.v0)] = {e.v1, k};
+    hull.spokes[--first(e.v1)] = {e.v0, k};
   }
   hull.slack = static_cast<Real>(slackOf(hull));
 }

@@ -117,9 +117,7 @@ Integrals<2> integrate(const Polytope<2>& hull, const Eigen::Vector2d& reference
 }
 Integrals<3> integrate(const Polytope<3>& hull, const Eigen::Vector3d& reference) {
   Integrals<3> sum;
-  const auto at = [&](int i) -> Eigen::Vector3d {
-    return hull.vertices[static_cast<std::size_t>(hull.loop[static_cast<std::size_t>(i)])].cast<double>() - reference;
-  };
+  const auto at = [&](int i) -> Eigen::Vector3d { return hull.vertices[hull.loop[i]].cast<double>() - reference; };
   for (const auto& face : hull.faces) {
     for (int i = face.begin + 1; i + 1 < face.end; ++i) {
       Eigen::Matrix3d c;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/math/aabb.h"
+#include "framework/math/indexed.h"
 #include "framework/math/work.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -34,9 +35,9 @@ class MeshTree {
         continue;
       }
       for (std::int32_t k = node.first; k < node.last; ++k) {
-        const std::int32_t item = m_items[static_cast<std::size_t>(k)];
+        const std::int32_t item = m_items[k];
         ++work[WorkCount::partTests];
-        if (meets(m_boxes[static_cast<std::size_t>(item)])) out.push_back(item);
+        if (meets(m_boxes[item])) out.push_back(item);
       }
       ++i;
     }
@@ -57,7 +58,7 @@ class MeshTree {
     m_nodes.emplace_back();
     Aabb<D> box, centers;
     for (std::size_t i = begin; i < end; ++i) {
-      const Aabb<D>& b = m_boxes[static_cast<std::size_t>(m_items[i])];
+      const Aabb<D>& b = m_boxes[m_items[i]];
       box = box.merged(b), centers = centers.merged({b.center(), b.center()});
     }
     m_nodes[at].box = box;
@@ -67,8 +68,7 @@ class MeshTree {
       Eigen::Index axis = 0;
       (centers.hi - centers.lo).maxCoeff(&axis);
       const auto before = [&](std::int32_t a, std::int32_t b) {  // never equal: the order is one for all libraries
-        return std::pair(m_boxes[static_cast<std::size_t>(a)].center()[axis], a) <
-               std::pair(m_boxes[static_cast<std::size_t>(b)].center()[axis], b);
+        return std::pair(m_boxes[a].center()[axis], a) < std::pair(m_boxes[b].center()[axis], b);
       };
       const std::size_t middle = begin + (end - begin) / 2;
       const auto from = m_items.begin();
@@ -79,9 +79,9 @@ class MeshTree {
     m_nodes[at].past = static_cast<std::int32_t>(m_nodes.size());
   }
 
-  std::vector<Aabb<D>> m_boxes;  // by item
-  std::vector<std::int32_t> m_items;
-  std::vector<Node> m_nodes;
+  IndexedVector<Aabb<D>> m_boxes;  // by item
+  IndexedVector<std::int32_t> m_items;
+  IndexedVector<Node> m_nodes;
 };
 
 }}  // namespace lpc::LPC_PRECISION

@@ -24,7 +24,7 @@ using Point = Eigen::Matrix<double, D, 1>;
 // are ever used: they are right to the last digit also far from the origin.
 template <int D>
 struct Cloud {
-  std::vector<Point<D>> p;
+  IndexedVector<Point<D>> p;
   double tolerance = 0;
 };
 
@@ -52,7 +52,7 @@ Cloud<D> readPoints(std::span<const Vec<D>> points) {
 }
 
 template <int D>
-std::size_t farthestFrom(const std::vector<Point<D>>& p, const auto& distance) {
+std::size_t farthestFrom(const IndexedVector<Point<D>>& p, const auto& distance) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < p.size(); ++i) {
     if (distance(p[i]) > distance(p[best])) best = i;
@@ -90,7 +90,7 @@ double area2(const Point<2>& a, const Point<2>& b, const Point<2>& c) {
 }
 
 // Andrew's monotone chain; indices counter-clockwise.
-std::vector<std::size_t> monotoneChain(const std::vector<Point<2>>& p) {
+std::vector<std::size_t> monotoneChain(const IndexedVector<Point<2>>& p) {
   std::vector<std::size_t> order(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) order[i] = i;
   const auto less = [&](std::size_t i, std::size_t j) {
@@ -191,48 +191,49 @@ class QhullRun {
 void dropEdgeVertices(std::vector<Loop>& loops, std::size_t points) {
   for (bool again = true; again;) {
     again = false;
-    std::vector<int> uses(points);
+    IndexedVector<int> uses(points);
     for (const Loop& loop : loops) {
-      for (const int v : loop.v) ++uses[static_cast<std::size_t>(v)];
+      for (const int v : loop.v) ++uses[v];
     }
     for (Loop& loop : loops) {
-      again = std::erase_if(loop.v, [&](int v) { return uses[static_cast<std::size_t>(v)] < 3; }) > 0 || again;
+      again = std::erase_if(loop.v, [&](int v) { return uses[v] < 3; }) > 0 || again;
     }
     again = std::erase_if(loops, [](const Loop& loop) { return loop.v.size() < 3; }) > 0 || again;
   }
 }
 
 // How far any of the points stands out of the face's plane with this normal (m).
-double outside(const std::vector<Point<3>>& p, const std::vector<int>& hull, const Loop& loop, const Point<3>& normal) {
+double outside(const IndexedVector<Point<3>>& p, const std::vector<int>& hull, const Loop& loop,
+               const Point<3>& normal) {
   double inner = std::numeric_limits<double>::infinity(), outer = -inner;
-  const Point<3>& base = p[static_cast<std::size_t>(loop.v[0])];
-  for (const int v : loop.v) inner = std::min(inner, normal.dot(p[static_cast<std::size_t>(v)] - base));
-  for (const int v : hull) outer = std::max(outer, normal.dot(p[static_cast<std::size_t>(v)] - base));
+  const Point<3>& base = p[loop.v[0]];
+  for (const int v : loop.v) inner = std::min(inner, normal.dot(p[v] - base));
+  for (const int v : hull) outer = std::max(outer, normal.dot(p[v] - base));
   return outer - inner;
 }
 
 // Of the loop's area; that of the loop where it has none.
-Point<3> areaNormal(const std::vector<Point<3>>& p, const Loop& loop) {
-  const Point<3>& base = p[static_cast<std::size_t>(loop.v[0])];
+Point<3> areaNormal(const IndexedVector<Point<3>>& p, const Loop& loop) {
+  const Point<3>& base = p[loop.v[0]];
   Point<3> area = Point<3>::Zero();
   for (std::size_t i = 1; i + 1 < loop.v.size(); ++i) {
-    const auto a = static_cast<std::size_t>(loop.v[i]), b = static_cast<std::size_t>(loop.v[i + 1]);
+    const auto a = loop.v[i], b = loop.v[i + 1];
     area += (p[a] - base).cross(p[b] - base);
   }
   return area.norm() > 0 ? Point<3>(area.normalized()) : loop.normal;
 }
 
 // The sine of the loop's turn at b, on its way from a to c; negative where it turns inwards.
-double turn(const std::vector<Point<3>>& p, const Point<3>& normal, int a, int b, int c) {
-  const Point<3> in = p[static_cast<std::size_t>(b)] - p[static_cast<std::size_t>(a)];
-  const Point<3> out = p[static_cast<std::size_t>(c)] - p[static_cast<std::size_t>(b)];
+double turn(const IndexedVector<Point<3>>& p, const Point<3>& normal, int a, int b, int c) {
+  const Point<3> in = p[b] - p[a];
+  const Point<3> out = p[c] - p[b];
   return in.cross(out).dot(normal) / (in.norm() * out.norm());
 }
 
 // Where merging what rounding has split left a corner that turns inwards, the loop becomes two. Either a narrow
 // triangle of a sliver's other side was laid into this one: it is a face of its own, across the dent. Or two faces of
 // this side became one: they meet again in an edge from that corner. False when no corner does, or nothing helps.
-bool mendDent(const std::vector<Point<3>>& p, const std::vector<int>& hull, double tolerance, Loop& loop,
+bool mendDent(const IndexedVector<Point<3>>& p, const std::vector<int>& hull, double tolerance, Loop& loop,
               std::vector<Loop>& more) {
   std::vector<int>& v = loop.v;
   for (std::size_t tried = 0; v.size() > 3 && tried < v.size(); ++tried) {
@@ -262,7 +263,7 @@ bool mendDent(const std::vector<Point<3>>& p, const std::vector<int>& hull, doub
 
 // The normal of the area is the better one for wide faces, but that of a sliver is made of rounding: Qhull knows it
 // from the neighbourhood. The one that leaves less outside is taken.
-Point<3> faceNormal(const std::vector<Point<3>>& p, const std::vector<int>& hull, const Loop& loop) {
+Point<3> faceNormal(const IndexedVector<Point<3>>& p, const std::vector<int>& hull, const Loop& loop) {
   const Point<3> area = areaNormal(p, loop);
   return outside(p, hull, loop, area) <= outside(p, hull, loop, loop.normal) ? area : loop.normal;
 }
@@ -270,9 +271,9 @@ Point<3> faceNormal(const std::vector<Point<3>>& p, const std::vector<int>& hull
 // The loops as a polytope; null when they do not close: some edge has not exactly two faces, or Euler's count is off.
 std::shared_ptr<Polytope<3>> assemble(std::span<const Vec<3>> points, const Cloud<3>& cloud, std::vector<Loop> loops) {
   dropEdgeVertices(loops, points.size());
-  std::vector<int> number(points.size(), -1);
+  IndexedVector<int> number(points.size(), -1);
   for (const Loop& loop : loops) {
-    for (const int v : loop.v) number[static_cast<std::size_t>(v)] = 0;
+    for (const int v : loop.v) number[v] = 0;
   }
   auto hull = std::make_shared<Polytope<3>>();
   std::vector<int> used;
@@ -298,8 +299,8 @@ std::shared_ptr<Polytope<3>> assemble(std::span<const Vec<3>> points, const Clou
     if (!(std::abs(face.normal.norm() - 1) < kFaceNormalError)) return nullptr;
     face.begin = static_cast<int>(hull->loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i) {
-      const int a = number[static_cast<std::size_t>(loop[i])];
-      const int b = number[static_cast<std::size_t>(loop[(i + 1) % loop.size()])];
+      const int a = number[loop[i]];
+      const int b = number[loop[(i + 1) % loop.size()]];
       hull->loop.push_back(a);
       if (const auto twin = open.find({b, a}); twin != open.end()) {
         hull->edges[twin->second].faceB = static_cast<int>(f);

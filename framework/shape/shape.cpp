@@ -14,7 +14,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr std::array<std::string_view, kShapeKinds> kKindNames = {
+constexpr IndexedArray<std::string_view, kShapeKinds> kKindNames = {
     "sphere", "capsule", "segment", "box", "polytope", "cylinder", "ellipsoid", "plane", "cone", "triangle", "custom"};
 
 // One line of what was found and what would do; the comparison is written so that NaN is refused, too.
@@ -27,7 +27,7 @@ void requireSize(const char* shape, const char* what, Real value, bool zeroAllow
 
 }  // namespace
 
-std::string_view shapeKindName(ShapeKind kind) { return kKindNames[static_cast<std::size_t>(kind)]; }
+std::string_view shapeKindName(ShapeKind kind) { return kKindNames[kind]; }
 
 ShapeKind shapeKindFromName(std::string_view name) {
   for (std::size_t i = 0; i < kKindNames.size(); ++i) {

@@ -16,6 +16,7 @@
 
 #include "framework/math/aabb.h"
 #include "framework/math/check.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
@@ -46,10 +47,10 @@ enum class CoreClass : unsigned char {
   plane    // a half-space, y <= 0 in its own frame: unbounded, for bodies that never move
 };
 /// Of each kind; by itself, since one inside of `coreClass` would be written to the stack for each question.
-inline constexpr std::array<CoreClass, kShapeKinds> kCoreClasses = {
+inline constexpr IndexedArray<CoreClass, kShapeKinds> kCoreClasses = {
     CoreClass::point,  CoreClass::segment, CoreClass::segment, CoreClass::box,  CoreClass::hull,  CoreClass::curved,
     CoreClass::curved, CoreClass::plane,   CoreClass::curved,  CoreClass::hull, CoreClass::curved};
-constexpr CoreClass coreClass(ShapeKind kind) { return kCoreClasses[static_cast<std::size_t>(kind)]; }
+constexpr CoreClass coreClass(ShapeKind kind) { return kCoreClasses[kind]; }
 /// Is there such a kind in this dimension? A segment is a curve without area, a cylinder has no planar twin but the
 /// box, a cone none but a polygon, and so has a triangle; `custom` is there as soon as a plugin has registered it
 /// (framework/shape/curved_core.h).
@@ -64,8 +65,8 @@ struct Polytope;
 
 template <>
 struct Polytope<2> {
-  std::vector<Vec<2>> vertices;  // counter-clockwise, no three on a line
-  std::vector<Vec<2>> normals;   // unit, outward, of the edge from vertex i to i + 1
+  IndexedVector<Vec<2>> vertices;  // counter-clockwise, no three on a line
+  IndexedVector<Vec<2>> normals;   // unit, outward, of the edge from vertex i to i + 1
 };
 
 template <>
@@ -85,21 +86,21 @@ struct Polytope<3> {
   struct Spoke {
     int to, edge;
   };
-  std::vector<Vec<3>> vertices;
-  std::vector<Face> faces;
-  std::vector<int> loop;
-  std::vector<Edge> edges;  // each once
+  IndexedVector<Vec<3>> vertices;
+  IndexedVector<Face> faces;
+  IndexedVector<int> loop;
+  IndexedVector<Edge> edges;  // each once
 
   // Follow from the above (`linkVertices`).
-  std::vector<Spoke> spokes;    // those of vertex i: spokes[firstSpoke[i]..firstSpoke[i + 1])
-  std::vector<int> firstSpoke;  // one more than there are vertices
+  IndexedVector<Spoke> spokes;    // those of vertex i: spokes[firstSpoke[i]..firstSpoke[i + 1])
+  IndexedVector<int> firstSpoke;  // one more than there are vertices
   // A vertex whose neighbours all lie this much (m) deeper along some unit direction is the farthest along it, also as
   // computed: what rounding has left of convexity. Infinite where that proves nothing.
   Real slack = std::numeric_limits<Real>::infinity();
 
   std::span<const Spoke> spokesOf(int vertex) const {
     const int* first = firstSpoke.data() + vertex;
-    return {spokes.data() + first[0], static_cast<std::size_t>(first[1] - first[0])};
+    return spokes.part(first[0], first[1] - first[0]);
   }
 };
 

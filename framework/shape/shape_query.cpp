@@ -35,7 +35,7 @@ void forEachEdge(const Polytope<2>& hull, F&& f) {
 template <class F>
 void forEachEdge(const Polytope<3>& hull, F&& f) {
   for (const auto& e : hull.edges) {
-    f(hull.vertices[static_cast<std::size_t>(e.v0)], hull.vertices[static_cast<std::size_t>(e.v1)]);
+    f(hull.vertices[e.v0], hull.vertices[e.v1]);
   }
 }
 
@@ -73,8 +73,8 @@ bool insideFace(const Polytope<3>& hull, const Polytope<3>::Face& face, const Ve
   if (face.end - face.begin < 3) return false;  // a triangle's side has no area: it is an edge
   for (int i = face.begin; i < face.end; ++i) {
     const int j = i + 1 < face.end ? i + 1 : face.begin;
-    const Vec<3>& a = hull.vertices[static_cast<std::size_t>(hull.loop[static_cast<std::size_t>(i)])];
-    const Vec<3>& b = hull.vertices[static_cast<std::size_t>(hull.loop[static_cast<std::size_t>(j)])];
+    const Vec<3>& a = hull.vertices[hull.loop[i]];
+    const Vec<3>& b = hull.vertices[hull.loop[j]];
     if (cross(Vec<3>(b - a), Vec<3>(p - a)).dot(face.normal) < 0) return false;
   }
   return true;
@@ -156,7 +156,7 @@ Real segmentBoxSquared(const Vec<D>& a, const Vec<D>& b, const Vec<D>& half) {
     const Vec<D> p = a + t * u;
     return Vec<D>(p - p.cwiseMax(-half).cwiseMin(half));
   };
-  std::array<Real, 2 * D + 2> breaks{Real(0), Real(1)};
+  IndexedArray<Real, 2 * D + 2> breaks{Real(0), Real(1)};
   std::size_t n = 2;
   for (int k = 0; k < D; ++k) {
     for (const Real face : {-half[k], half[k]}) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "framework/math/indexed.h"
 #include "framework/shape/shape_tolerances.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -20,9 +21,9 @@ struct Gap {
 /// lies outside of the face they span, or the face is flat. Gram and Schmidt, then back substitution.
 template <int D>
 bool dropToFace(std::span<const Vec<D>> edges, Vec<D>& w) {
-  std::array<Vec<D>, static_cast<std::size_t>(D)> q;
-  std::array<std::array<Real, static_cast<std::size_t>(D)>, static_cast<std::size_t>(D)> r{};
-  std::array<Real, static_cast<std::size_t>(D)> weight{};
+  IndexedArray<Vec<D>, D> q;
+  IndexedArray<IndexedArray<Real, D>, D> r{};
+  IndexedArray<Real, D> weight{};
   Vec<D> rest = -w;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     q[i] = edges[i];
@@ -51,7 +52,7 @@ template <int D, class Support>
 Gap<D> gapToOrigin(const Support& support, Vec<D> start, Real left = 0,
                    Real far = std::numeric_limits<Real>::infinity()) {
   Gap<D> best;
-  std::array<Vec<D>, static_cast<std::size_t>(D) + 1> points;
+  IndexedArray<Vec<D>, D + 1> points;
   std::size_t count = 0;
   Vec<D> v = start.squaredNorm() > 0 ? start : Vec<D>(Vec<D>::Unit(0));
   for (int step = 0; step < kMostGapSteps; ++step) {
@@ -66,7 +67,7 @@ Gap<D> gapToOrigin(const Support& support, Vec<D> start, Real left = 0,
     Real least = std::numeric_limits<Real>::infinity();
     unsigned keep = 0;
     for (unsigned face = 1u << (count - 1); face < 1u << count; ++face) {  // those with the newest point
-      std::array<Vec<D>, static_cast<std::size_t>(D)> edges;
+      IndexedArray<Vec<D>, D> edges;
       std::size_t n = 0;
       for (std::size_t i = 0; i + 1 < count; ++i) {
         if (face >> i & 1) edges[n++] = points[i] - w;

@@ -14,7 +14,7 @@ template <int D>
 const char* kPartName = D == 2 ? "segment" : "triangle";
 
 template <int D>
-void checkCorners(std::span<const Vec<D>> points, std::span<const std::array<int, D>> parts, const std::string& who) {
+void checkCorners(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, const std::string& who) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) throw UserError(who + ": point " + std::to_string(i) + " is not finite");
   }
@@ -64,7 +64,7 @@ PlacedView<2> placeSegment(const std::array<Vec<2>, 2>& p, const std::string& wh
 }  // namespace
 
 template <int D>
-Surface<D>::Surface(std::span<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view name)
+Surface<D>::Surface(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view name)
     : m_points(points.begin(), points.end()),
       m_corners(parts.begin(), parts.end()),
       m_parts([&] {
@@ -73,8 +73,8 @@ Surface<D>::Surface(std::span<const Vec<D>> points, std::span<const std::array<i
         std::vector<PlacedView<D>> placed;
         placed.reserve(parts.size());
         for (std::size_t i = 0; i < parts.size(); ++i) {
-          std::array<Vec<D>, D> p;
-          for (std::size_t k = 0; k < D; ++k) p[k] = points[static_cast<std::size_t>(parts[i][k])];
+          IndexedArray<Vec<D>, D> p;
+          for (std::size_t k = 0; k < D; ++k) p[k] = points[parts[i][k]];
           const std::string which = who + ", " + kPartName<D> + " " + std::to_string(i);
           if constexpr (D == 3) {
             placed.push_back(placeTriangle(p, which, m_hulls));
@@ -128,8 +128,9 @@ void Surface<3>::findNeighbours(std::string_view who) {
   std::vector<Side> sides;
   sides.reserve(3 * m_corners.size());
   for (std::size_t i = 0; i < m_corners.size(); ++i) {
+    const int* const corner = m_corners[i].data();
     for (int k = 0; k < 3; ++k) {
-      const int a = m_corners[i][static_cast<std::size_t>(k)], b = m_corners[i][static_cast<std::size_t>((k + 1) % 3)];
+      const int a = corner[k], b = corner[(k + 1) % 3];
       sides.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(i), k, a < b});
     }
   }
@@ -148,20 +149,19 @@ void Surface<3>::findNeighbours(std::string_view who) {
       throw UserError(edge + "triangles " + std::to_string(a.part) + " and " + std::to_string(b.part) +
                       " are wound oppositely; valid: both counter-clockwise seen from outside");
     }
-    m_neighbours[static_cast<std::size_t>(a.part)][static_cast<std::size_t>(a.number)] = b.part;
-    m_neighbours[static_cast<std::size_t>(b.part)][static_cast<std::size_t>(b.number)] = a.part;
+    m_neighbours[a.part][a.number] = b.part;
+    m_neighbours[b.part][b.number] = a.part;
   }
 }
 
 template <int D>
 typename Surface<D>::Border Surface<D>::border(std::int32_t part, int number) const {
-  const auto i = static_cast<std::size_t>(part);
-  const PlacedView<D>& p = m_parts[i];
+  const PlacedView<D>& p = m_parts[part];
   Border out;
-  out.neighbour = m_neighbours[i][static_cast<std::size_t>(number)];
+  out.neighbour = m_neighbours[part][number];
   if constexpr (D == 3) {
-    out.outward = p.view.hull->faces[static_cast<std::size_t>(2 + number)].normal;
-    out.at = p.X_SP.p + p.view.hull->vertices[static_cast<std::size_t>(number)];
+    out.outward = p.view.hull->faces[2 + number].normal;
+    out.at = p.X_SP.p + p.view.hull->vertices[number];
   } else {
     out.outward = p.X_SP.q * Vec<2>(number ? 1 : -1, 0);
     out.at = p.X_SP.p + p.view.half[0] * out.outward;

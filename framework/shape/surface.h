@@ -6,6 +6,7 @@
 
 #include <array>
 
+#include "framework/math/indexed.h"
 #include "framework/shape/mesh_tree.h"
 #include "framework/shape/shape.h"
 
@@ -23,7 +24,7 @@ class Surface {
   static constexpr int kBorders = D;
 
   /// Throws UserError, `who` at its beginning, for what Shape::mesh and Shape::chain refuse.
-  Surface(std::span<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view who);
+  Surface(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view who);
 
   /// As they were given.
   const std::vector<Vec<D>>& points() const { return m_points; }
@@ -33,7 +34,7 @@ class Surface {
   const MeshTree<D>& tree() const { return m_tree; }
   // In the surface's frame.
   const Aabb<D>& box() const { return m_box; }
-  const Vec<D>& normal(std::int32_t part) const { return m_normals[static_cast<std::size_t>(part)]; }
+  const Vec<D>& normal(std::int32_t part) const { return m_normals[part]; }
   Border border(std::int32_t part, int number) const;
   /// Radius of a sphere around the frame's origin that holds it (m).
   Real reach() const { return m_reach; }
@@ -45,9 +46,9 @@ class Surface {
   std::vector<Vec<D>> m_points;
   std::vector<std::array<int, D>> m_corners;
   std::vector<std::shared_ptr<const Polytope<D>>> m_hulls;  // of triangles
-  std::vector<PlacedView<D>> m_parts;                       // views point into m_hulls
-  std::vector<Vec<D>> m_normals;                            // to the outside
-  std::vector<std::array<std::int32_t, D>> m_neighbours;
+  IndexedVector<PlacedView<D>> m_parts;                     // views point into m_hulls
+  IndexedVector<Vec<D>> m_normals;                          // to the outside
+  IndexedVector<IndexedArray<std::int32_t, D>> m_neighbours;
   Aabb<D> m_box;
   Real m_reach = 0;
   MeshTree<D> m_tree;

@@ -10,7 +10,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view who) {
   using Point = Eigen::Vector3d;
-  std::array<Point, 3> p;
+  IndexedArray<Point, 3> p;
   double largest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     if (!corners[i].allFinite()) {
@@ -19,7 +19,7 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
     p[i] = corners[i].cast<double>();
     largest = std::max(largest, p[i].cwiseAbs().maxCoeff());
   }
-  std::array<Point, 3> edge;
+  IndexedArray<Point, 3> edge;
   double longest = 0;
   for (std::size_t i = 0; i < 3; ++i) edge[i] = p[(i + 1) % 3] - p[i], longest = std::max(longest, edge[i].norm());
   if (longest > 2 * kLargestExtent || (longest > 0 && longest < 1 / kLargestExtent)) {
@@ -49,8 +49,8 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
   face(-up, -height, {0, 2, 1});
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    const Point side = edge[static_cast<std::size_t>(i)].cross(n).normalized();
-    face(side.cast<Real>(), static_cast<Real>(side.dot(p[static_cast<std::size_t>(i)])), {j, i});
+    const Point side = edge[i].cross(n).normalized();
+    face(side.cast<Real>(), static_cast<Real>(side.dot(p[i])), {j, i});
     out->edges.push_back({i, j, 0, 2 + i});
     out->edges.push_back({j, i, 1, 2 + i});
   }

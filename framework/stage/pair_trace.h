@@ -10,6 +10,7 @@
 
 #include <optional>
 
+#include "framework/math/indexed.h"
 #include "framework/stage/stage_narrowphase.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -29,10 +30,10 @@ struct TraceStep {
   std::string words;
 
   // What the search stands on: GJK's simplex, EPA's polytope. In the space of differences.
-  std::vector<Vec<D>> corners;
-  std::vector<std::array<int, static_cast<std::size_t>(D)>> faces;  // EPA's, by numbers of corners
-  int face = -1;                                                    // whose normal is asked
-  std::optional<Vec<D>> nearest;                                    // of the simplex to the origin
+  IndexedVector<Vec<D>> corners;
+  std::vector<IndexedArray<int, D>> faces;  // EPA's, by numbers of corners
+  int face = -1;                            // whose normal is asked
+  std::optional<Vec<D>> nearest;            // of the simplex to the origin
 
   // What is asked: zero where nothing is.
   Vec<D> direction = Vec<D>::Zero();

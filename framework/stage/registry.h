@@ -15,6 +15,7 @@
 #include <tuple>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/stage/params.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -113,18 +114,18 @@ class StageSet {
   explicit StageSet(const Pipeline& pipeline) {
     for (const StageKind kind : kWorldStages) {
       const Spec& spec = pipeline[kind];
-      m_stages[static_cast<std::size_t>(kind)] = Registry::instance().find(kind, D, spec.name).create(spec);
+      m_stages[kind] = Registry::instance().find(kind, D, spec.name).create(spec);
     }
   }
   /// For instance get<Broadphase<D>>().
   template <class S>
   S& get() const {
     static_assert(S::kDimension == D && isWorldStage(stageInfo(S::kStage)));
-    return static_cast<S&>(*m_stages[static_cast<std::size_t>(S::kStage)]);
+    return static_cast<S&>(*m_stages[S::kStage]);
   }
 
  private:
-  std::array<std::unique_ptr<Stage>, kStageKinds> m_stages;  // by kind; null where it is no stage of a world
+  IndexedArray<std::unique_ptr<Stage>, kStageKinds> m_stages;  // by kind; null where it is no stage of a world
 };
 
 /// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.

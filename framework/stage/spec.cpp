@@ -119,7 +119,7 @@ Pipeline::Pipeline() {
 
 Spec& Pipeline::operator[](StageKind stage) {
   LPC_ASSERT(isWorldStage(&stageInfo(stage)));
-  return m_specs[static_cast<std::size_t>(stage)];
+  return m_specs[stage];
 }
 const Spec& Pipeline::operator[](StageKind stage) const { return const_cast<Pipeline&>(*this)[stage]; }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "framework/math/check.h"
+#include "framework/math/indexed.h"
 #include "framework/stage/stages.h"
 
 namespace lpc {
@@ -55,7 +56,7 @@ class Pipeline {
   bool operator==(const Pipeline&) const = default;
 
  private:
-  std::array<Spec, kStageKinds> m_specs;  // by kind; empty where it is no stage of a world
+  IndexedArray<Spec, kStageKinds> m_specs;  // by kind; empty where it is no stage of a world
 };
 
 /// The engine that stands where a pipeline stands: of "engine=bullet{iterations=10}" the spec after the "="; nothing of

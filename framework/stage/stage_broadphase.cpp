@@ -16,7 +16,7 @@ void Proxies<D>::resize(int slots) {
   const auto padded = static_cast<std::size_t>((slots + kPad - 1) / kPad * kPad);
   // Shrinking to the slots first makes all that is left of old tenants free.
   const auto kept = static_cast<std::size_t>(std::min(slots, count));
-  for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k) {
+  for (int k = 0; k < D; ++k) {
     lo[k].resize(kept), lo[k].resize(padded, kInfinite);
     hi[k].resize(kept), hi[k].resize(padded, -kInfinite);
   }
@@ -30,8 +30,7 @@ void Proxies<D>::resize(int slots) {
 template <int D>
 void Proxies<D>::setBox(ProxyId i, const Aabb<D>& box) {
   for (int d = 0; d < D; ++d) {
-    const auto k = static_cast<std::size_t>(d), n = static_cast<std::size_t>(i);
-    lo[k][n] = box.lo[d], hi[k][n] = box.hi[d];
+    lo[d][i] = box.lo[d], hi[d][i] = box.hi[d];
   }
 }
 
@@ -39,8 +38,7 @@ template <int D>
 Aabb<D> Proxies<D>::box(ProxyId i) const {
   Aabb<D> b;
   for (int d = 0; d < D; ++d) {
-    const auto k = static_cast<std::size_t>(d), n = static_cast<std::size_t>(i);
-    b.lo[d] = lo[k][n], b.hi[d] = hi[k][n];
+    b.lo[d] = lo[d][i], b.hi[d] = hi[d][i];
   }
   return b;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/math/aabb.h"
+#include "framework/math/indexed.h"
 #include "framework/math/work.h"
 #include "framework/stage/registry.h"
 
@@ -27,31 +28,28 @@ template <int D>
 struct Proxies {
   static constexpr int kPad = 16;
 
-  std::array<std::vector<Real>, D> lo, hi;
-  std::vector<std::uint8_t> active;  // awake and not static: a pair needs at least one
-  std::vector<std::uint32_t> category, mask;
-  std::vector<std::int32_t> body;  // -1 in a free slot
-  int count = 0;                   // slots in use by number, free ones among them, padding not
+  IndexedArray<IndexedVector<Real>, D> lo, hi;
+  IndexedVector<std::uint8_t> active;  // awake and not static: a pair needs at least one
+  IndexedVector<std::uint32_t> category, mask;
+  IndexedVector<std::int32_t> body;  // -1 in a free slot
+  int count = 0;                     // slots in use by number, free ones among them, padding not
 
   int size() const { return count; }
   /// Makes room for `slots` slots; new ones are free.
   void resize(int slots);
   void setBox(ProxyId i, const Aabb<D>& box);
   Aabb<D> box(ProxyId i) const;
-  bool isFree(ProxyId i) const { return body[static_cast<std::size_t>(i)] < 0; }
+  bool isFree(ProxyId i) const { return body[i] < 0; }
 
   bool boxesOverlap(ProxyId a, ProxyId b) const {
-    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
     for (int d = 0; d < D; ++d) {
-      const auto k = static_cast<std::size_t>(d);
-      if (lo[k][i] > hi[k][j] || lo[k][j] > hi[k][i]) return false;
+      if (lo[d][a] > hi[d][b] || lo[d][b] > hi[d][a]) return false;
     }
     return true;
   }
   /// All that decides about a pair but the boxes: one is active, the bodies differ, the filters pass.
   bool mayCollide(ProxyId a, ProxyId b) const {
-    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-    return (active[i] | active[j]) && body[i] != body[j] && (category[i] & mask[j]) && (category[j] & mask[i]);
+    return (active[a] | active[b]) && body[a] != body[b] && (category[a] & mask[b]) && (category[b] & mask[a]);
   }
 };
 

@@ -4,9 +4,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 std::string_view queryStatusName(QueryStatus status) {
-  constexpr std::array<std::string_view, 5> kNames = {"converged", "iteration_limit", "degenerate", "refused",
-                                                      "failed"};
-  return kNames[static_cast<std::size_t>(status)];
+  constexpr IndexedArray<std::string_view, 5> kNames = {"converged", "iteration_limit", "degenerate", "refused",
+                                                        "failed"};
+  return kNames[status];
 }
 
 template <int D>
@@ -30,16 +30,16 @@ PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const Shape
 
 template <int D>
 std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pairs,
-                                                 std::span<const ShapeRecord<D>> shapes, std::span<const Pose<D>> pose,
-                                                 Real margin, WorkDone& work) {
+                                                 IndexedSpan<const ShapeRecord<D>> shapes,
+                                                 IndexedSpan<const Pose<D>> pose, Real margin, WorkDone& work) {
   m_pairs.clear();
   for (const ShapePair& p : pairs) {
-    const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.a)], &b = shapes[static_cast<std::size_t>(p.b)];
+    const ShapeRecord<D>&a = shapes[p.a], &b = shapes[p.b];
     if (a.shape.convex() && b.shape.convex()) {
       m_pairs.push_back({p, 0, 0, a.shape.view(), b.shape.view(), a.X_CS, b.X_CS});
       continue;
     }
-    const Pose<D>&X_WA = pose[static_cast<std::size_t>(a.body)], &X_WB = pose[static_cast<std::size_t>(b.body)];
+    const Pose<D>&X_WA = pose[a.body], &X_WB = pose[b.body];
     if (a.shape.surface() || b.shape.surface()) {
       ofSurface(p, a, b, X_WA, X_WB, margin, work);
       continue;
@@ -65,7 +65,7 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
       std::int32_t childB = -1;
       forParts(b.shape, b.X_CS, [&](const ShapeView<D>& partB, const Pose<D>& X_CB) {
         ++childB;
-        if (!near(boxA, m_boxes[static_cast<std::size_t>(childB)])) return;
+        if (!near(boxA, m_boxes[childB])) return;
         m_pairs.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
       });
     });
@@ -106,7 +106,7 @@ void ChildPairs<D>::ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const
     std::int32_t childB = -1;
     forParts(b.shape, b.X_CS, [&](const ShapeView<D>& partB, const Pose<D>& X_CB) {
       ++childB, ++work[WorkCount::partTests];
-      if (!boxA.overlaps(m_boxes[static_cast<std::size_t>(childB)])) return;
+      if (!boxA.overlaps(m_boxes[childB])) return;
       m_pairs.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
     });
   });

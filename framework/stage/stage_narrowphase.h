@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/math/work.h"
 #include "framework/problem/contact.h"
 #include "framework/shape/parts_near.h"
@@ -119,36 +120,36 @@ class ChildPairs {
  public:
   /// In order: all whose boxes come within the margin (m) of each other. A convex shape is its own one child, number 0;
   /// two of them are not asked for their boxes again. `pose` is X_WC by body slot.
-  std::span<const ConvexPair<D>> of(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
-                                    std::span<const Pose<D>> pose, Real margin, WorkDone& work);
+  std::span<const ConvexPair<D>> of(std::span<const ShapePair> pairs, IndexedSpan<const ShapeRecord<D>> shapes,
+                                    IndexedSpan<const Pose<D>> pose, Real margin, WorkDone& work);
 
  private:
-  std::vector<ConvexPair<D>> m_pairs;
+  IndexedVector<ConvexPair<D>> m_pairs;
   /// As `of`, one of the shapes being a surface.
   void ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const ShapeRecord<D>& b, const Pose<D>& X_WA,
                  const Pose<D>& X_WB, Real margin, WorkDone& work);
 
-  std::vector<Aabb<D>> m_boxes;      // of the second shape's parts
-  std::vector<std::int32_t> m_near;  // numbers of a surface's parts
+  IndexedVector<Aabb<D>> m_boxes;      // of the second shape's parts
+  IndexedVector<std::int32_t> m_near;  // numbers of a surface's parts
 };
 
 template <int D>
 struct ContactInput {
-  std::span<const ConvexPair<D>> pairs;
-  std::span<const ShapeRecord<D>> shapes;  // by slot
-  std::span<const Pose<D>> pose;           // X_WC by body slot
-  Real margin;                             // contacts are made for separations up to this (m)
-  bool friction = true;                    // false: the scene needs none, mixing is skipped
+  IndexedSpan<const ConvexPair<D>> pairs;
+  IndexedSpan<const ShapeRecord<D>> shapes;  // by slot
+  IndexedSpan<const Pose<D>> pose;           // X_WC by body slot
+  Real margin;                               // contacts are made for separations up to this (m)
+  bool friction = true;                      // false: the scene needs none, mixing is skipped
   MixRules mixing = {};
-  std::span<PairMemory> memory = {};      // one per pair, or none: cold
-  std::span<const Manifold<D>> old = {};  // of the last step, sorted by Manifold::key; none where nothing is cached
+  IndexedSpan<PairMemory> memory = {};      // one per pair, or none: cold
+  IndexedSpan<const Manifold<D>> old = {};  // of the last step, sorted by Manifold::key; none where nothing is cached
 };
 
 /// A manifold with everything filled in that does not depend on geometry.
 template <int D>
 Manifold<D> startManifold(const ContactInput<D>& in, const ConvexPair<D>& pair) {
-  const ShapeRecord<D>& a = in.shapes[static_cast<std::size_t>(pair.shapes.a)];
-  const ShapeRecord<D>& b = in.shapes[static_cast<std::size_t>(pair.shapes.b)];
+  const ShapeRecord<D>& a = in.shapes[pair.shapes.a];
+  const ShapeRecord<D>& b = in.shapes[pair.shapes.b];
   static const Manifold<D> kBlank;  // copied in half the time in which g++ fills it with zeros
   Manifold<D> m = kBlank;
   m.bodyA = a.body, m.bodyB = b.body, m.shapeA = pair.shapes.a, m.shapeB = pair.shapes.b;
@@ -190,11 +191,11 @@ class ContactGenerator : public Stage {
 
 template <int D>
 struct CacheInput {
-  std::span<const ShapePair> pairs;        // all whose boxes come near, sorted by body and shape of A, then of B
-  std::span<const Manifold<D>> old;        // of the last step, sorted by Manifold::key
-  std::span<const ShapeRecord<D>> shapes;  // by slot
-  std::span<const Pose<D>> pose;           // X_WC by body slot
-  Real margin;                             // contacts are made for separations up to this (m)
+  IndexedSpan<const ShapePair> pairs;        // all whose boxes come near, sorted by body and shape of A, then of B
+  IndexedSpan<const Manifold<D>> old;        // of the last step, sorted by Manifold::key
+  IndexedSpan<const ShapeRecord<D>> shapes;  // by slot
+  IndexedSpan<const Pose<D>> pose;           // X_WC by body slot
+  Real margin;                               // contacts are made for separations up to this (m)
 };
 
 /// Carries knowledge from the old manifolds to the fresh ones.

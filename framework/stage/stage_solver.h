@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/math/work.h"
 #include "framework/problem/contact.h"
 #include "framework/problem/contact_graph.h"
@@ -41,13 +42,13 @@ class VelocityWatcher;
 
 template <int D>
 struct StepInput {
-  Real dt;                              // s, > 0
-  Real lastDt;                          // of the step before, 0 in the first: impulses scale by dt / lastDt
-  Real time;                            // at the start of the step, s
-  Bodies<D>& bodies;                    // invInertia is fresh
-  std::vector<Manifold<D>>& manifolds;  // sorted; solve only the active ones
-  std::vector<int>& active;             // indices of manifolds that have an active body and were not vetoed
-  std::span<JointRecord<D>> joints;     // by slot; jointRows() gives the rows of those that are active
+  Real dt;                                // s, > 0
+  Real lastDt;                            // of the step before, 0 in the first: impulses scale by dt / lastDt
+  Real time;                              // at the start of the step, s
+  Bodies<D>& bodies;                      // invInertia is fresh
+  IndexedVector<Manifold<D>>& manifolds;  // sorted; solve only the active ones
+  IndexedVector<int>& active;             // indices of manifolds that have an active body and were not vetoed
+  IndexedSpan<JointRecord<D>> joints;     // by slot; jointRows() gives the rows of those that are active
   const Forces<D>& forces;
   DetectAgain& detect;
   const Features& features;
@@ -79,9 +80,9 @@ template <int D>
 struct VelocityInput {
   Real dt, lastDt;
   Bodies<D>& bodies;
-  std::span<Manifold<D>> manifolds;
-  std::span<const int> order;  // indices of the manifolds to solve, in the order in which to solve them
-  std::span<JointRecord<D>> joints;
+  IndexedSpan<Manifold<D>> manifolds;
+  IndexedSpan<const int> order;  // indices of the manifolds to solve, in the order in which to solve them
+  IndexedSpan<JointRecord<D>> joints;
   const PositionResolver<D>& position;  // bias() is asked once per contact and step
   const Features& features;
   Real restitutionThreshold;
@@ -89,10 +90,10 @@ struct VelocityInput {
   Profiler& profiler;
   /// Velocities before this step's forces, by slot: what a bounce is measured by, or gravity would raise an elastic
   /// ball step by step. Empty: the bodies' own.
-  std::span<const Motion<D>> arrival = {};
+  IndexedSpan<const Motion<D>> arrival = {};
   /// Offsets into `order`: contacts from order[colours[c]] to order[colours[c + 1]] share no dynamic body. Empty:
   /// `order` has no colours.
-  std::span<const int> colours = {};
+  IndexedSpan<const int> colours = {};
   /// A matrix in the place of bodies, contacts and joints: for those whose info says that they solve it, see
   /// AlgorithmInfo::matrixAlone.
   GivenProblem* given = nullptr;
@@ -120,13 +121,13 @@ template <int D>
 struct PositionInput {
   Real dt;
   Bodies<D>& bodies;  // poses may be changed, velocities not
-  std::span<Manifold<D>> manifolds;
-  std::span<const int> order;
-  std::span<JointRecord<D>> joints;
+  IndexedSpan<Manifold<D>> manifolds;
+  IndexedSpan<const int> order;
+  IndexedSpan<JointRecord<D>> joints;
   const Features& features;
   WorkDone& work;
   Profiler& profiler;
-  std::span<const int> colours = {};  // as in VelocityInput
+  IndexedSpan<const int> colours = {};  // as in VelocityInput
 };
 
 template <int D>

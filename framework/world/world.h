@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/math/slots.h"
 #include "framework/problem/contact_graph.h"
 #include "framework/problem/contact_order.h"
@@ -305,9 +306,9 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   // State: what save() writes.
   Bodies<D> m_bodies;
   std::vector<ShapeRecord<D>> m_shapes;
-  std::vector<JointRecord<D>> m_joints;
+  IndexedVector<JointRecord<D>> m_joints;
   std::vector<ForceRecord<D>> m_forces;
-  std::vector<Manifold<D>> m_manifolds;
+  IndexedVector<Manifold<D>> m_manifolds;
   std::vector<PairRecord> m_records;
   std::vector<Wrench<D>> m_userForces;  // for the coming step, by body slot
   std::vector<SleepEvent> m_events;     // since the last decision
@@ -356,7 +357,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   FastParts<D> m_fast;
   ChildPairs<D> m_children;
   std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;  // jointed bodies that do not collide, sorted
-  std::vector<int> m_active;
+  IndexedVector<int> m_active;
   std::vector<std::uint8_t> m_awakeBefore;
 
   std::vector<std::shared_ptr<const ForceGenerator<D>>> m_generators;

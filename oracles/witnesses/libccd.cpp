@@ -36,33 +36,44 @@ void center(const void* object, ccd_vec3_t* out) {
   setVector(out, placed.r * middle + placed.p);
 }
 
+// One of libccd's two methods, and the tolerance at which it stops.
+struct CcdMethod {
+  int (*call)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
+  ccd_real_t ccd_t::*tolerance;
+  std::string callName, toleranceName;  // in a program
+};
+
 // libccd 2.1 measures depths only. Of shapes that are apart it says no more than that.
 class LibccdWitness : public IsolatedWitness<3> {
  public:
-  using IsolatedWitness<3>::IsolatedWitness;
+  LibccdWitness(PairFrame frame, const CcdMethod& method, Real tolerance)
+      : IsolatedWitness<3>(frame), m_method(method), m_tolerance(tolerance) {}
   bool claimsGap(ShapeKind, ShapeKind) const override { return false; }
 
- protected:
-  using Call = int (*)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
-
+ private:
   void place(const PairView<3>& pair) override {
     m_a = placed(pair.a, placeOfA()), m_b = placed(pair.b, placeOfB(pair));
   }
   static CcdPlaced placed(const ShapeView<3>& shape, const Pose<3>& X) {
     return {shape, X.q.matrix().cast<double>(), X.p.cast<double>()};
   }
-  PairAnswer<3> depth(const ccd_t& settings, Call call) const {
+  PairAnswer<3> measure() override {
+    ccd_t settings;
+    CCD_INIT(&settings);
+    settings.support1 = settings.support2 = support;
+    settings.center1 = settings.center2 = center;  // GJK asks for none
+    settings.max_iterations = 500;                 // the default has no end
+    settings.*m_method.tolerance = m_tolerance;
     ccd_real_t depth = 0;
     ccd_vec3_t direction, position;
     ccdVec3Set(&direction, 0, 0, 0), ccdVec3Set(&position, 0, 0, 0);
-    const int result = call(&m_a, &m_b, &settings, &depth, &direction, &position);
+    const int result = m_method.call(&m_a, &m_b, &settings, &depth, &direction, &position);
     if (result == -1) return apartAnswer<3>(0);
     PairAnswer<3> answer = depthAnswer<3>(depth, vectorOf(&direction).normalized(), vectorOf(&position), 0, 0);
     if (result < -1) answer.status = QueryStatus::failed;  // out of memory
     return answer;
   }
-  // `settings`: the statements that set them; `call`: the function's name.
-  Snippet program(const PairView<3>& pair, const std::string& settings, const std::string& call) const {
+  Snippet snippet(const PairView<3>& pair) const override {
     const CcdPlaced a = placed(pair.a, placeOfA()), b = placed(pair.b, placeOfB(pair));
     Snippet out{.flags = "-lccd -lm"};
     out.head =
@@ -98,20 +109,18 @@ class LibccdWitness : public IsolatedWitness<3> {
         "  settings.support1 = settings.support2 = support;\n"
         "  settings.center1 = settings.center2 = center;\n"
         "  settings.max_iterations = 500;\n"
-        "  " +
-        settings + ";\n" +
+        "  settings." +
+        m_method.toleranceName + " = " + literal(static_cast<double>(m_tolerance)) + ";\n" +
         "  ccd_real_t depth = 0;\n"
         "  ccd_vec3_t direction = {{0, 0, 0}}, position = {{0, 0, 0}};\n"
         "  const int result = " +
-        call + "(&a, &b, &settings, &depth, &direction, &position);\n" +
+        m_method.callName + "(&a, &b, &settings, &depth, &direction, &position);\n" +
         "  double distance = result == 0 ? -depth : result == -1 ? INFINITY : NAN;  // infinite: apart\n"
         "  for (int i = 0; i < 3; ++i) {\n"
         "    if (!std::isfinite(direction.v[i] + position.v[i])) distance = NAN;  // no answer\n"
         "  }\n";
     return out;
   }
-
- private:
   static std::string written(const std::string& core, const CcdPlaced& placed) {
     ccd_vec3_t middle;
     center(&placed, &middle);
@@ -121,6 +130,8 @@ class LibccdWitness : public IsolatedWitness<3> {
            ", {" + literals(vectorOf(&middle)) + "}}";
   }
 
+  CcdMethod m_method;
+  Real m_tolerance;
   CcdPlaced m_a, m_b;
 };
 
@@ -134,7 +145,9 @@ class LibccdGjk final : public LibccdWitness {
       PairFrameParams::visit(v);
     }
   };
-  explicit LibccdGjk(const Params& params) : LibccdWitness(params.frame), m_params(params) {}
+  explicit LibccdGjk(const Params& params)
+      : LibccdWitness(params.frame, {ccdGJKPenetration, &ccd_t::epa_tolerance, "ccdGJKPenetration", "epa_tolerance"},
+                      params.tolerance) {}
 
   static AlgorithmInfo info() {
     return {.name = "libccd_gjk",
@@ -162,22 +175,6 @@ class LibccdGjk final : public LibccdWitness {
                                          ErrorBar{ellipsoid, ellipsoid, 6e-5}};
     return kBars;
   }
-
- private:
-  PairAnswer<3> measure() override {
-    ccd_t settings;
-    CCD_INIT(&settings);
-    settings.support1 = settings.support2 = support;
-    settings.max_iterations = 500;  // the default has no end
-    settings.epa_tolerance = m_params.tolerance;
-    return depth(settings, ccdGJKPenetration);
-  }
-  Snippet snippet(const PairView<3>& pair) const override {
-    return program(pair, "settings.epa_tolerance = " + literal(static_cast<double>(m_params.tolerance)),
-                   "ccdGJKPenetration");
-  }
-
-  Params m_params;
 };
 
 template <int D>
@@ -190,7 +187,9 @@ class LibccdMpr final : public LibccdWitness {
       PairFrameParams::visit(v);
     }
   };
-  explicit LibccdMpr(const Params& params) : LibccdWitness(params.frame), m_params(params) {}
+  explicit LibccdMpr(const Params& params)
+      : LibccdWitness(params.frame, {ccdMPRPenetration, &ccd_t::mpr_tolerance, "ccdMPRPenetration", "mpr_tolerance"},
+                      params.tolerance) {}
 
   static AlgorithmInfo info() {
     return {.name = "libccd_mpr",
@@ -218,23 +217,6 @@ class LibccdMpr final : public LibccdWitness {
                                          ErrorBar{ellipsoid, ellipsoid, 2e-1}};
     return kBars;
   }
-
- private:
-  PairAnswer<3> measure() override {
-    ccd_t settings;
-    CCD_INIT(&settings);
-    settings.support1 = settings.support2 = support;
-    settings.center1 = settings.center2 = center;
-    settings.max_iterations = 500;
-    settings.mpr_tolerance = m_params.tolerance;
-    return depth(settings, ccdMPRPenetration);
-  }
-  Snippet snippet(const PairView<3>& pair) const override {
-    return program(pair, "settings.mpr_tolerance = " + literal(static_cast<double>(m_params.tolerance)),
-                   "ccdMPRPenetration");
-  }
-
-  Params m_params;
 };
 
 template <>

@@ -2,13 +2,14 @@
 #pragma once
 
 #include "algorithms/contacts/clip/core2.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 struct Patch2 {
   Vec<2> normal = Vec<2>::Zero();  // n_12, unit, in frame 1
   int count = 0;
-  std::array<PatchPoint<2>, 2> points;
+  IndexedArray<PatchPoint<2>, 2> points;
 
   Real deepest() const {
     if (count == 0) return std::numeric_limits<Real>::infinity();
@@ -40,8 +41,7 @@ inline void clipEdges(const Edge2& e1, const Edge2& e2, const Xy& n, const Place
     const Xy p1 = at(e1.a, e1.b, lo1, hi1, where), p2 = at(e2.b, e2.a, lo2, hi2, where);
     const Real separation = dot(p2 - p1, n);
     if (!(separation <= pair.limit)) return;
-    write(out.points[static_cast<std::size_t>(out.count++)], p1, p2, separation,
-          featureNumber(featureCode(i1), featureCode(i2)));
+    write(out.points[out.count++], p1, p2, separation, featureNumber(featureCode(i1), featureCode(i2)));
   };
   if (hi - lo <= pair.rounding) {  // one place
     const auto heightAt = [&](Real where) {
@@ -88,7 +88,7 @@ inline void closestOfEdges(const Edge2& e1, const Edge2& e2, const Xy& axis, boo
   const Xy n = apart && distance > pair.rounding ? between / distance : axis;
   n.to(out.normal);
   const Real separation = dot(between, n);
-  if (separation <= pair.limit) write(out.points[static_cast<std::size_t>(out.count++)], p1, p2, separation, feature);
+  if (separation <= pair.limit) write(out.points[out.count++], p1, p2, separation, feature);
 }
 
 }}}  // namespace lpc::LPC_PRECISION::contacts

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithms/contacts/clip/core3.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
@@ -34,11 +35,11 @@ struct Patch3 {
 };
 
 struct ClipScratch3 {
-  std::vector<ClipVertex3> corners;  // all that there have been
-  std::vector<int> from, to;         // the face's, in turn: places in `corners`
-  std::vector<Real> beyond;          // how far each lies beyond a side, m
+  IndexedVector<ClipVertex3> corners;  // all that there have been
+  IndexedVector<int> from, to;         // the face's, in turn: places in `corners`
+  std::vector<Real> beyond;            // how far each lies beyond a side, m
   // Of the reference face:
-  std::vector<Side3> sides;
+  IndexedVector<Side3> sides;
   Triple normal, outward;
   Real cosine = 1;  // between both
 };
@@ -64,7 +65,7 @@ struct Reference3 {
       Triple m = cross(edge, s.outward);
       const Real length = norm(m);
       if (length > 0) m = {m.x / length, m.y / length, m.z / length};
-      s.sides[static_cast<std::size_t>(j)] = {m, dot(m, from), from, edge};
+      s.sides[j] = {m, dot(m, from), from, edge};
       from = to;
     }
   }
@@ -116,7 +117,7 @@ inline void addClipped(bool refIsFirst, const ClipScratch3& s, const Triple& p, 
 
 /// The part of an edge between two vertices of `inc` inside the side planes of the reference face, with tolerances as
 /// for a face. When both are one vertex, that is a point, whose number needs no tolerance to be steady.
-inline void clipEdge(const Reference3& ref, const Core3& inc, const std::array<int, 2>& vertices,
+inline void clipEdge(const Reference3& ref, const Core3& inc, const IndexedArray<int, 2>& vertices,
                      const PlacedPair<3>& pair, ClipScratch3& scratch, std::vector<PatchPoint<3>>& out) {
   const int ends = vertices[0] == vertices[1] ? 1 : 2;
   const Real tolerance = ends == 1 ? Real(0) : pair.tolerance;
@@ -125,7 +126,7 @@ inline void clipEdge(const Reference3& ref, const Core3& inc, const std::array<i
   const Triple a(inc.v[vertices[0]]), b(inc.v[vertices[1]]);
   ref.fill(scratch);
   for (int j = 0; j < ref.size(); ++j) {
-    const Side3& side = scratch.sides[static_cast<std::size_t>(j)];
+    const Side3& side = scratch.sides[j];
     const Real da = dot(side.m, a) - side.offset, db = dot(side.m, b) - side.offset;
     if (da > tolerance && db > tolerance) return;
     // An end within the tolerance stays where it is, even when the other one is cut off.
@@ -136,7 +137,7 @@ inline void clipEdge(const Reference3& ref, const Core3& inc, const std::array<i
   if (t[0] > t[1]) return;
   for (int end = 0; end < ends; ++end) {
     const int cut = cutBy[end];
-    const int vertex = vertices[static_cast<std::size_t>(end)];
+    const int vertex = vertices[end];
     const Triple p = cut < 0 ? Triple(inc.v[vertex]) : a + t[end] * (b - a);
     addClipped(ref.first, scratch, p, cut < 0 ? kNoFeature : ref.edgeCode(cut), featureCode(vertex), pair.limit, out);
   }
@@ -161,19 +162,19 @@ inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const
   // Places are plain pointers into what is large enough: `push_back` took longer than the arithmetic.
   scratch.corners.resize(static_cast<std::size_t>(size)), scratch.from.resize(scratch.corners.size());
   for (int k = 0; k < size; ++k) {
-    scratch.corners[static_cast<std::size_t>(k)] = {Triple(inc.v[inc.loop(begin + k)]), k == 0 ? size - 1 : k - 1, k};
-    scratch.from[static_cast<std::size_t>(k)] = k;
+    scratch.corners[k] = {Triple(inc.v[inc.loop(begin + k)]), k == 0 ? size - 1 : k - 1, k};
+    scratch.from[k] = k;
   }
   const Real tolerance = pair.tolerance;
   int count = size, made = size;
   for (int j = 0; j < ref.size() && count > 0; ++j) {
-    const Side3& side = scratch.sides[static_cast<std::size_t>(j)];
+    const Side3& side = scratch.sides[j];
     scratch.beyond.resize(static_cast<std::size_t>(count));
     const int* from = scratch.from.data();
     Real* beyond = scratch.beyond.data();
     bool inside = true;
     for (int i = 0; i < count; ++i) {
-      beyond[i] = dot(side.m, scratch.corners[static_cast<std::size_t>(from[i])].p) - side.offset;
+      beyond[i] = dot(side.m, scratch.corners[from[i]].p) - side.offset;
       inside &= beyond[i] <= tolerance;
     }
     if (inside) continue;
@@ -200,7 +201,7 @@ inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const
   }
   const auto incVertex = [&](int k) { return inc.loop(begin + (k < size ? k : 0)); };
   for (int i = 0; i < count; ++i) {
-    const ClipVertex3& c = scratch.corners[static_cast<std::size_t>(scratch.from[static_cast<std::size_t>(i)])];
+    const ClipVertex3& c = scratch.corners[scratch.from[i]];
     std::uint32_t refCode = kNoFeature, incCode = kNoFeature;
     if (c.in >= 0 && c.out >= 0) {
       incCode = featureCode(incVertex(c.out));

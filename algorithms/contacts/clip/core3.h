@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithms/contacts/patch/point_box.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
@@ -14,9 +15,9 @@ struct Core3 {
 
   int faceCount() const { return topology ? static_cast<int>(topology->faces.size()) : 0; }
   int edgeCount() const { return topology ? static_cast<int>(topology->edges.size()) : 0; }
-  const Polytope<3>::Face& face(int f) const { return topology->faces[static_cast<std::size_t>(f)]; }
-  const Polytope<3>::Edge& edge(int e) const { return topology->edges[static_cast<std::size_t>(e)]; }
-  int loop(int i) const { return topology->loop[static_cast<std::size_t>(i)]; }
+  const Polytope<3>::Face& face(int f) const { return topology->faces[f]; }
+  const Polytope<3>::Edge& edge(int e) const { return topology->edges[e]; }
+  int loop(int i) const { return topology->loop[i]; }
   const Vec<3>& faceVertex(int f, int k) const { return v[loop(face(f).begin + k)]; }
   int faceSize(int f) const { return face(f).end - face(f).begin; }
   /// False for a side of a flat triangle: nothing can be clipped against it, it is an edge.
@@ -38,7 +39,7 @@ inline const Polytope<3>& boxTopology() {
     const auto faceWith = [&](int v0, int v1) {
       for (int i = 0; i < 24; ++i) {
         const int next = i % 4 == 3 ? i - 3 : i + 1;
-        if (t.loop[static_cast<std::size_t>(i)] == v0 && t.loop[static_cast<std::size_t>(next)] == v1) return i / 4;
+        if (t.loop[i] == v0 && t.loop[next] == v1) return i / 4;
       }
       return -1;
     };
@@ -132,10 +133,10 @@ inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& sto
 /// One face with so many corners, counter-clockwise seen from outside.
 inline const Polytope<3>& polygonTopology(std::size_t corners) {
   constexpr std::size_t kMost = 64;
-  static const std::vector<Polytope<3>> polygons = [] {
-    std::vector<Polytope<3>> made(kMost + 1);
+  static const IndexedVector<Polytope<3>> polygons = [] {
+    IndexedVector<Polytope<3>> made(kMost + 1);
     for (int count = 3; count <= static_cast<int>(kMost); ++count) {
-      Polytope<3>& t = made[static_cast<std::size_t>(count)];
+      Polytope<3>& t = made[count];
       t.faces.push_back({Vec<3>::Zero(), 0, 0, count});
       for (int i = 0; i < count; ++i) {
         t.loop.push_back(i);

@@ -26,7 +26,7 @@ inline std::span<PatchPoint<2>> clipAlong(const PlacedPair<2>& pair, const Vec<2
     out.count = 1;
     out.points[0] = witness;
   }
-  return {out.points.data(), static_cast<std::size_t>(out.count)};
+  return {out.points.data(), out.points.data() + out.count};
 }
 
 }}}  // namespace lpc::LPC_PRECISION::contacts

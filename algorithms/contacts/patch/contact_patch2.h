@@ -44,9 +44,7 @@ struct CoreSizes2 {
 
 template <>
 inline PlacedPair<2> placePair<2>(const ContactInput<2>& in, const ConvexPair<2>& pair, Real bias) {
-  const auto poseOf = [&](std::int32_t shape) -> const Pose<2>& {
-    return in.pose[static_cast<std::size_t>(in.shapes[static_cast<std::size_t>(shape)].body)];
-  };
+  const auto poseOf = [&](std::int32_t shape) -> const Pose<2>& { return in.pose[in.shapes[shape].body]; };
   PlacedPair<2> out;
   out.pair = &pair;
   out.swapped = pair.a.kind > pair.b.kind;

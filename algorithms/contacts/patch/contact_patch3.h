@@ -4,6 +4,7 @@
 
 #include "algorithms/contacts/patch/contact_patch.h"
 #include "algorithms/pair_query/gjk/triple.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
@@ -11,9 +12,7 @@ inline bool isNoTurn(const Rot<3>& q) { return q.w == 1 && q.x == 0 && q.y == 0 
 
 template <>
 inline PlacedPair<3> placePair(const ContactInput<3>& in, const ConvexPair<3>& pair, Real bias) {
-  const auto poseOf = [&](std::int32_t shape) -> const Pose<3>& {
-    return in.pose[static_cast<std::size_t>(in.shapes[static_cast<std::size_t>(shape)].body)];
-  };
+  const auto poseOf = [&](std::int32_t shape) -> const Pose<3>& { return in.pose[in.shapes[shape].body]; };
   PlacedPair<3> out;
   out.pair = &pair;
   out.swapped = pair.a.kind > pair.b.kind;
@@ -56,7 +55,7 @@ inline void addPatch(const ContactInput<3>& in, const PlacedPair<3>& placed, con
   if (placed.swapped) {
     for (PatchPoint<3>& p : points) p.feature = p.feature << 32 | p.feature >> 32;
   }
-  std::array<std::size_t, static_cast<std::size_t>(kManifoldPoints<3>)> order{};
+  IndexedArray<std::size_t, kManifoldPoints<3>> order{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::size_t k = i;
     for (; k > 0 && points[i].feature < points[order[k - 1]].feature; --k) order[k] = order[k - 1];

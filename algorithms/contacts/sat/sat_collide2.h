@@ -69,7 +69,7 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, WorkDone& w
 }
 
 inline std::span<PatchPoint<2>> patchPoints(Scratch2& s, Real, Reduction) {
-  return {s.patch.points.data(), static_cast<std::size_t>(s.patch.count)};
+  return {s.patch.points.data(), s.patch.points.data() + s.patch.count};
 }
 inline const Vec<2>& patchNormal(const Scratch2& s) { return s.patch.normal; }
 

@@ -51,7 +51,7 @@ Vec<D> farthest(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr,
         if (const int top = climbToFarthest(*shape.hull, d, *climb); top >= 0) {
           *climb = top;
           if (hint) *hint = top;
-          return shape.hull->vertices[static_cast<std::size_t>(top)];
+          return shape.hull->vertices[top];
         }
       }
       const std::size_t best = farthestVertex(shape.hull->vertices, d);

@@ -25,7 +25,7 @@ struct HullPeak {
 inline bool climbToPeak(const Polytope<3>& hull, const Vec<3>& d, int start, Real band, HullPeak& peak) {
   const Real level = band + hull.slack * d.cwiseAbs().sum();  // the sum is no less than the length
   if (!(level < std::numeric_limits<Real>::infinity())) return false;
-  const auto height = [&](int v) { return hull.vertices[static_cast<std::size_t>(v)].dot(d); };
+  const auto height = [&](int v) { return hull.vertices[v].dot(d); };
   auto& [top, count] = peak;
   top[0] = start, count = 1;
   Real most = height(start);

@@ -25,10 +25,10 @@ void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, s
       if constexpr (D == 3) {
         HullPeak peak;
         if (climb && shape.hull->vertices.size() >= kClimbVertices && climbToPeak(*shape.hull, n, *climb, band, peak)) {
-          const Real farthest = shape.hull->vertices[static_cast<std::size_t>(peak.vertices[0])].dot(n);
+          const Real farthest = shape.hull->vertices[peak.vertices[0]].dot(n);
           std::sort(peak.vertices.begin(), peak.vertices.begin() + peak.count);
           for (std::size_t k = 0; k < peak.count; ++k) {
-            const Vec<D>& v = shape.hull->vertices[static_cast<std::size_t>(peak.vertices[k])];
+            const Vec<D>& v = shape.hull->vertices[peak.vertices[k]];
             if (v.dot(n) >= farthest - band) out.push_back(v);
           }
           return;

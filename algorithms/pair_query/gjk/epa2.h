@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "algorithms/pair_query/gjk/gjk_simplex2.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
@@ -78,7 +79,7 @@ class Epa<2, Watch> {
       step.face = edge;
       const int count = edge < 0 ? 0 : static_cast<int>(m_edges.size());
       for (int i = 0; i < count; ++i) {
-        step.corners.push_back(m_edges[static_cast<std::size_t>(i)].from);
+        step.corners.push_back(m_edges[i].from);
         step.faces.push_back({i, (i + 1) % count});
       }
     });
@@ -139,7 +140,7 @@ class Epa<2, Watch> {
   }
 
   [[no_unique_address]] Watch m_watch;
-  std::vector<Edge> m_edges;  // counter-clockwise
+  IndexedVector<Edge> m_edges;  // counter-clockwise
 };
 
 }}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "algorithms/pair_query/gjk/gjk_simplex3.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
@@ -15,14 +16,14 @@ template <int D>
 bool nearestByJohnson(const Simplex<D>& s, NearestFeature<D>& best) {
   constexpr unsigned kSubsets = 1u << (D + 1);
   const auto n = static_cast<unsigned>(s.count), all = (1u << n) - 1;
-  std::array<std::array<Real, static_cast<std::size_t>(D) + 1>, static_cast<std::size_t>(D) + 1> product{};
+  IndexedArray<IndexedArray<Real, D + 1>, D + 1> product{};
   Real size2 = 0;
   for (unsigned i = 0; i < n; ++i) {
     for (unsigned j = 0; j < n; ++j) product[i][j] = s.w[i].dot(s.w[j]);
     size2 = std::max(size2, product[i][i]);
   }
   const auto holds = [](unsigned set, unsigned i) { return ((set >> i) & 1u) != 0; };
-  std::array<std::array<Real, static_cast<std::size_t>(D) + 1>, kSubsets> cofactor{};
+  std::array<IndexedArray<Real, D + 1>, kSubsets> cofactor{};
   std::array<bool, kSubsets> between{};
   for (unsigned set = 1; set <= all; ++set) {  // after all of its own subsets
     between[set] = true;
@@ -50,7 +51,7 @@ bool nearestByJohnson(const Simplex<D>& s, NearestFeature<D>& best) {
   }
   // Which points, the cofactors say. Where the foot is they would say with half of the digits.
   const auto offer = [&](unsigned set) {
-    std::array<const Vec<D>*, static_cast<std::size_t>(D)> on{};
+    IndexedArray<const Vec<D>*, D> on{};
     std::size_t count = 0;
     for (unsigned i = 0; i < n; ++i) {
       if (holds(set, i)) on[count++] = &s.w[i];

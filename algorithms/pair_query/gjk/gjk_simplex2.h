@@ -5,13 +5,14 @@
 #include <array>
 
 #include "algorithms/pair_query/core/core_pair.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// Up to D + 1 points of the Minkowski difference.
 template <int D>
 struct Simplex {
-  std::array<Vec<D>, static_cast<std::size_t>(D) + 1> w;
+  IndexedArray<Vec<D>, D + 1> w;
   int count = 0;
 
   Simplex() {
@@ -27,9 +28,9 @@ struct Simplex {
     count = other.count;
     return *this;
   }
-  const Vec<D>& operator[](int i) const { return w[static_cast<std::size_t>(i)]; }
+  const Vec<D>& operator[](int i) const { return w[i]; }
   void push(const Vec<D>& point) {
-    Vec<D>& place = w[static_cast<std::size_t>(count++)];
+    Vec<D>& place = w[count++];
     for (int k = 0; k < D; ++k) place[k] = point[k];
   }
   bool contains(const Vec<D>& point) const {

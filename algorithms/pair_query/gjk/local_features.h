@@ -4,6 +4,7 @@
 #pragma once
 
 #include "algorithms/pair_query/core/touching.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
@@ -79,18 +80,18 @@ class LocalFeatures {
       case CoreClass::hull:
         break;
     }
-    const std::vector<Vec<3>>& vertices = shape.hull->vertices;
+    const IndexedVector<Vec<3>>& vertices = shape.hull->vertices;
     ++work[WorkCount::supportCalls];
     const Real height = coreSupport(shape, n).dot(n) - band;
     for (const auto& edge : shape.hull->edges) {
-      const Vec<3>&u = vertices[static_cast<std::size_t>(edge.v0)], &v = vertices[static_cast<std::size_t>(edge.v1)];
+      const Vec<3>&u = vertices[edge.v0], &v = vertices[edge.v1];
       Vec<3> e = v - u;
       if ((u.dot(n) >= height || v.dot(n) >= height) && makeUnit<3>(e)) out.push_back(e);
     }
   }
 
   template <class F>
-  static void forEdges(const std::vector<Vec<D>>& vertices, F&& f) {
+  static void forEdges(const IndexedVector<Vec<D>>& vertices, F&& f) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       for (std::size_t j = i + 1; j < vertices.size(); ++j) {
         Vec<D> e = vertices[j] - vertices[i];

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "algorithms/pair_query/gjk/gjk_simplex3.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
@@ -43,7 +44,7 @@ int cornerCount(const ShapeView<D>& shape) {
 /// Precondition: number < cornerCount(shape).
 template <int D>
 Vec<D> cornerOf(const ShapeView<D>& shape, int number) {
-  if (shape.core() == CoreClass::hull) return shape.hull->vertices[static_cast<std::size_t>(number)];
+  if (shape.core() == CoreClass::hull) return shape.hull->vertices[number];
   Vec<D> v;
   for (int k = 0; k < D; ++k) v[k] = (number >> k) & 1 ? shape.half[k] : -shape.half[k];
   return v;
@@ -73,7 +74,7 @@ class PairWarmth {
     if (!memory) return;
     const auto stored = std::bit_cast<Stored>(memory->bytes);
     Vec<D> n;
-    for (int k = 0; k < D; ++k) n[k] = stored.direction[static_cast<std::size_t>(k)];
+    for (int k = 0; k < D; ++k) n[k] = stored.direction[k];
     if (n.allFinite()) m_direction = n;
     if (stored.count > D + 1) return;
     for (std::size_t i = 0; i < stored.count; ++i) {
@@ -117,7 +118,7 @@ class PairWarmth {
   void remember(const Vec<D>& n, const Simplex<D>& last, PairMemory& memory) const {
     Stored stored;
     const Vec<D>& best = n.isZero(0) ? m_direction : n;  // who was inside at once has tried none
-    for (int k = 0; k < D; ++k) stored.direction[static_cast<std::size_t>(k)] = static_cast<float>(best[k]);
+    for (int k = 0; k < D; ++k) stored.direction[k] = static_cast<float>(best[k]);
     for (int i = 0; i < last.count; ++i) {
       const auto of = std::find_if(m_seen.begin(), m_seen.end(), [&](const Seen& s) { return s.point == last[i]; });
       if (of == m_seen.end() || of->corners.a == kNoCorner || of->corners.b == kNoCorner) {
@@ -131,7 +132,7 @@ class PairWarmth {
 
  private:
   struct Stored {
-    std::array<float, 3> direction{};
+    IndexedArray<float, 3> direction{};
     std::array<CornerPair, 4> corners{};
     std::uint32_t count = 0;
   };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "algorithms/pair_query/core/core_pair.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
@@ -27,18 +28,16 @@ class SatCore {
   }
 
   int vertexCount() const { return static_cast<int>(m_corners.size()); }
-  std::span<const Face> faces() const { return m_faces; }
-  std::span<const Edge> edges() const { return m_edges; }
+  IndexedSpan<const Face> faces() const { return m_faces; }
+  IndexedSpan<const Edge> edges() const { return m_edges; }
   std::span<const Polytope<3>::Spoke> spokes(int vertex) const { return m_hull->spokesOf(vertex); }
-  std::span<const int> loop(const Face& f) const {
-    return m_loop.subspan(static_cast<std::size_t>(f.begin), static_cast<std::size_t>(f.end - f.begin));
-  }
+  std::span<const int> loop(const Face& f) const { return m_loop.part(f.begin, f.end - f.begin); }
   Vec<3> vertex(int i) const {
-    const Vec<3>& v = m_corners[static_cast<std::size_t>(i)];
+    const Vec<3>& v = m_corners[i];
     return m_placed ? v : Vec<3>(m_p + m_r * v);
   }
   Vec<3> normal(int face) const {
-    const Vec<3>& n = m_faces[static_cast<std::size_t>(face)].normal;
+    const Vec<3>& n = m_faces[face].normal;
     return m_placed ? n : Vec<3>(m_r * n);
   }
   Plane plane(const Face& f) const {
@@ -101,7 +100,7 @@ class SatCore {
         for (std::size_t bits = 0; bits < 8; ++bits) {
           m_box.vertices[bits] = {(bits & 1) ? h[0] : -h[0], (bits & 2) ? h[1] : -h[1], (bits & 4) ? h[2] : -h[2]};
         }
-        for (int k = 0; k < 6; ++k) m_box.faces[static_cast<std::size_t>(k)].offset = h[k / 2];
+        for (int k = 0; k < 6; ++k) m_box.faces[k].offset = h[k / 2];
         return view(m_box);
       case CoreClass::segment:
         if (m_segment.vertices.empty()) {
@@ -155,10 +154,10 @@ class SatCore {
   }
 
   const Polytope<3>* m_hull = nullptr;
-  std::span<const Vec<3>> m_corners;  // in its own frame
-  std::span<const Face> m_faces;
-  std::span<const Edge> m_edges;
-  std::span<const int> m_loop;
+  IndexedSpan<const Vec<3>> m_corners;  // in its own frame
+  IndexedSpan<const Face> m_faces;
+  IndexedSpan<const Edge> m_edges;
+  IndexedSpan<const int> m_loop;
   Vec<3> m_p = Vec<3>::Zero();
   Mat<3> m_r = Mat<3>::Identity();
   bool m_placed = true;  // its frame is A's

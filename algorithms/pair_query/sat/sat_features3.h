@@ -51,7 +51,7 @@ struct SatRidge {
   bool bare = false;  // has no faces
 
   SatRidge(const SatCore& core, int i) : number(i) {
-    const SatCore::Edge& e = core.edges()[static_cast<std::size_t>(i)];
+    const SatCore::Edge& e = core.edges()[i];
     v0 = core.vertex(e.v0), v1 = core.vertex(e.v1);
     direction = v1 - v0;
     makeUnit<3>(direction);
@@ -82,7 +82,7 @@ inline Vec<3> betweenEdges(const SatRidge& a, const SatRidge& b) {
 
 /// From q to the face's plane, straight, where q stands above the face, else to its rim.
 inline Vec<3> toFace(const SatCore& core, int number, const Vec<3>& q) {
-  const SatCore::Face& f = core.faces()[static_cast<std::size_t>(number)];
+  const SatCore::Face& f = core.faces()[number];
   const SatCore::Plane plane = core.plane(f);
   const std::span<const int> loop = core.loop(f);
   bool above = loop.size() > 2;  // the side of a triangle is a line: nothing stands above it
@@ -157,10 +157,10 @@ inline bool commonNormal(const SatFeatures& f, const SatCore& a, const SatCore& 
     case none:
       return false;
     case faceOfA:
-      n = a.plane(a.faces()[static_cast<std::size_t>(f.a)]).n;
+      n = a.plane(a.faces()[f.a]).n;
       return true;
     case faceOfB:
-      n = -b.plane(b.faces()[static_cast<std::size_t>(f.b)]).n;
+      n = -b.plane(b.faces()[f.b]).n;
       return true;
     case edges: {
       const SatRidge ofA(a, f.a);

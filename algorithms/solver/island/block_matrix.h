@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "framework/math/indexed.h"
+
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 /// Which blocks there are, and in which order nodes are eliminated.
@@ -50,7 +52,7 @@ class BlockPattern {
     bool turned;  // rows of the block are of the second node
   };
   Between between(int first, int second) const {
-    const std::size_t p = m_place[static_cast<std::size_t>(first)], q = m_place[static_cast<std::size_t>(second)];
+    const std::size_t p = m_place[first], q = m_place[second];
     const auto begin = m_row.begin() + static_cast<std::ptrdiff_t>(m_start[std::min(p, q)]);
     const auto end = m_row.begin() + static_cast<std::ptrdiff_t>(m_start[std::min(p, q) + 1]);
     return {static_cast<std::size_t>(std::lower_bound(begin, end, std::max(p, q)) - m_row.begin()), p < q};
@@ -58,7 +60,7 @@ class BlockPattern {
 
  protected:
   std::size_t m_nodes = 0;
-  std::vector<std::size_t> m_place;         // of a node in the order of elimination
+  IndexedVector<std::size_t> m_place;       // of a node in the order of elimination
   std::vector<std::size_t> m_start, m_row;  // of each column, by place: places below that are not zero
 
  private:
@@ -112,7 +114,7 @@ class BlockCholesky : public BlockPattern {
       for (std::size_t k = 0; k < S; ++k) block[k * S + k] = diagonal;
     }
   }
-  Block& diagonal(int node) { return m_diagonal[m_place[static_cast<std::size_t>(node)]]; }
+  Block& diagonal(int node) { return m_diagonal[m_place[node]]; }
   Block& below(std::size_t at) { return m_below[at]; }
   std::size_t entries() const { return (m_nodes + m_row.size()) * S * S; }
   /// The sum of all squares of A.
@@ -234,7 +236,7 @@ class BlockLu : public BlockPattern {
       for (std::size_t k = 0; k < S; ++k) block[k * S + k] = diagonal;
     }
   }
-  Block& diagonal(int node) { return m_diagonal[m_place[static_cast<std::size_t>(node)]]; }
+  Block& diagonal(int node) { return m_diagonal[m_place[node]]; }
   /// Rows are of the node that is eliminated later.
   Block& below(std::size_t at) { return m_below[at]; }
   /// Columns are.

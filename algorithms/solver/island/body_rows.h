@@ -5,6 +5,7 @@
 
 #include "algorithms/solver/island/block_matrix.h"
 #include "algorithms/solver/island/inertia_root.h"
+#include "framework/math/indexed.h"
 #include "framework/problem/contact_problem.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -19,7 +20,7 @@ class BodyRows {
     BlockPattern::Between between;
   };
   /// Of a group, row by row.
-  using Square = std::array<double, static_cast<std::size_t>(D* D)>;
+  using Square = IndexedArray<double, D * D>;
 
   std::vector<Group> groups;
 
@@ -31,7 +32,7 @@ class BodyRows {
   bool set(const VelocityInput<D>& in, const ContactProblem<D>& problem, std::span<const std::int32_t> which,
            int maxBodies) {
     const std::size_t n = which.size();
-    m_node.resize(static_cast<std::size_t>(in.bodies.size()) + 1, -1);
+    m_node.resize(in.bodies.pose.size() + 1, -1);
     m_rows.resize(n), groups.clear(), m_edges.clear(), m_bodies.clear();
     bool fits = true;
     for (std::size_t i = 0; i < n && fits; ++i) {
@@ -47,7 +48,7 @@ class BodyRows {
       }
       fits = m_bodies.size() <= static_cast<std::size_t>(maxBodies);
     }
-    for (const std::int32_t body : m_bodies) m_node[static_cast<std::size_t>(body)] = -1;
+    for (const std::int32_t body : m_bodies) m_node[body] = -1;
     return fits;
   }
   void analyse(BlockPattern& matrix) {
@@ -97,7 +98,7 @@ class BodyRows {
   template <class Matrix>
   void add(const Group& g, const Square& s, Matrix& matrix) const {
     const Row* const rows = m_rows.data() + g.first;
-    std::array<Place, D> givesA{}, givesB{};
+    IndexedArray<Place, D> givesA{}, givesB{};
     for (std::size_t i = 0; i < g.count; ++i) {
       for (std::size_t j = 0; j < g.count; ++j) {
         const double k = s[i * D + j];
@@ -120,35 +121,34 @@ class BodyRows {
   }
 
  private:
-  using Place = std::array<double, kSize>;
+  using Place = IndexedArray<double, kSize>;
   struct Row {
     int a, b;  // nodes; -1: what cannot move
     Place onA, onB;
   };
 
   int nodeOf(const VelocityInput<D>& in, std::int32_t body) {
-    const auto i = static_cast<std::size_t>(body);
-    if (body >= in.bodies.size() || !(in.bodies.invMass[i] > 0 || in.bodies.invInertia[i].trace() > 0)) return -1;
-    if (m_node[i] < 0) {
-      m_node[i] = static_cast<int>(m_bodies.size());
+    if (body >= in.bodies.size() || !(in.bodies.invMass[body] > 0 || in.bodies.invInertia[body].trace() > 0)) return -1;
+    if (m_node[body] < 0) {
+      m_node[body] = static_cast<int>(m_bodies.size());
       m_bodies.push_back(body);
       if (m_root.size() < m_bodies.size()) m_root.emplace_back();
-      m_root[m_bodies.size() - 1] = rootOfInertia<D>(in.bodies, i, in.features.rotation);
+      m_root[m_bodies.size() - 1] = rootOfInertia<D>(in.bodies, body, in.features.rotation);
     }
-    return m_node[i];
+    return m_node[body];
   }
   Place place(const VelocityInput<D>& in, const ProblemRow<D>& r, bool isA) const {
     Place p{};
     const std::int32_t body = isA ? r.a : r.b;
-    if (body >= in.bodies.size() || m_node[static_cast<std::size_t>(body)] < 0) return p;
-    const double sign = isA ? -1 : 1, mass = std::sqrt(double(in.bodies.invMass[static_cast<std::size_t>(body)]));
+    if (body >= in.bodies.size() || m_node[body] < 0) return p;
+    const double sign = isA ? -1 : 1, mass = std::sqrt(double(in.bodies.invMass[body]));
     const auto& arm = isA ? r.armA : r.armB;
-    const InertiaRoot<D>& l = m_root[static_cast<std::size_t>(m_node[static_cast<std::size_t>(body)])];
-    for (int k = 0; k < D; ++k) p[static_cast<std::size_t>(k)] = sign * mass * r.d[k];
+    const InertiaRoot<D>& l = m_root[m_node[body]];
+    for (int k = 0; k < D; ++k) p[k] = sign * mass * r.d[k];
     for (int k = 0; k < kAngDim<D>; ++k) {
       double sum = 0;
-      for (int m = k; m < kAngDim<D>; ++m) sum += l[static_cast<std::size_t>(m * kAngDim<D> + k)] * arm[m];
-      p[static_cast<std::size_t>(D + k)] = sign * sum;
+      for (int m = k; m < kAngDim<D>; ++m) sum += l[m * kAngDim<D> + k] * arm[m];
+      p[D + k] = sign * sum;
     }
     return p;
   }
@@ -158,7 +158,7 @@ class BodyRows {
     return sum;
   }
   template <class Block>
-  static void add(std::size_t count, const Row* rows, Place Row::*on, const std::array<Place, D>& gives, Block& to) {
+  static void add(std::size_t count, const Row* rows, Place Row::*on, const IndexedArray<Place, D>& gives, Block& to) {
     for (std::size_t r = 0; r < count; ++r) {
       for (std::size_t i = 0; i < kSize; ++i) {
         const double left = (rows[r].*on)[i];
@@ -170,9 +170,9 @@ class BodyRows {
 
   std::vector<Row> m_rows;
   std::vector<std::pair<int, int>> m_edges;
-  std::vector<std::int32_t> m_bodies;  // of the nodes
-  std::vector<int> m_node;             // of the bodies
-  std::vector<InertiaRoot<D>> m_root;
+  IndexedVector<std::int32_t> m_bodies;  // of the nodes
+  IndexedVector<int> m_node;             // of the bodies
+  IndexedVector<InertiaRoot<D>> m_root;
 };
 
 }}}  // namespace lpc::LPC_PRECISION::solver

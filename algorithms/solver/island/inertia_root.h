@@ -5,19 +5,20 @@
 #include <cmath>
 #include <cstddef>
 
+#include "framework/math/indexed.h"
 #include "framework/problem/body.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 template <int D>
-using InertiaRoot = std::array<double, static_cast<std::size_t>(kAngDim<D>* kAngDim<D>)>;
+using InertiaRoot = IndexedArray<double, kAngDim<D> * kAngDim<D>>;
 
 /// L of L L^T = a body's inverse inertia, row by row; of an axis about which it cannot turn, nothing.
 template <int D>
-InertiaRoot<D> rootOfInertia(const Bodies<D>& bodies, std::size_t body, bool rotation) {
+InertiaRoot<D> rootOfInertia(const Bodies<D>& bodies, std::int32_t body, bool rotation) {
   InertiaRoot<D> l{};
   constexpr int n = kAngDim<D>;
-  const auto at = [&](int i, int j) -> double& { return l[static_cast<std::size_t>(i * n + j)]; };
+  const auto at = [&](int i, int j) -> double& { return l[i * n + j]; };
   for (int i = 0; i < n && rotation; ++i) {
     for (int j = 0; j <= i; ++j) {
       double sum = double(bodies.invInertia[body](i, j));

@@ -8,6 +8,7 @@
 
 #include "algorithms/solver/island/body_rows.h"
 #include "algorithms/solver/island/dense.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
@@ -29,15 +30,15 @@ struct Island {
 
   /// False: it has more bodies; or, where it is a matrix alone, more rows.
   bool set(const VelocityInput<D>& in, const ContactProblem<D>& p, std::span<const std::int32_t> which,
-           std::span<const double> freeVelocity, std::span<const double> impulse, int maxBodies, int maxRows) {
+           IndexedSpan<const double> freeVelocity, IndexedSpan<const double> impulse, int maxBodies, int maxRows) {
     problem = &p, rows = which, dense = false;
     const std::size_t n = size();
     if (in.given ? n > static_cast<std::size_t>(maxRows) : !bodies.set(in, p, which, maxBodies)) return false;
     root.resize(n), soft.resize(n), u.resize(n), x.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       root[i] = std::sqrt(row(i).unit), soft[i] = row(i).compliance * row(i).unit;
-      u[i] = freeVelocity[static_cast<std::size_t>(rows[i])] * root[i];
-      x[i] = impulse[static_cast<std::size_t>(rows[i])] / root[i];
+      u[i] = freeVelocity[rows[i]] * root[i];
+      x[i] = impulse[rows[i]] / root[i];
       if (!in.given) bodies.scale(i, root[i]);
     }
     if (in.given) assemble();
@@ -74,8 +75,8 @@ struct Island {
     multiply(x, out);
     for (std::size_t i = 0; i < size(); ++i) out[i] += u[i];
   }
-  void store(std::span<double> impulse) const {
-    for (std::size_t i = 0; i < size(); ++i) impulse[static_cast<std::size_t>(rows[i])] = x[i] * root[i];
+  void store(IndexedSpan<double> impulse) const {
+    for (std::size_t i = 0; i < size(); ++i) impulse[rows[i]] = x[i] * root[i];
   }
 
  private:

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "algorithms/solver/island/island.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
@@ -27,10 +28,10 @@ struct PyramidLcp {
   /// Impulse per unknown, and the velocity that it has to make zero: D rows from `first`.
   struct Unknown {
     std::size_t first;
-    std::array<double, D> impulse{}, velocity{};
+    IndexedArray<double, D> impulse{}, velocity{};
     std::size_t rows = 1;
   };
-  using Tangent = std::array<double, D - 1>;
+  using Tangent = IndexedArray<double, D - 1>;
 
   const ProblemRow<D>& row(std::size_t i) const { return m_island.row(i); }
   double* w(std::size_t i) { return m_island.w.data() + i * m_island.size(); }
@@ -59,7 +60,7 @@ struct PyramidLcp {
   }
   // In half steps: corners are even, the middles of edges odd.
   Tangent toward(std::size_t i, int half) const {
-    const auto& turn = m_corner[static_cast<std::size_t>((half + 2 * facets()) % (2 * facets()))];
+    const auto& turn = m_corner[(half + 2 * facets()) % (2 * facets())];
     const Tangent& s = m_along[i];
     if constexpr (D == 2) {
       return {turn[0] * s[0]};
@@ -321,8 +322,8 @@ struct PyramidLcp {
   double m_tolerance = 0, m_middle = 0;  // scaled velocity; how far an edge is from the axis
   bool m_factored = false;               // is the factor that of m_state?
   std::vector<double> m_velocity, m_product, m_z, m_matrix, m_right;
-  std::vector<Tangent> m_along;                 // by row, of normals
-  std::vector<std::array<double, 2>> m_corner;  // cosine and sine of half steps
+  std::vector<Tangent> m_along;                     // by row, of normals
+  IndexedVector<IndexedArray<double, 2>> m_corner;  // cosine and sine of half steps
   std::vector<State> m_state;
   std::vector<Unknown> m_unknowns;
 };

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "algorithms/solver/island/body_rows.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
@@ -32,7 +33,7 @@ class SpringIsland {
 
   /// False: it has more bodies. Velocities and impulses are those of the whole problem.
   bool set(const VelocityInput<D>& in, const ContactProblem<D>& problem, std::span<const std::int32_t> which,
-           std::span<const double> freeVelocity, std::span<const double> lastImpulse, int maxBodies) {
+           IndexedSpan<const double> freeVelocity, IndexedSpan<const double> lastImpulse, int maxBodies) {
     const std::size_t n = which.size();
     m_problem = &problem, m_which = which;
     if (!m_rows.set(in, problem, which, maxBodies)) return false;
@@ -42,8 +43,8 @@ class SpringIsland {
     x.assign(n, 0), y.assign(n, 0), u.assign(n, 0), centre.assign(n, 0), shift.assign(n, 0);
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      m_free0[i] = freeVelocity[static_cast<std::size_t>(which[i])];
-      last[i] = lastImpulse[static_cast<std::size_t>(which[i])];
+      m_free0[i] = freeVelocity[which[i]];
+      last[i] = lastImpulse[which[i]];
       const double unit = row(i).unit;
       sum += m_free0[i] * m_free0[i] * unit + last[i] * last[i] / unit;
     }
@@ -154,7 +155,7 @@ class SpringIsland {
     for (std::size_t k = 1; k < D; ++k) t += at[k] * at[k];
     t = std::sqrt(t);
     const double mu = std::min(g.friction, kSteepest), inverse = 1 / (1 + mu * mu), onto = (at[0] + mu * t) * inverse;
-    std::array<double, D> edge{1};
+    IndexedArray<double, D> edge{1};
     for (std::size_t k = 1; k < D; ++k) edge[k] = mu * at[k] / t;
     for (std::size_t i = 0; i < D; ++i) {
       for (std::size_t j = 0; j < D; ++j) s[i * D + j] = edge[i] * edge[j] * inverse;

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "framework/math/indexed.h"
 #include "framework/stage/stage_solver.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -12,14 +13,14 @@ template <int D>
 struct AvbdJoint {
   std::int32_t joint, a, b;  // a -1: the world
   JointRows<D> rows;
-  std::array<Real, kJointRows> impulse, mass, start;  // start: the error at the start of the step that is left
-  Real linear, angular;                               // penalties
-  Real reachA, reachB;                                // from the centres of mass to the frames, m
+  IndexedArray<Real, kJointRows> impulse, mass, start;  // start: the error at the start of the step that is left
+  Real linear, angular;                                 // penalties
+  Real reachA, reachB;                                  // from the centres of mass to the frames, m
 
   /// Relative speed along a row, m/s or rad/s.
   Real speed(const Bodies<D>& bodies, const ConstraintRow<D>& row) const {
-    const Motion<D> from = a < 0 ? Motion<D>{} : bodies.motion[static_cast<std::size_t>(a)];
-    const Motion<D>& to = bodies.motion[static_cast<std::size_t>(b)];
+    const Motion<D> from = a < 0 ? Motion<D>{} : bodies.motion[a];
+    const Motion<D>& to = bodies.motion[b];
     return rowSpeed<D>(row, from.v, from.w, to.v, to.w);
   }
 
@@ -28,7 +29,7 @@ struct AvbdJoint {
   void setMasses(const Bodies<D>& bodies) {
     Real linearSum = 0, angularSum = 0;
     int linearRows = 0, angularRows = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(rows.count); ++i) {
+    for (int i = 0; i < rows.count; ++i) {
       const ConstraintRow<D>& row = rows.row[i];
       if (row.absent()) continue;
       const Real k = response(bodies, a, row.d, row.armA) + response(bodies, b, row.d, row.armB);
@@ -37,7 +38,7 @@ struct AvbdJoint {
       (row.angular ? angularSum : linearSum) += k;
       ++(row.angular ? angularRows : linearRows);
     }
-    for (std::size_t i = 0; i < static_cast<std::size_t>(rows.count); ++i) {
+    for (int i = 0; i < rows.count; ++i) {
       const ConstraintRow<D>& row = rows.row[i];
       if (row.absent() || row.block != RowBlock::equality) continue;
       const Real sum = row.angular ? angularSum : linearSum;
@@ -48,8 +49,7 @@ struct AvbdJoint {
  private:
   static Real response(const Bodies<D>& bodies, std::int32_t body, const Vec<D>& d, const Ang<D>& arm) {
     if (body < 0) return Real(0);
-    const auto i = static_cast<std::size_t>(body);
-    return bodies.invMass[i] * d.squaredNorm() + arm.dot(bodies.invInertia[i] * arm);
+    return bodies.invMass[body] * d.squaredNorm() + arm.dot(bodies.invInertia[body] * arm);
   }
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "framework/math/indexed.h"
 #include "framework/math/space.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -55,58 +56,55 @@ class BlockInverse {
     }
     for (int i = 0; i < n; ++i) {
       out[i] = 0;
-      for (int j = 0; j < n; ++j) out[i] += m_inverse[static_cast<std::size_t>(kRows * i + j)] * v[j];
+      for (int j = 0; j < n; ++j) out[i] += m_inverse[kRows * i + j] * v[j];
       out[i] *= scale;
     }
   }
 
  private:
-  Real& at(int i, int j) { return m_inverse[static_cast<std::size_t>(kRows * i + j)]; }
+  Real& at(int i, int j) { return m_inverse[kRows * i + j]; }
 
   // K = L d L^T without square roots, then each column of the inverse. A row that depends on those before it, or that
   // nothing can move, is left out: what it asks for they do, or nobody can.
   template <class K>
   void factor(int n, const K& k) {
-    std::array<std::array<Real, kRows>, kRows> l{};
-    std::array<Real, kRows> inverse{};  // of d; 0 for a row that is left out
+    IndexedArray<IndexedArray<Real, kRows>, kRows> l{};
+    IndexedArray<Real, kRows> inverse{};  // of d; 0 for a row that is left out
     for (int i = 0; i < n; ++i) {
-      auto& row = l[static_cast<std::size_t>(i)];
+      auto& row = l[i];
       const Real own = k(i, i);
       Real d = own;
       for (int j = 0; j < i; ++j) {
-        const auto& other = l[static_cast<std::size_t>(j)];
+        const auto& other = l[j];
         Real x = k(i, j);
         for (int m = 0; m < j; ++m) {
-          const auto c = static_cast<std::size_t>(m);
-          if (inverse[c] > 0) x -= row[c] * other[c] / inverse[c];
+          if (inverse[m] > 0) x -= row[m] * other[m] / inverse[m];
         }
-        row[static_cast<std::size_t>(j)] = x * inverse[static_cast<std::size_t>(j)];
-        d -= row[static_cast<std::size_t>(j)] * x;
+        row[j] = x * inverse[j];
+        d -= row[j] * x;
       }
       const bool independent = d > own * 64 * std::numeric_limits<Real>::epsilon();
-      inverse[static_cast<std::size_t>(i)] = independent ? 1 / d : Real(0);
+      inverse[i] = independent ? 1 / d : Real(0);
     }
     for (int c = 0; c < n; ++c) {
-      std::array<Real, kRows> x{};
+      IndexedArray<Real, kRows> x{};
       for (int i = 0; i < n; ++i) {  // L y = e_c, over the rows that are in
-        const auto r = static_cast<std::size_t>(i);
-        if (!(inverse[r] > 0)) continue;
-        x[r] = i == c ? 1 : 0;
-        for (int j = 0; j < i; ++j) x[r] -= l[r][static_cast<std::size_t>(j)] * x[static_cast<std::size_t>(j)];
+        if (!(inverse[i] > 0)) continue;
+        x[i] = i == c ? 1 : 0;
+        for (int j = 0; j < i; ++j) x[i] -= l[i][j] * x[j];
       }
       for (int i = n; i-- > 0;) {  // L^T z = d^-1 y
-        const auto r = static_cast<std::size_t>(i);
-        x[r] *= inverse[r];
-        if (!(inverse[r] > 0)) continue;
-        for (int j = i + 1; j < n; ++j) x[r] -= l[static_cast<std::size_t>(j)][r] * x[static_cast<std::size_t>(j)];
+        x[i] *= inverse[i];
+        if (!(inverse[i] > 0)) continue;
+        for (int j = i + 1; j < n; ++j) x[i] -= l[j][i] * x[j];
       }
-      for (int i = 0; i < n; ++i) at(i, c) = x[static_cast<std::size_t>(i)];
+      for (int i = 0; i < n; ++i) at(i, c) = x[i];
     }
   }
 
   bool m_sized = false;  // D rows: m_point, by a matrix of fixed size
   Mat<D> m_point;
-  std::array<Real, kRows * kRows> m_inverse;
+  IndexedArray<Real, kRows * kRows> m_inverse;
 };
 
 }}}  // namespace lpc::LPC_PRECISION::solver

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/stage/stage_solver.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -24,6 +25,13 @@ Mat<D> pointResponse(const Vec<D>& rA, const Vec<D>& rB, Real invMassSum, const 
     k.col(i) = invMassSum * d + cross((invIA * cross(rA, d)).eval(), rA) + cross((invIB * cross(rB, d)).eval(), rB);
   }
   return k;
+}
+
+/// What impulses of the last step are scaled by, to be the first guess of this one's. An impulse is a force times dt:
+/// when dt changes, the force is the better guess. `in`: a VelocityInput or a StepInput.
+template <class Input>
+Real lastImpulseScale(const Input& in) {
+  return in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
 }
 
 /// One direction d of impulse between two bodies.
@@ -81,7 +89,7 @@ Real contactTarget(Real separation, Real velocity, Real arrival, Real restitutio
 /// The change of normal velocity that a contact point asks for at the velocities of now, m/s; negative: none.
 template <int D>
 Real velocityError(const VelocityInput<D>& in, const Manifold<D>& m, const ContactPoint<D>& c) {
-  const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+  const auto a = m.bodyA, b = m.bodyB;
   const ContactArms<D> arms(c, m.normal, in.bodies.pose[a], in.bodies.pose[b]);
   const auto along = [&](const Motion<D>& x, const Motion<D>& y) {
     return (y.v + cross(y.w, arms.rB) - x.v - cross(x.w, arms.rA)).dot(m.normal);
@@ -95,12 +103,12 @@ Real velocityError(const VelocityInput<D>& in, const Manifold<D>& m, const Conta
 template <int D>
 struct PointRows {
   Row<D> normal;
-  std::array<Row<D>, D - 1> tangent;
+  IndexedArray<Row<D>, D - 1> tangent;
   RealMatrix<D - 1, D - 1> stick;  // inverse of the tangents' response: impulse that ends sliding, kg
   Real slide;                      // 1 / the largest eigenvalue of that response, kg
   Real target;                     // least normal velocity, m/s
   Real kick;                       // part of the normal velocity that this step\'s forces have just made, m/s
-  std::array<Real, D> impulse;     // accumulated in this step: along n, then along the tangents
+  IndexedArray<Real, D> impulse;   // accumulated in this step: along n, then along the tangents
 };
 
 template <int D>
@@ -112,6 +120,8 @@ struct ManifoldRows {
   Real friction;
   Vec<D> n;
   RealMatrix<D, D - 1> t;
+
+  std::uint64_t rows() const { return static_cast<std::uint64_t>(count) * (friction > 0 ? D : 1); }
 };
 
 inline void prepareFriction(PointRows<2>& row) { row.stick[0] = row.slide = row.tangent[0].mass; }
@@ -135,22 +145,22 @@ inline void prepareFriction(PointRows<3>& row) {
 /// All contacts of a velocity solve. The arrays keep their capacity from step to step.
 template <int D>
 struct ContactRows {
-  std::vector<ManifoldRows<D>> manifolds;
-  std::vector<PointRows<D>> points;
+  IndexedVector<ManifoldRows<D>> manifolds;
+  IndexedVector<PointRows<D>> points;
 
   /// Before any impulse is applied: restitution looks at the velocities as they are now.
   void prepare(const VelocityInput<D>& in) {
     std::size_t count = 0;
-    for (int i : in.order) count += static_cast<std::size_t>(in.manifolds[static_cast<std::size_t>(i)].count);
+    for (int i : in.order) count += static_cast<std::size_t>(in.manifolds[i].count);
     manifolds.resize(in.order.size());
     points.resize(count);
     const Bodies<D>& bodies = in.bodies;
     const bool rotation = in.features.rotation;
     std::size_t p = 0;
     for (std::size_t k = 0; k < in.order.size(); ++k) {
-      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(in.order[k])];
+      const Manifold<D>& m = in.manifolds[in.order[k]];
       ManifoldRows<D>& rows = manifolds[k];
-      const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+      const auto a = m.bodyA, b = m.bodyB;
       rows.a = m.bodyA, rows.b = m.bodyB, rows.manifold = in.order[k];
       rows.first = static_cast<int>(p), rows.count = m.count;
       rows.invMassA = bodies.invMass[a], rows.invMassB = bodies.invMass[b];
@@ -158,7 +168,7 @@ struct ContactRows {
       rows.n = m.normal, rows.t = tangents(m.normal);
       const Real invMassSum = rows.invMassA + rows.invMassB;
       for (int i = 0; i < m.count; ++i, ++p) {
-        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
+        const ContactPoint<D>& c = m.points[i];
         PointRows<D>& row = points[p];
         const ContactArms<D> arms(c, m.normal, bodies.pose[a], bodies.pose[b]);
         const auto make = [&](const Vec<D>& d) {
@@ -166,7 +176,7 @@ struct ContactRows {
         };
         row.normal = make(m.normal);
         if (rows.friction > 0) {
-          for (int d = 0; d < D - 1; ++d) row.tangent[static_cast<std::size_t>(d)] = make(rows.t.col(d));
+          for (int d = 0; d < D - 1; ++d) row.tangent[d] = make(rows.t.col(d));
           prepareFriction(row);
         }
         const Real v = rowVelocity(row.normal, m.normal, bodies.motion[a], bodies.motion[b], rotation);
@@ -177,17 +187,17 @@ struct ContactRows {
                                       in.restitutionThreshold, in.dt, in.position);
         row.impulse.fill(0);
       }
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
+      countMadeRows<D>(in.work, rows.rows());
     }
   }
 
   /// Writes the impulses of this step into the manifolds, as what they bore.
-  void store(std::span<Manifold<D>> out) const {
+  void store(IndexedSpan<Manifold<D>> out) const {
     for (const ManifoldRows<D>& rows : manifolds) {
-      Manifold<D>& m = out[static_cast<std::size_t>(rows.manifold)];
+      Manifold<D>& m = out[rows.manifold];
       for (int i = 0; i < rows.count; ++i) {
-        ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
-        c.impulse = points[static_cast<std::size_t>(rows.first + i)].impulse;
+        ContactPoint<D>& c = m.points[i];
+        c.impulse = points[rows.first + i].impulse;
         c.load = c.impulse[0];
       }
     }
@@ -217,8 +227,8 @@ template <int D>
 void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>& b, bool rotation) {
   RealMatrix<D - 1, 1> v, old;
   for (int d = 0; d < D - 1; ++d) {
-    v[d] = rowVelocity<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), a, b, rotation);
-    old[d] = row.impulse[static_cast<std::size_t>(d) + 1];
+    v[d] = rowVelocity<D>(row.tangent[d], m.t.col(d), a, b, rotation);
+    old[d] = row.impulse[d + 1];
   }
   const Real limit = m.friction * row.impulse[0];
   RealMatrix<D - 1, 1> impulse = old - row.stick * v;
@@ -227,9 +237,8 @@ void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>&
     impulse = clampFriction<D>(down, limit);
   }
   for (int d = 0; d < D - 1; ++d) {
-    applyRow<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), m.invMassA, m.invMassB, impulse[d] - old[d], a, b,
-                rotation);
-    row.impulse[static_cast<std::size_t>(d) + 1] = impulse[d];
+    applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, impulse[d] - old[d], a, b, rotation);
+    row.impulse[d + 1] = impulse[d];
   }
 }
 

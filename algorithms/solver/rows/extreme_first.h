@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "framework/math/indexed.h"
 #include "framework/problem/body.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -46,15 +47,15 @@ class Extreme {
  private:
   std::int32_t better(std::int32_t a, std::int32_t b) const {
     if (a < 0 || b < 0) return std::max(a, b);  // -1: no candidate
-    const Real x = m_values[static_cast<std::size_t>(a)], y = m_values[static_cast<std::size_t>(b)];
+    const Real x = m_values[a], y = m_values[b];
     if (y > x || (!(x >= y) && y == y)) return b;  // the second: x is NaN
     return a;
   }
 
   ExtremeSearch m_search;
   std::size_t m_leaves = 1;
-  std::vector<Real> m_values;
-  std::vector<std::int32_t> m_winner;
+  IndexedVector<Real> m_values;
+  IndexedVector<std::int32_t> m_winner;
 };
 
 /// Contacts of each body that can move, in one array: those of body i are ids[start[i]] .. ids[start[i + 1]].
@@ -67,24 +68,23 @@ class ContactsOfBodies {
     const auto each = [&](const auto& visit) {
       for (std::size_t k = 0; k < contacts; ++k) {
         const auto [a, b] = pair(k);
-        if (moves(a)) visit(static_cast<std::size_t>(a), k);
-        if (moves(b)) visit(static_cast<std::size_t>(b), k);
+        if (moves(a)) visit(a, k);
+        if (moves(b)) visit(b, k);
       }
     };
-    each([&](std::size_t body, std::size_t) { ++m_start[body + 1]; });
+    each([&](int body, std::size_t) { ++m_start[body + 1]; });
     for (std::size_t i = 0; i < bodies; ++i) m_start[i + 1] += m_start[i];
     m_ids.resize(m_start[bodies]);
     m_next.assign(m_start.begin(), m_start.end());
-    each([&](std::size_t body, std::size_t k) { m_ids[m_next[body]++] = static_cast<std::uint32_t>(k); });
+    each([&](int body, std::size_t k) { m_ids[m_next[body]++] = static_cast<std::uint32_t>(k); });
   }
   std::span<const std::uint32_t> of(int body) const {
-    const auto i = static_cast<std::size_t>(body);
-    return {m_ids.data() + m_start[i], m_start[i + 1] - m_start[i]};
+    return {m_ids.data() + m_start[body], m_start[body + 1] - m_start[body]};
   }
 
  private:
-  std::vector<std::size_t> m_start, m_next;
-  std::vector<std::uint32_t> m_ids;
+  IndexedVector<std::size_t> m_start, m_next;
+  IndexedVector<std::uint32_t> m_ids;
 };
 
 }}}  // namespace lpc::LPC_PRECISION::solver

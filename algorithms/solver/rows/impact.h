@@ -8,6 +8,7 @@
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/extreme_first.h"
 #include "algorithms/solver/rows/joint_rows.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
@@ -61,7 +62,7 @@ class Impact {
 
   // Islands in which a contact is hit and one, perhaps another, has restitution; false: there is none.
   bool prepare(const VelocityInput<D>& in, const ContactGraph<D>& graph) {
-    const auto bounces = [&](int i) { return in.manifolds[static_cast<std::size_t>(i)].restitution > 0; };
+    const auto bounces = [&](int i) { return in.manifolds[i].restitution > 0; };
     if (std::none_of(in.order.begin(), in.order.end(), bounces)) return false;
     m_rows.prepare(in);
     m_states.assign(m_rows.points.size(), {});
@@ -70,9 +71,9 @@ class Impact {
     for (const ManifoldRows<D>& m : m_rows.manifolds) {
       const int number = islandOf(m.a, m.b);
       if (number < 0) continue;
-      Island& island = m_islands[static_cast<std::size_t>(number)];
+      Island& island = m_islands[number];
       island.bounces = island.bounces || bounces(m.manifold);
-      const std::span<PointRows<D>> points = pointsOf(m);
+      const IndexedSpan<PointRows<D>> points = pointsOf(m);
       for (std::size_t k = 0; k < points.size(); ++k) {
         const Real arrival = velocity(in, m, points[k]) - points[k].kick;
         if (isHit(in, points[k], gap(in, m, k), arrival)) island.fastest = std::max(island.fastest, -arrival);
@@ -94,13 +95,10 @@ class Impact {
 
   // -1: of what no contact moves.
   int islandOf(int a, int b) const {
-    const int of = a < 0 ? -1 : m_islandOf[static_cast<std::size_t>(a)];
-    return of >= 0 ? of : m_islandOf[static_cast<std::size_t>(b)];
+    const int of = a < 0 ? -1 : m_islandOf[a];
+    return of >= 0 ? of : m_islandOf[b];
   }
-  bool isStruck(int island) const {
-    return island >= 0 && m_islands[static_cast<std::size_t>(island)].bounces &&
-           m_islands[static_cast<std::size_t>(island)].fastest > 0;
-  }
+  bool isStruck(int island) const { return island >= 0 && m_islands[island].bounces && m_islands[island].fastest > 0; }
   template <class Visit>
   void each(std::vector<Motion<D>>& motion, const Visit& visit) const {
     for (std::size_t i = 0; i < motion.size(); ++i) {
@@ -108,9 +106,7 @@ class Impact {
     }
   }
   // What changes less has come to its end, m/s.
-  void lookAt(int island) {
-    m_still = 64 * std::numeric_limits<Real>::epsilon() * m_islands[static_cast<std::size_t>(island)].fastest;
-  }
+  void lookAt(int island) { m_still = 64 * std::numeric_limits<Real>::epsilon() * m_islands[island].fastest; }
   // The pairs of one island after the other, whose joints then are those of m_joints.
   template <class Visit>
   void forIslands(const Visit& visit) {
@@ -126,17 +122,14 @@ class Impact {
       visit(all.subspan(first, last - first));
     }
   }
-  std::span<PointRows<D>> pointsOf(const ManifoldRows<D>& m) {
-    return {m_rows.points.data() + m.first, static_cast<std::size_t>(m.count)};
-  }
+  std::span<PointRows<D>> pointsOf(const ManifoldRows<D>& m) { return m_rows.points.part(m.first, m.count); }
   State& stateOf(const ManifoldRows<D>& m, std::size_t k) { return m_states[static_cast<std::size_t>(m.first) + k]; }
   static Real gap(const VelocityInput<D>& in, const ManifoldRows<D>& m, std::size_t k) {
-    return in.manifolds[static_cast<std::size_t>(m.manifold)].points[k].separation;
+    return in.manifolds[m.manifold].points[k].separation;
   }
   static Real velocity(const VelocityInput<D>& in, const ManifoldRows<D>& m, const PointRows<D>& row) {
     const auto& motion = in.bodies.motion;
-    return rowVelocity<D>(row.normal, m.n, motion[static_cast<std::size_t>(m.a)], motion[static_cast<std::size_t>(m.b)],
-                          in.features.rotation);
+    return rowVelocity<D>(row.normal, m.n, motion[m.a], motion[m.b], in.features.rotation);
   }
   // By a velocity v without this step's forces, within this step.
   bool isHit(const VelocityInput<D>& in, const PointRows<D>& row, Real gap, Real v) const {
@@ -145,14 +138,14 @@ class Impact {
   // The least normal velocity of a contact in both phases: a gap may be closed, but what bounces stops where it is.
   Real floorOf(const VelocityInput<D>& in, const ManifoldRows<D>& m, std::size_t k, Real v) {
     const Real open = gap(in, m, k);
-    const bool bounces = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution > 0;
+    const bool bounces = in.manifolds[m.manifold].restitution > 0;
     if (!(open > 0) || (bounces && isHit(in, pointsOf(m)[k], open, v))) return 0;
     return -open / in.dt;
   }
 
   void strikeAtOnce(const VelocityInput<D>& in, std::span<const ManifoldRows<D>> which) {
     for (const ManifoldRows<D>& m : which) {
-      const std::span<PointRows<D>> points = pointsOf(m);
+      const IndexedSpan<PointRows<D>> points = pointsOf(m);
       for (std::size_t k = 0; k < points.size(); ++k) {
         const Real v = velocity(in, m, points[k]);
         points[k].target = floorOf(in, m, k, v), points[k].impulse.fill(0);
@@ -162,8 +155,8 @@ class Impact {
     }
     settle(in, which, false);
     for (const ManifoldRows<D>& m : which) {
-      const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
-      const std::span<PointRows<D>> points = pointsOf(m);
+      const Real e = in.manifolds[m.manifold].restitution;
+      const IndexedSpan<PointRows<D>> points = pointsOf(m);
       for (std::size_t k = 0; k < points.size(); ++k) {
         for (Real& impulse : points[k].impulse) impulse *= e;
         stateOf(m, k).least = points[k].impulse[0];
@@ -183,7 +176,7 @@ class Impact {
     m_joints.blocks.clear();
     m_neighbours.build(
         in.bodies.pose.size(), pairs.size(), [&](std::size_t i) { return std::pair(pairs[i].a, pairs[i].b); },
-        [&](int body) { return m_islandOf[static_cast<std::size_t>(body)] >= 0; });
+        [&](int body) { return m_islandOf[body] >= 0; });
     m_blows.assign(pairs.size(), m_limit);
     m_errors.reset(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) m_errors.set(i, error(in, i));
@@ -211,14 +204,13 @@ class Impact {
   }
 
   void apply(const VelocityInput<D>& in, const ManifoldRows<D>& m, const PointRows<D>& row) const {
-    Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
-    Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+    Motion<D>& a = in.bodies.motion[m.a];
+    Motion<D>& b = in.bodies.motion[m.b];
     const bool rotation = in.features.rotation;
     applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, rotation);
     if (!(m.friction > 0)) return;
     for (int d = 0; d < D - 1; ++d) {
-      const auto t = static_cast<std::size_t>(d);
-      applyRow<D>(row.tangent[t], m.t.col(d), m.invMassA, m.invMassB, row.impulse[t + 1], a, b, rotation);
+      applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, row.impulse[d + 1], a, b, rotation);
     }
   }
 
@@ -235,16 +227,16 @@ class Impact {
   }
   // Returns the largest change of a velocity at a contact, m/s.
   Real sweep(const VelocityInput<D>& in, const ManifoldRows<D>& m, bool hold) {
-    Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
-    Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
-    const std::span<PointRows<D>> points = pointsOf(m);
+    Motion<D>& a = in.bodies.motion[m.a];
+    Motion<D>& b = in.bodies.motion[m.b];
+    const IndexedSpan<PointRows<D>> points = pointsOf(m);
     const bool rotation = in.features.rotation;
     Real change = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
       PointRows<D>& row = points[k];
       const State& state = stateOf(m, k);
       if (!(row.normal.mass > 0) || (hold && !state.hit)) continue;
-      const std::array<Real, D> old = row.impulse;
+      const IndexedArray<Real, D> old = row.impulse;
       const Real wanted = old[0] + row.normal.mass * (row.target - rowVelocity<D>(row.normal, m.n, a, b, rotation));
       row.impulse[0] = std::max(wanted, hold ? Real(0) : state.least);
       applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old[0], a, b, rotation);
@@ -266,11 +258,11 @@ class Impact {
   ContactRows<D> m_rows;
   JointSystem<D> m_joints;
   std::vector<JointBlock<D>> m_blocks;  // of all islands
-  std::vector<State> m_states;          // by point
+  IndexedVector<State> m_states;        // by point
   std::vector<Motion<D>> m_free;
-  std::span<const std::int32_t> m_islandOf;  // by body
-  std::vector<Island> m_islands;
-  std::vector<int> m_blows;  // that a pair has left
+  IndexedSpan<const std::int32_t> m_islandOf;  // by body
+  IndexedVector<Island> m_islands;
+  IndexedVector<int> m_blows;  // that a pair has left
   Extreme m_errors{ExtremeSearch::tree};
   ContactsOfBodies m_neighbours;
 };

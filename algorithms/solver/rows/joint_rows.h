@@ -11,6 +11,7 @@
 
 #include "algorithms/solver/rows/block_inverse.h"
 #include "algorithms/solver/rows/places.h"
+#include "framework/math/indexed.h"
 #include "framework/stage/stage_solver.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -43,21 +44,17 @@ struct JointBlock {
 template <int D>
 class JointSystem {
  public:
-  std::vector<JointBlock<D>> blocks;
-  std::vector<JointRow<D>> rows;
+  IndexedVector<JointBlock<D>> blocks;
+  IndexedVector<JointRow<D>> rows;
   std::vector<std::int32_t> rowless;  // joints of which every row is absent now
 
-  std::span<JointRow<D>> of(const JointBlock<D>& block) {
-    return {rows.data() + block.first, static_cast<std::size_t>(block.count)};
-  }
-  std::span<const JointRow<D>> of(const JointBlock<D>& block) const {
-    return {rows.data() + block.first, static_cast<std::size_t>(block.count)};
-  }
+  std::span<JointRow<D>> of(const JointBlock<D>& block) { return rows.part(block.first, block.count); }
+  std::span<const JointRow<D>> of(const JointBlock<D>& block) const { return rows.part(block.first, block.count); }
 
   void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}, m_coupled = 0; }
   /// `compliance` is added to what each rigid row gives way by per impulse, 1/kg or 1/(kg m^2). `places`, where there
   /// are any, are those of joints between two bodies.
-  void prepare(WorkDone& work, const Bodies<D>& bodies, std::span<const JointRecord<D>> joints, Real compliance = 0,
+  void prepare(WorkDone& work, const Bodies<D>& bodies, IndexedSpan<const JointRecord<D>> joints, Real compliance = 0,
                const Places<D>& places = {}) {
     clear();
     m_compliance = compliance, m_places = places;
@@ -88,10 +85,10 @@ class JointSystem {
       }
     }
   }
-  void applyAccumulated(std::vector<Motion<D>>& motion) {
+  void applyAccumulated(IndexedVector<Motion<D>>& motion) {
     for (JointBlock<D>& block : blocks) {
-      std::array<Real, kJointRows> impulse;
-      const std::span<const JointRow<D>> all = of(block);
+      IndexedArray<Real, kJointRows> impulse;
+      const IndexedSpan<const JointRow<D>> all = of(block);
       for (std::size_t i = 0; i < all.size(); ++i) impulse[i] = all[i].impulse;
       apply(block, all, impulse.data(), at(motion, block.a), at(motion, block.b));
     }
@@ -99,7 +96,7 @@ class JointSystem {
 
   /// One update of every row over h seconds. Stops that are not reached may be reached within h, no matter what
   /// `rigid` says; springs and motors follow their own law. To be counted by count().
-  void sweep(std::vector<Motion<D>>& motion, Real h, const Feedback& rigid) {
+  void sweep(IndexedVector<Motion<D>>& motion, Real h, const Feedback& rigid) {
     for (JointBlock<D>& block : blocks) sweepBlock(block, at(motion, block.a), at(motion, block.b), h, rigid);
   }
   /// The same of one joint between bodies of these velocities.
@@ -115,7 +112,7 @@ class JointSystem {
   }
   /// The same in displacements instead of velocities: so much of each error at once, of equalities and of stops.
   /// Springs and motors have no error.
-  void sweepErrors(std::vector<Motion<D>>& moves, Real share, Real stopShare) {
+  void sweepErrors(IndexedVector<Motion<D>>& moves, Real share, Real stopShare) {
     for (JointBlock<D>& block : blocks) {
       Motion<D>&a = at(moves, block.a), &b = at(moves, block.b);
       for (JointRow<D>& row : of(block).subspan(static_cast<std::size_t>(block.equalities))) {
@@ -127,19 +124,17 @@ class JointSystem {
 
   /// Writes the accumulated impulses. A joint that took no part, since its bodies sleep, keeps what it had; a row that
   /// is absent now has none.
-  void store(std::span<JointRecord<D>> joints) const {
-    for (const std::int32_t j : rowless) joints[static_cast<std::size_t>(j)].impulse.fill(0);
+  void store(IndexedSpan<JointRecord<D>> joints) const {
+    for (const std::int32_t j : rowless) joints[j].impulse.fill(0);
     for (const JointBlock<D>& block : blocks) {
-      auto& impulse = joints[static_cast<std::size_t>(block.joint)].impulse;
+      auto& impulse = joints[block.joint].impulse;
       impulse.fill(0);
-      for (const JointRow<D>& row : of(block)) impulse[static_cast<std::size_t>(row.number)] = row.impulse;
+      for (const JointRow<D>& row : of(block)) impulse[row.number] = row.impulse;
     }
   }
 
  private:
-  Motion<D>& at(std::vector<Motion<D>>& motion, std::int32_t body) {
-    return body < 0 ? m_world : motion[static_cast<std::size_t>(body)];
-  }
+  Motion<D>& at(IndexedVector<Motion<D>>& motion, std::int32_t body) { return body < 0 ? m_world : motion[body]; }
 
   static Real response(const JointBlock<D>& block, const JointRow<D>& r, const JointRow<D>& s) {
     return (block.invMassA + block.invMassB) * r.d.dot(s.d) + r.armA.dot(block.invIA * s.armA) +
@@ -149,7 +144,7 @@ class JointSystem {
   void add(const Bodies<D>& bodies, const JointRecord<D>& joint, std::int32_t number) {
     JointBlock<D> block;
     block.a = joint.bodyA, block.b = joint.bodyB, block.joint = number;
-    const auto a = static_cast<std::size_t>(joint.bodyA), b = static_cast<std::size_t>(joint.bodyB);
+    const auto a = joint.bodyA, b = joint.bodyB;
     block.invMassA = joint.bodyA < 0 ? Real(0) : bodies.invMass[a], block.invMassB = bodies.invMass[b];
     block.invIA = joint.bodyA < 0 ? Inertia<D>(Inertia<D>::Zero()) : bodies.invInertia[a];
     block.invIB = bodies.invInertia[b];
@@ -164,7 +159,7 @@ class JointSystem {
     }
     Real trace = 0;
     for (int i = 0; i < m_rows.count; ++i) {
-      const ConstraintRow<D>& from = m_rows.row[static_cast<std::size_t>(i)];
+      const ConstraintRow<D>& from = m_rows.row[i];
       if (from.absent()) continue;
       rows.push_back({from, 0, 0, i});
       const Real k = response(block, rows.back(), rows.back());
@@ -181,11 +176,11 @@ class JointSystem {
       rows.resize(static_cast<std::size_t>(block.first));
       return;
     }
-    const std::span<const JointRow<D>> all = of(block);
+    const IndexedSpan<const JointRow<D>> all = of(block);
     block.mass.set(
         block.equalities,
         [&](int i, int j) {
-          const Real k = response(block, all[static_cast<std::size_t>(i)], all[static_cast<std::size_t>(j)]);
+          const Real k = response(block, all[i], all[j]);
           return i == j ? k + m_compliance : k;
         },
         block.warm);
@@ -223,8 +218,8 @@ class JointSystem {
 
   void sweepEqualities(const JointBlock<D>& block, const Feedback& rigid, Motion<D>& a, Motion<D>& b) {
     const auto n = static_cast<std::size_t>(block.equalities);
-    const std::span<JointRow<D>> all = of(block).first(n);
-    std::array<Real, BlockInverse<D>::kRows> v, impulse;
+    const IndexedSpan<JointRow<D>> all = of(block).first(n);
+    IndexedArray<Real, BlockInverse<D>::kRows> v, impulse;
     for (std::size_t i = 0; i < n; ++i) {
       v[i] = rowSpeed<D>(all[i], a.v, a.w, b.v, b.w) + rigid.rate * all[i].error;
     }
@@ -236,7 +231,7 @@ class JointSystem {
     apply(block, std::span<const JointRow<D>>(all), impulse.data(), a, b);
   }
 
-  static void apply(const JointBlock<D>& block, std::span<const JointRow<D>> rows, const Real* impulse, Motion<D>& a,
+  static void apply(const JointBlock<D>& block, IndexedSpan<const JointRow<D>> rows, const Real* impulse, Motion<D>& a,
                     Motion<D>& b) {
     Vec<D> linear = Vec<D>::Zero();
     Ang<D> angularA = Ang<D>::Zero(), angularB = Ang<D>::Zero();

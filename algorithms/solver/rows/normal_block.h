@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "algorithms/solver/rows/contact_rows.h"
+#include "framework/math/indexed.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
@@ -19,7 +20,7 @@ template <int D>
 class NormalBlock {
  public:
   static constexpr int kRows = kManifoldPoints<D>;
-  using Impulses = std::array<Real, static_cast<std::size_t>(kRows)>;
+  using Impulses = IndexedArray<Real, kRows>;
 
   /// False when nothing can move a point.
   bool set(const ManifoldRows<D>& m, const PointRows<D>* points, WorkDone& work) {
@@ -66,40 +67,37 @@ class NormalBlock {
  private:
   // x of the points of the set, so that these do not move; the worst velocity (m/s) by which that is no answer.
   Real tried(unsigned pushing, const Impulses& q, Impulses& x) const {
-    std::array<int, static_cast<std::size_t>(kRows)> in{};
+    IndexedArray<int, kRows> in{};
     int size = 0;
     for (int i = 0; i < m_count; ++i) {
-      if (pushing & (1u << i)) in[static_cast<std::size_t>(size++)] = i;
+      if (pushing & (1u << i)) in[size++] = i;
     }
     // K = L d L^T: positive definite.
     RealMatrix<kRows, kRows> l = RealMatrix<kRows, kRows>::Zero();
     Impulses d{}, y{};
     for (int r = 0; r < size; ++r) {
-      const int i = in[static_cast<std::size_t>(r)];
-      const auto row = static_cast<std::size_t>(r);
-      y[row] = -q[static_cast<std::size_t>(i)], d[row] = m_k(i, i);
+      const int i = in[r];
+      y[r] = -q[i], d[r] = m_k(i, i);
       for (int c = 0; c < r; ++c) {
-        const auto column = static_cast<std::size_t>(c);
-        Real sum = m_k(i, in[column]);
-        for (int k = 0; k < c; ++k) sum -= l(r, k) * l(c, k) * d[static_cast<std::size_t>(k)];
-        l(r, c) = sum / d[column];
-        d[row] -= l(r, c) * sum;
-        y[row] -= l(r, c) * y[column];
+        Real sum = m_k(i, in[c]);
+        for (int k = 0; k < c; ++k) sum -= l(r, k) * l(c, k) * d[k];
+        l(r, c) = sum / d[c];
+        d[r] -= l(r, c) * sum;
+        y[r] -= l(r, c) * y[c];
       }
     }
     Real wrong = 0;
     for (int r = size; r-- > 0;) {
-      const auto row = static_cast<std::size_t>(r);
-      Real sum = y[row] / d[row];
-      for (int c = r + 1; c < size; ++c) sum -= l(c, r) * x[static_cast<std::size_t>(in[static_cast<std::size_t>(c)])];
-      const int i = in[row];
-      x[static_cast<std::size_t>(i)] = sum;
+      Real sum = y[r] / d[r];
+      for (int c = r + 1; c < size; ++c) sum -= l(c, r) * x[in[c]];
+      const int i = in[r];
+      x[i] = sum;
       wrong = std::max(wrong, -sum * m_k(i, i));
     }
     for (int i = 0; i < m_count; ++i) {
       if (pushing & (1u << i)) continue;
-      Real w = q[static_cast<std::size_t>(i)];
-      for (int j = 0; j < m_count; ++j) w += m_k(i, j) * x[static_cast<std::size_t>(j)];
+      Real w = q[i];
+      for (int j = 0; j < m_count; ++j) w += m_k(i, j) * x[j];
       wrong = std::max(wrong, -w);
     }
     return wrong;

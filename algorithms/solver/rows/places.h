@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "framework/math/indexed.h"
 #include "framework/stage/stage_solver.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -12,12 +13,12 @@ namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 /// a place has lost. Empty: poses alone.
 template <int D>
 struct Places {
-  std::span<const Vec<D>> start;
-  std::span<Vec<D>> way;
+  IndexedSpan<const Vec<D>> start;
+  IndexedSpan<Vec<D>> way;
 
   bool empty() const { return start.empty(); }
   /// Poses of two bodies in a frame that has its origin where A started.
-  std::array<Pose<D>, 2> pair(const Bodies<D>& bodies, std::size_t a, std::size_t b) const {
+  std::array<Pose<D>, 2> pair(const Bodies<D>& bodies, std::int32_t a, std::int32_t b) const {
     return {Pose<D>{way[a], bodies.pose[a].q}, Pose<D>{(start[b] - start[a]) + way[b], bodies.pose[b].q}};
   }
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "algorithms/solver/rows/block_inverse.h"
+#include "framework/math/indexed.h"
 #include "framework/problem/contact_problem.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -14,26 +15,26 @@ template <int D>
 class RowSweep {
  public:
   void prepare(const ContactProblem<D>& p) {
-    m_rubs.resize(static_cast<std::size_t>(p.size()));
+    m_rubs.resize(p.rows().size());
     m_blocks.clear(), m_blockOf.assign(m_rubs.size(), -1);
     for (int i = 0; i < p.size(); ++i) {
       if (p.row(i).holds() && (i == 0 || !p.row(i - 1).holds() || p.row(i - 1).owner != p.row(i).owner)) {
-        m_blockOf[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(m_blocks.size());
+        m_blockOf[i] = static_cast<std::int32_t>(m_blocks.size());
         m_blocks.push_back(blockOf(p, i));
       }
-      if (p.row(i).law == ProblemLaw::normal) m_rubs[static_cast<std::size_t>(i)] = rubOf(p, i);
+      if (p.row(i).law == ProblemLaw::normal) m_rubs[i] = rubOf(p, i);
     }
   }
 
   /// One update of each row of `which`. The problem's motion is that of x, and stays so; `freeVelocity` is u at x = 0.
-  void sweep(ContactProblem<D>& p, std::span<const std::int32_t> which, std::span<const double> freeVelocity,
-             std::span<double> x) const {
+  void sweep(ContactProblem<D>& p, std::span<const std::int32_t> which, IndexedSpan<const double> freeVelocity,
+             IndexedSpan<double> x) const {
     for (const std::int32_t i : which) {
       const ProblemRow<D>& r = p.row(i);
       if (r.holds()) hold(p, i, freeVelocity, x);
       if (r.law == ProblemLaw::tangent || r.holds()) continue;
-      double& own = x[static_cast<std::size_t>(i)];
-      const double old = own, u = p.pushed(i) + r.compliance * old + freeVelocity[static_cast<std::size_t>(i)];
+      double& own = x[i];
+      const double old = own, u = p.pushed(i) + r.compliance * old + freeVelocity[i];
       own = std::clamp(old - r.mass * u, r.lo, r.hi);
       p.push(i, own - old);
       if (r.law == ProblemLaw::normal) rub(p, i, freeVelocity, x);
@@ -41,10 +42,10 @@ class RowSweep {
   }
 
   /// So many sweeps over an island that is left to them, from x.
-  void descend(ContactProblem<D>& p, std::span<const std::int32_t> which, std::span<const double> freeVelocity,
-               std::span<double> x, int sweeps, WorkDone& work) const {
+  void descend(ContactProblem<D>& p, std::span<const std::int32_t> which, IndexedSpan<const double> freeVelocity,
+               IndexedSpan<double> x, int sweeps, WorkDone& work) const {
     p.clearMotion();
-    for (const std::int32_t i : which) p.push(i, x[static_cast<std::size_t>(i)]);
+    for (const std::int32_t i : which) p.push(i, x[i]);
     for (int n = 0; n < sweeps; ++n) sweep(p, which, freeVelocity, x);
     work[WorkCount::fallbacks] += which.size();
     countRows<D>(work, which.size() * static_cast<std::uint64_t>(sweeps));
@@ -71,18 +72,18 @@ class RowSweep {
     block.inverse.set(block.count, k, p.row(first).movable);
     return block;
   }
-  void hold(ContactProblem<D>& p, int first, std::span<const double> freeVelocity, std::span<double> x) const {
-    if (m_blockOf[static_cast<std::size_t>(first)] < 0) return;  // with the rows before it
-    const Block& block = m_blocks[static_cast<std::size_t>(m_blockOf[static_cast<std::size_t>(first)])];
-    std::array<Real, BlockInverse<D>::kRows> u, impulse;
+  void hold(ContactProblem<D>& p, int first, IndexedSpan<const double> freeVelocity, IndexedSpan<double> x) const {
+    if (m_blockOf[first] < 0) return;  // with the rows before it
+    const Block& block = m_blocks[m_blockOf[first]];
+    IndexedArray<Real, BlockInverse<D>::kRows> u, impulse;
     for (int i = 0; i < block.count; ++i) {
-      const double v = p.pushed(first + i) + freeVelocity[static_cast<std::size_t>(first + i)];
-      u[static_cast<std::size_t>(i)] = static_cast<Real>(v);
+      const double v = p.pushed(first + i) + freeVelocity[first + i];
+      u[i] = static_cast<Real>(v);
     }
     block.inverse.multiply(block.count, -1, u.data(), impulse.data());
     for (int i = 0; i < block.count; ++i) {
-      const double by = double(impulse[static_cast<std::size_t>(i)]);
-      x[static_cast<std::size_t>(first + i)] += by;
+      const double by = double(impulse[i]);
+      x[first + i] += by;
       p.push(first + i, by);
     }
   }
@@ -103,14 +104,14 @@ class RowSweep {
     return rub;
   }
 
-  void rub(ContactProblem<D>& p, int i, std::span<const double> freeVelocity, std::span<double> x) const {
-    const Rub& r = m_rubs[static_cast<std::size_t>(i)];
-    const double limit = p.row(i).friction * x[static_cast<std::size_t>(i)];
-    std::array<double, D - 1> old, u, now;
+  void rub(ContactProblem<D>& p, int i, IndexedSpan<const double> freeVelocity, IndexedSpan<double> x) const {
+    const Rub& r = m_rubs[i];
+    const double limit = p.row(i).friction * x[i];
+    IndexedArray<double, D - 1> old, u, now;
     for (std::size_t k = 0; k < D - 1; ++k) {
       const int row = i + 1 + static_cast<int>(k);
-      old[k] = x[static_cast<std::size_t>(row)];
-      u[k] = p.pushed(row) + freeVelocity[static_cast<std::size_t>(row)];
+      old[k] = x[row];
+      u[k] = p.pushed(row) + freeVelocity[row];
     }
     double squared = 0;
     for (std::size_t k = 0; k < D - 1; ++k) {
@@ -126,14 +127,14 @@ class RowSweep {
     }
     for (std::size_t k = 0; k < D - 1; ++k) {
       const int row = i + 1 + static_cast<int>(k);
-      x[static_cast<std::size_t>(row)] = now[k];
+      x[row] = now[k];
       p.push(row, now[k] - old[k]);
     }
   }
 
-  std::vector<Rub> m_rubs;              // by row, of normals
-  std::vector<std::int32_t> m_blockOf;  // by row, of the first of a block
-  std::vector<Block> m_blocks;
+  IndexedVector<Rub> m_rubs;              // by row, of normals
+  IndexedVector<std::int32_t> m_blockOf;  // by row, of the first of a block
+  IndexedVector<Block> m_blocks;
 };
 
 }}}  // namespace lpc::LPC_PRECISION::solver

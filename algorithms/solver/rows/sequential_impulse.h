@@ -11,12 +11,12 @@ template <int D>
 void warmStartContacts(const VelocityInput<D>& in, Real factor, ContactRows<D>& contacts) {
   const bool rotation = in.features.rotation;
   for (const ManifoldRows<D>& m : contacts.manifolds) {
-    Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
-    Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
-    const Manifold<D>& old = in.manifolds[static_cast<std::size_t>(m.manifold)];
+    Motion<D>& a = in.bodies.motion[m.a];
+    Motion<D>& b = in.bodies.motion[m.b];
+    const Manifold<D>& old = in.manifolds[m.manifold];
     for (int i = 0; i < m.count; ++i) {
-      PointRows<D>& row = contacts.points[static_cast<std::size_t>(m.first + i)];
-      const ContactPoint<D>& c = old.points[static_cast<std::size_t>(i)];
+      PointRows<D>& row = contacts.points[m.first + i];
+      const ContactPoint<D>& c = old.points[i];
       row.impulse[0] = std::max(factor * c.impulse[0], Real(0));
       applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, rotation);
       if (!(m.friction > 0)) continue;
@@ -43,8 +43,8 @@ void pushAt(const ManifoldRows<D>& m, PointRows<D>& row, Real relaxation, Motion
 template <int D>
 void rubSquareAt(const ManifoldRows<D>& m, PointRows<D>& row, Real limit, Motion<D>& a, Motion<D>& b, bool rotation) {
   for (int d = 0; d < D - 1; ++d) {
-    const Row<D>& tangent = row.tangent[static_cast<std::size_t>(d)];
-    Real& impulse = row.impulse[static_cast<std::size_t>(d) + 1];
+    const Row<D>& tangent = row.tangent[d];
+    Real& impulse = row.impulse[d + 1];
     const Real old = impulse, v = rowVelocity<D>(tangent, m.t.col(d), a, b, rotation);
     impulse = std::clamp(old - tangent.mass * v, -limit, limit);
     applyRow<D>(tangent, m.t.col(d), m.invMassA, m.invMassB, impulse - old, a, b, rotation);

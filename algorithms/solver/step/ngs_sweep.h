@@ -8,6 +8,7 @@
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/rows/places.h"
+#include "framework/math/indexed.h"
 #include "framework/math/tolerances.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -37,8 +38,8 @@ class NgsSweep {
     m_moves.resize(in.bodies.pose.size());
     for (std::size_t j = 0; j < in.joints.size() && in.features.joints; ++j) mend(in, in.joints.subspan(j, 1), share);
     for (const int k : in.order) {
-      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
-      for (int p = 0; p < m.count; ++p) separate(in, m, m.points[static_cast<std::size_t>(p)], share);
+      const Manifold<D>& m = in.manifolds[k];
+      for (int p = 0; p < m.count; ++p) separate(in, m, m.points[p], share);
       countRows<D>(in.work, static_cast<std::uint64_t>(m.count));
     }
     return m_moved;
@@ -57,7 +58,7 @@ class NgsSweep {
 
   void separate(const PositionInput<D>& in, const Manifold<D>& m, const ContactPoint<D>& c, const NgsShare& share) {
     const Bodies<D>& bodies = in.bodies;
-    const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+    const auto a = m.bodyA, b = m.bodyB;
     const ContactArms<D> arms = armsOf(bodies, a, b, c, m.normal);
     const Real depth = -arms.separation - share.slop;
     if (!(depth > 0)) return;
@@ -70,7 +71,7 @@ class NgsSweep {
     move(in, m.bodyA), move(in, m.bodyB);
   }
 
-  ContactArms<D> armsOf(const Bodies<D>& bodies, std::size_t a, std::size_t b, const ContactPoint<D>& c,
+  ContactArms<D> armsOf(const Bodies<D>& bodies, std::int32_t a, std::int32_t b, const ContactPoint<D>& c,
                         const Vec<D>& n) const {
     if (m_places.empty()) return ContactArms<D>(c, n, bodies.pose[a], bodies.pose[b]);
     const auto [atA, atB] = m_places.pair(bodies, a, b);
@@ -79,22 +80,21 @@ class NgsSweep {
 
   void move(const PositionInput<D>& in, std::int32_t body) {
     if (body < 0) return;
-    const auto i = static_cast<std::size_t>(body);
-    Motion<D>& by = m_moves[i];
+    Motion<D>& by = m_moves[body];
     m_moved = m_moved || !by.v.isZero(0) || !by.w.isZero(0);
-    Pose<D>& x = in.bodies.pose[i];
+    Pose<D>& x = in.bodies.pose[body];
     if (m_places.empty()) {
       x.p += by.v;
     } else {
-      m_places.way[i] += by.v;
-      x.p = m_places.start[i] + m_places.way[i];
+      m_places.way[body] += by.v;
+      x.p = m_places.start[body] + m_places.way[body];
     }
     if (in.features.rotation && by.w.squaredNorm() > 0) x.q = integrateRotation(x.q, by.w);
     by = {};
   }
 
   JointSystem<D> m_joint;
-  std::vector<Motion<D>> m_moves;  // of each body, m and rad; zero between two rows
+  IndexedVector<Motion<D>> m_moves;  // of each body, m and rad; zero between two rows
   Places<D> m_places;
   bool m_moved = false;
 };

@@ -13,6 +13,7 @@
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/rows/places.h"
 #include "algorithms/solver/step/free_motion.h"
+#include "framework/math/indexed.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -87,7 +88,7 @@ class Substeps {
     m_start.resize(in.bodies.pose.size());
     for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
     m_way.assign(m_start.size(), Vec<D>::Zero());
-    const Real scale = (in.lastDt > 0 ? in.dt / in.lastDt : Real(1)) / m_count;
+    const Real scale = lastImpulseScale(in) / m_count;
     const NoBias none;
     m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
                         in.restitutionThreshold, in.work, in.profiler});
@@ -95,14 +96,14 @@ class Substeps {
     m_detected.clear();
     m_states.resize(m_contacts.points.size());
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Manifold<D>& from = in.manifolds[static_cast<std::size_t>(m.manifold)];
-      const Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
-      const Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      const Manifold<D>& from = in.manifolds[m.manifold];
+      const Motion<D>& a = in.bodies.motion[m.a];
+      const Motion<D>& b = in.bodies.motion[m.b];
       for (int k = 0; k < m.count; ++k) {
-        const ContactPoint<D>& c = from.points[static_cast<std::size_t>(k)];
-        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
-        m_states[static_cast<std::size_t>(m.first + k)] = {
-            c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.features.rotation), 0, 0, 0};
+        const ContactPoint<D>& c = from.points[k];
+        PointRows<D>& row = m_contacts.points[m.first + k];
+        m_states[m.first + k] = {c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.features.rotation),
+                                 0,        0,        0};
         if (!warmStart) continue;
         row.impulse[0] = std::max(scale * c.impulse[0], Real(0));
         for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = scale * c.impulse[d];
@@ -127,9 +128,7 @@ class Substeps {
     kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
     if (!in.features.joints) return;
     m_joints.prepare(in.work, in.bodies, in.joints, 0, places());
-    m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) {
-      return m_jointImpulse[static_cast<std::size_t>(joint)].substep[static_cast<std::size_t>(row)];
-    });
+    m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) { return m_jointImpulse[joint].substep[row]; });
   }
 
   /// From the impulses of the sub-step before.
@@ -161,17 +160,17 @@ class Substeps {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     if (in.features.restitution && m_detected.empty()) m_detected = m_contacts.points;
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
-      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
-      const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
+      const Manifold<D>& m = in.manifolds[rows.manifold];
+      const auto a = rows.a, b = rows.b;
       const auto [atA, atB] = places().pair(in.bodies, a, b);
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
+      countMadeRows<D>(in.work, rows.rows());
       const Real sum = rows.invMassA + rows.invMassB, share = sum > 0 ? rows.invMassB / sum : Real(0.5);
       for (int k = 0; k < rows.count; ++k) {
-        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+        const ContactPoint<D>& c = m.points[k];
         const Vec<D> fromA = atA.q * c.localA, fromB = atB.q * c.localB, gap = (atB.p - atA.p) + fromB - fromA;
         const Vec<D> rA = shared ? Vec<D>(fromA + share * gap) : fromA;
         const Vec<D> rB = shared ? Vec<D>(fromB - (1 - share) * gap) : fromB;
-        makeRows(in, rows, rA, rB, m_contacts.points[static_cast<std::size_t>(rows.first + k)]);
+        makeRows(in, rows, rA, rB, m_contacts.points[rows.first + k]);
       }
     }
   }
@@ -179,9 +178,9 @@ class Substeps {
   /// Poses were changed by others: where contacts are now.
   void measure(const StepInput<D>& in) {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const auto [X_WA, X_WB] = places().pair(in.bodies, static_cast<std::size_t>(m.a), static_cast<std::size_t>(m.b));
+      const auto [X_WA, X_WB] = places().pair(in.bodies, m.a, m.b);
       for (int k = 0; k < m.count; ++k) {
-        State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        State& state = m_states[m.first + k];
         state.separation = ((X_WB.p - X_WA.p) + X_WB.q * state.localB - X_WA.q * state.localA).dot(m.n);
       }
     }
@@ -193,15 +192,24 @@ class Substeps {
     for (int i = 0; i < iterations; ++i) sweep(in, {});
   }
 
+  /// Sub-step i as a whole: solved with a push, moved, and relaxed.
+  void step(const StepInput<D>& in, int i, const Push& push, int sweeps, int relaxing, bool separationsFollow = true) {
+    begin(in, i);
+    solve(in, push, sweeps);
+    move(in, separationsFollow);
+    relax(in, relaxing);
+    end();
+  }
+
   /// What contacts and joints bore in this sub-step.
   void end() {
     for (std::size_t p = 0; p < m_states.size(); ++p) m_states[p].load += m_contacts.points[p].impulse[0];
-    for (const std::int32_t j : m_joints.rowless) m_jointImpulse[static_cast<std::size_t>(j)].substep.fill(0);
+    for (const std::int32_t j : m_joints.rowless) m_jointImpulse[j].substep.fill(0);
     for (const JointBlock<D>& block : m_joints.blocks) {
-      JointImpulse& kept = m_jointImpulse[static_cast<std::size_t>(block.joint)];
+      JointImpulse& kept = m_jointImpulse[block.joint];
       kept.substep.fill(0);
       for (const JointRow<D>& row : m_joints.of(block)) {
-        const auto i = static_cast<std::size_t>(row.number);
+        const auto i = row.number;
         kept.substep[i] = row.impulse;
         kept.step[i] += row.impulse;
       }
@@ -215,19 +223,18 @@ class Substeps {
     if (in.features.restitution) bounce(in, how);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       for (int k = 0; k < m.count; ++k) {
-        for (Real& x : m_contacts.points[static_cast<std::size_t>(m.first + k)].impulse) x *= m_count;
+        for (Real& x : m_contacts.points[m.first + k].impulse) x *= m_count;
       }
     }
     m_contacts.store(in.manifolds);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       for (int k = 0; k < m.count; ++k) {
-        in.manifolds[static_cast<std::size_t>(m.manifold)].points[static_cast<std::size_t>(k)].load =
-            m_states[static_cast<std::size_t>(m.first + k)].load;
+        in.manifolds[m.manifold].points[k].load = m_states[m.first + k].load;
       }
     }
     const auto store = [&](std::int32_t j) {
-      JointRecord<D>& joint = in.joints[static_cast<std::size_t>(j)];
-      const JointImpulse& sum = m_jointImpulse[static_cast<std::size_t>(j)];
+      JointRecord<D>& joint = in.joints[j];
+      const JointImpulse& sum = m_jointImpulse[j];
       joint.impulse = sum.step;
       for (std::size_t i = 0; i < kJointRows; ++i) joint.memory[i] = m_count * sum.substep[i];
     };
@@ -243,9 +250,9 @@ class Substeps {
     Real separation;  // m, now
     Real load;        // of all sub-steps so far, N s
   };
-  struct JointImpulse {                      // by row
-    std::array<Real, kJointRows> substep{};  // of the last sub-step: what the next one starts from
-    std::array<Real, kJointRows> step{};     // of all of them: what the joint bore
+  struct JointImpulse {                        // by row
+    IndexedArray<Real, kJointRows> substep{};  // of the last sub-step: what the next one starts from
+    IndexedArray<Real, kJointRows> step{};     // of all of them: what the joint bore
   };
   // What ContactRows asks for is overwritten in the sweeps.
   struct NoBias final : PositionResolver<D> {};
@@ -254,41 +261,39 @@ class Substeps {
   // was turned then is remembered with each point, of what a listener forbids, too: it may be allowed while it is kept.
   void keepArms(const StepInput<D>& in) {
     const auto made = [&](const Manifold<D>& m) {  // now
-      const Pose<D> X_AB = poseBetween(in.bodies.pose[static_cast<std::size_t>(m.bodyA)],
-                                       in.bodies.pose[static_cast<std::size_t>(m.bodyB)]);
+      const Pose<D> X_AB = poseBetween(in.bodies.pose[m.bodyA], in.bodies.pose[m.bodyB]);
       return X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
     };
     for (Manifold<D>& m : in.manifolds) {
       if (!made(m)) continue;
-      const Ang<D> turn = turnOf(in.bodies.pose[static_cast<std::size_t>(m.bodyA)].q);
+      const Ang<D> turn = turnOf(in.bodies.pose[m.bodyA].q);
       for (int k = 0; k < m.count; ++k) {
-        std::copy(turn.begin(), turn.end(), m.points[static_cast<std::size_t>(k)].memory.begin());
+        std::copy(turn.begin(), turn.end(), m.points[k].memory.begin());
       }
     }
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
-      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
+      const Manifold<D>& m = in.manifolds[rows.manifold];
       if (made(m)) continue;
-      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
+      countMadeRows<D>(in.work, rows.rows());
       for (int k = 0; k < m.count; ++k) {
-        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+        const ContactPoint<D>& c = m.points[k];
         Ang<D> turn;
         std::copy_n(c.memory.begin(), turn.size(), turn.begin());
         const Rot<D> q = integrateRotation(Rot<D>{}, turn);
-        makeRows(in, rows, q * c.localA, q * (m.X_AB.q * c.localB),
-                 m_contacts.points[static_cast<std::size_t>(rows.first + k)]);
+        makeRows(in, rows, q * c.localA, q * (m.X_AB.q * c.localB), m_contacts.points[rows.first + k]);
       }
     }
   }
 
   void makeRows(const StepInput<D>& in, const ManifoldRows<D>& rows, const Vec<D>& rA, const Vec<D>& rB,
                 PointRows<D>& row) const {
-    const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
+    const auto a = rows.a, b = rows.b;
     const auto make = [&](const Vec<D>& d) {
       return makeRow<D>(d, rA, rB, rows.invMassA + rows.invMassB, in.bodies.invInertia[a], in.bodies.invInertia[b]);
     };
     row.normal = make(rows.n);
     if (!(rows.friction > 0)) return;
-    for (int d = 0; d < D - 1; ++d) row.tangent[static_cast<std::size_t>(d)] = make(rows.t.col(d));
+    for (int d = 0; d < D - 1; ++d) row.tangent[d] = make(rows.t.col(d));
     prepareFriction(row);
   }
 
@@ -296,13 +301,13 @@ class Substeps {
     auto& motion = in.bodies.motion;
     m_joints.applyAccumulated(motion);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
+      Motion<D>&a = motion[m.a], &b = motion[m.b];
       for (int k = 0; k < m.count; ++k) {
-        const PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        const PointRows<D>& row = m_contacts.points[m.first + k];
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, in.features.rotation);
         for (int d = 0; d < D - 1 && m.friction > 0; ++d) {
-          applyRow<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), m.invMassA, m.invMassB,
-                      row.impulse[static_cast<std::size_t>(d) + 1], a, b, in.features.rotation);
+          applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, row.impulse[d + 1], a, b,
+                      in.features.rotation);
         }
       }
     }
@@ -314,11 +319,11 @@ class Substeps {
     m_joints.sweep(motion, m_h, push.joint);
     m_joints.count(in.work);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      Motion<D> a = motion[static_cast<std::size_t>(m.a)], b = motion[static_cast<std::size_t>(m.b)];
+      Motion<D> a = motion[m.a], b = motion[m.b];
       const Feedback& feedback = m.invMassA > 0 && m.invMassB > 0 ? push.contact : push.contactFixed;
       for (int k = 0; k < m.count; ++k) {
-        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
-        State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        PointRows<D>& row = m_contacts.points[m.first + k];
+        State& state = m_states[m.first + k];
         const Real s = state.separation;
         Real bias = 0, massScale = 1, impulseScale = 0;
         if (s > 0) {
@@ -336,11 +341,11 @@ class Substeps {
       }
       if (m.friction > 0) {
         for (int k = 0; k < m.count; ++k) {
-          rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], a, b, rotation);
+          rubAt(m, m_contacts.points[m.first + k], a, b, rotation);
         }
       }
-      countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
-      motion[static_cast<std::size_t>(m.a)] = a, motion[static_cast<std::size_t>(m.b)] = b;
+      countRows<D>(in.work, m.rows());
+      motion[m.a] = a, motion[m.b] = b;
     }
   }
 
@@ -348,17 +353,17 @@ class Substeps {
   void bounce(const StepInput<D>& in, Bounce how) {
     const bool rotation = in.features.rotation;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
+      const Real e = in.manifolds[m.manifold].restitution;
       if (!(e > 0)) continue;
-      Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
-      Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      Motion<D>& a = in.bodies.motion[m.a];
+      Motion<D>& b = in.bodies.motion[m.b];
       for (int k = 0; k < m.count; ++k) {
-        const auto at = static_cast<std::size_t>(m.first + k);
+        const auto at = m.first + k;
         PointRows<D>& row = m_contacts.points[at];
         State& state = m_states[at];
         if (!(state.velocity < -in.restitutionThreshold) || !(state.maxImpulse > 0)) continue;
         if (!m_detected.empty()) {
-          const std::array<Real, D> impulse = row.impulse;
+          const IndexedArray<Real, D> impulse = row.impulse;
           row = m_detected[at], row.impulse = impulse;
         }
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
@@ -383,11 +388,11 @@ class Substeps {
   Real m_count = 1, m_h = 0;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
-  std::vector<Vec<D>> m_start, m_way;        // by body: place at the start of the step, way since, m
-  std::vector<PointRows<D>> m_detected;      // by point, before arms were turned; empty: they were not
-  std::vector<State> m_states;               // by point
-  std::vector<JointImpulse> m_jointImpulse;  // by joint slot
-  std::vector<Wrench<D>> m_wrenches;
+  IndexedVector<Vec<D>> m_start, m_way;        // by body: place at the start of the step, way since, m
+  IndexedVector<PointRows<D>> m_detected;      // by point, before arms were turned; empty: they were not
+  IndexedVector<State> m_states;               // by point
+  IndexedVector<JointImpulse> m_jointImpulse;  // by joint slot
+  IndexedVector<Wrench<D>> m_wrenches;
 };
 
 }}}  // namespace lpc::LPC_PRECISION::solver
