@@ -71,40 +71,50 @@ def parts(stage):
     return [name for kind, name in names.items() if kind in kinds]
 
 
-def body_of(function):
-    """The body of World<D>::FUNCTION, whichever file has it."""
+def parts_of_world():
+    """{member: class} of what World<D> is made of."""
+    found = re.search(r"// Parts[^\n]*\n(.*?)\n\n", (ROOT / "framework/world/world.h").read_text(), re.S)
+    members = re.findall(r"(\w+)<D> (m_\w+);", found[1]) if found else []
+    if not members:
+        raise UserError("framework/world/world.h does not say what the parts of World are")
+    return {member: name for name, member in members}
+
+
+def body_of(name, function):
+    """The body of NAME<D>::FUNCTION, whichever file has it."""
     for path in sorted((ROOT / "framework/world").glob("*.cpp")):
-        match = re.search(r"World<D>::" + function + r"\([^;{]*\)(?: const)? \{(.*?)\n\}", source(path.relative_to(ROOT)), re.S)
+        text = source(path.relative_to(ROOT))
+        match = re.search(name + r"<D>::" + function + r"\([^;{]*\)(?: const)? \{(.*?)\n\}", text, re.S)
         if match:
             return match[1]
     return ""
 
 
 def order():
-    """Stages in the order in which World::step comes to them: [(function of World, [stages])]."""
-    of = interfaces()
-    found, seen = [], set()
-    step = body_of("step")
-    for match in re.finditer(r"stage<(\w+)>\(\)|\b([a-z]\w+)\(", step):
-        names = []
-        if match[1]:
-            where, names = "step", [of[match[1]]]
-        else:
-            where, text = match[2], body_of(match[2])
-            names = [of[c] for c in re.findall(r"stage<(\w+)>\(\)", text) if c in of]
-            if where in ("findPairs",):  # asks its BoxIndex, which owns the boxes and asks the broadphase
-                names = ["broadphase", *names] if "m_boxes.findPairs" in text else names
-            if where == "makeContacts" and "generate(" in text:
-                names = [n for n in names if n != "cache"][:0] + ["cache", "contacts"]
-        fresh = [n for n in dict.fromkeys(names) if n not in seen]
-        if fresh:
-            seen |= set(fresh)
-            found.append((where, fresh))
+    """Stages in the order in which World::step comes to each last: [(function, stage)]."""
+    of, owners = interfaces(), parts_of_world()
+    step = body_of("World", "step")
+
+    def named(text):
+        return [of[c] for c in re.findall(r"stage<(\w+)>\(\)", text)]
+
+    given = {name: named(text) for name, text in re.findall(r"(\w+)\{([^;]*)\};", step)}  # inputs that hold stages
+    found = []
+    for match in re.finditer(r"stage<\w+>\(\)\.|\b(m_\w+)\.(\w+)\((.*?)\);", step, re.S):
+        if not match[1]:
+            found += [("World::step", name) for name in named(match[0])]
+        elif match[1] in owners:
+            where = f"{owners[match[1]]}::{match[2]}"
+            names = [name for word in re.findall(r"\w+", match[3]) for name in given.get(word, [])] + named(match[3])
+            if "boxes.findPairs" in body_of(owners[match[1]], match[2]):  # a BoxIndex, which asks the broadphase
+                names.append("broadphase")
+            found += [(where, name) for name in names]
+    last = {name: at for at, (_, name) in enumerate(found)}
     of_world = re.findall(r'\{StageKind::\w+, "(\w+)", "\w+", "\w+"\}', source("framework/stage/stages.h"))
-    missing = [name for name in of_world if name not in seen]
+    missing = [name for name in of_world if name not in last]
     if missing:
         raise UserError(f"World::step does not come to {', '.join(missing)}, as far as this reads it")
-    return found
+    return [(where, name) for at, (where, name) in enumerate(found) if last[name] == at]
 
 
 def wrapped(words, width):
@@ -138,25 +148,23 @@ def pipeline():
     left, wide, beside = 20, 400, 460
     fits = int((wide - 2 * PAD) / CHAR)
     content, y = [], 20
-    for where, names in order():
-        for name in names:
-            said = "World::step" if where == "step" else f"World::{where}"
-            drawn, height = box(left, y, wide, name, wrapped(competitors(name), fits), note=said)
-            content += drawn
-            at = y
-            for part in parts(name):
-                held, tall = box(beside, at, wide, part, wrapped(competitors(part), fits), kind='class="p"')
-                content += held
-                content.append(f'<path d="M{left + wide} {y + 18} H{left + wide + 20} V{at + 18} H{beside}"/>')
-                at += tall + 8
-            bottom = max(y + height, at - 8)
-            content.append(f'<path d="M{left + wide / 2} {y + height} V{bottom + 16}"/>')
-            y = bottom + 16
+    for where, name in order():
+        drawn, height = box(left, y, wide, name, wrapped(competitors(name), fits), note=where)
+        content += drawn
+        at = y
+        for part in parts(name):
+            held, tall = box(beside, at, wide, part, wrapped(competitors(part), fits), kind='class="p"')
+            content += held
+            content.append(f'<path d="M{left + wide} {y + 18} H{left + wide + 20} V{at + 18} H{beside}"/>')
+            at += tall + 8
+        bottom = max(y + height, at - 8)
+        content.append(f'<path d="M{left + wide / 2} {y + height} V{bottom + 16}"/>')
+        y = bottom + 16
     content.pop()
     y += 8
     content.append(f'<text class="s" x="{left}" y="{y + 8}">Not called once a step, but named by scenes and programs:</text>')
     y += 18
-    shown = {n for _, names in order() for n in names} | {p for _, names in order() for n in names for p in parts(n)}
+    shown = {n for _, n in order()} | {p for _, n in order() for p in parts(n)}
     for name in stages().values():
         if name not in shown:
             drawn, height = box(left, y, wide, name, wrapped(competitors(name), fits))
@@ -166,7 +174,7 @@ def pipeline():
 
 
 def classes():
-    """Trees of what derives from what, of the framework's public headers and of engines; the state of a world beside them."""
+    """Trees of what derives from what, of the framework's public headers and of engines; a world's parts and state beside."""
     children, about = {}, {}
     for path in [*sorted((ROOT / "framework").glob("*/*.h")), ROOT / "oracles/engines/engine_world.h"]:
         text = source(path.relative_to(ROOT))
@@ -191,16 +199,19 @@ def classes():
     for root in roots:
         draw(root, 0)
         y += 8
-    state = re.search(r"// State: what save\(\) writes\.\n(.*?)\n\n", (ROOT / "framework/world/world.h").read_text(), re.S)
+    state = re.search(r"struct SavedState \{\n(.*?)\n\};", source("framework/world/saved_state.h"), re.S)
     if not state:
-        raise UserError("framework/world/world.h does not say what of World is its state")
-    members = [re.sub(r"\s+", " ", line.split("//")[0]).strip(" ;") for line in state[1].split("\n")]
-    lines = [re.sub(r"\bm_(\w+)", r"\1", m) for m in members if m]
-    title = "World: its state, all of it in a save"
-    width = max(len(line) for line in [*lines, title]) * CHAR + 2 * PAD
-    drawn, height = box(430, 20, width, title, lines, kind='class="p"')
-    content += drawn
-    return picture(430 + width + 20, max(y, height + 40), content, "What derives from what, and the state of a world")
+        raise UserError("framework/world/saved_state.h has no SavedState that this reads")
+    fields = [re.sub(r"\s+", " ", line).strip(" ;") for line in state[1].split("\n")]
+    boxes = [("World: its parts", [f"{name} {member[2:]}" for member, name in parts_of_world().items()]),
+             ("World: its state, all of it in a save", [f for f in fields if f])]
+    width = max(len(line) for title, lines in boxes for line in [title, *lines]) * CHAR + 2 * PAD
+    bottom = 20
+    for title, lines in boxes:
+        drawn, height = box(430, bottom, width, title, lines, kind='class="p"')
+        content += drawn
+        bottom += height + 20
+    return picture(430 + width + 20, max(y, bottom), content, "What derives from what, and the state of a world")
 
 
 def rooms():

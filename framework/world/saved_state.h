@@ -5,7 +5,11 @@
 #include <iosfwd>
 #include <vector>
 
-#include "framework/world/world.h"
+#include "framework/problem/force.h"
+#include "framework/problem/joint.h"
+#include "framework/stage/stage_narrowphase.h"
+#include "framework/stage/stage_sleep.h"
+#include "framework/world/simulation.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
@@ -32,6 +36,14 @@ struct SavedKind {
 };
 /// Throws UserError when they are of no saved world, or of one in another format.
 SavedKind savedKind(std::istream& in);
+
+/// The bytes are a function of the state.
+template <int D>
+void writeState(std::ostream& out, SavedState<D> state);
+/// Throws UserError when the bytes are not a world of this dimension, precision and format, or damaged. What they hold
+/// is for requireSound() to judge; invMass and invInertia are empty.
+template <int D>
+SavedState<D> readState(std::istream& in);
 
 /// Throws UserError when a step could not run on this: a number that is indexed by and points at nothing, arrays of
 /// unequal length, an enum's value without a name, a shape that cannot be one, kinds that the generator does not

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Zlib
-// A world's bodies as their user sees them between steps. Each other room has a file: world_build.cpp, world_query.cpp,
-// world_contacts.cpp, world_step.cpp, world_save.cpp.
+// What a user calls between steps; the work is that of the world's parts. world_step.cpp has the step.
 #include "framework/world/world.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "framework/math/user_numbers.h"
+#include "framework/world/saved_state.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
-    : m_pipeline(pipeline), m_settings(settings), m_stages(pipeline), m_boxes(stage<Broadphase>(), settings.margin) {
+    : m_pipeline(pipeline), m_settings(settings), m_stages(pipeline), m_table(stage<Broadphase>(), settings.margin) {
   if (!settings.gravity.allFinite()) throw UserError("world: gravity is not finite");
   checkAmount(settings.margin, "world", "the contact margin");
   checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");
@@ -21,135 +23,393 @@ template <int D>
 World<D>::~World() = default;
 
 template <int D>
-std::size_t World<D>::slotOf(Handle body) const {
-  if (!valid(body)) throw UserError("world: there is no body with handle " + std::to_string(body.slot) + " (removed?)");
-  return static_cast<std::size_t>(body.slot);
-}
-
-template <int D>
-bool World<D>::valid(Handle body) const {
-  const auto i = static_cast<std::size_t>(body.slot);
-  return body.slot >= 0 && i < m_bodies.used.size() && m_bodies.used[i] && m_bodies.generation[i] == body.generation;
-}
-template <int D>
-Handle World<D>::handle(std::int32_t slot) const {
-  return {slot, m_bodies.generation[static_cast<std::size_t>(slot)]};
-}
-template <int D>
 Pose<D> World<D>::pose(Handle body) const {
-  const std::size_t i = slotOf(body);
-  const Pose<D>& x = m_bodies.pose[i];
-  return {x.p - x.q * m_bodies.center[i], x.q};
+  return m_table.frame(slotOf(body));
 }
 template <int D>
 Motion<D> World<D>::motion(Handle body) const {
-  return m_bodies.motion[slotOf(body)];
+  return m_table.bodies.motion[slotOf(body)];
 }
 template <int D>
 Real World<D>::mass(Handle body) const {
-  return m_bodies.mass[slotOf(body)];
+  return m_table.bodies.mass[slotOf(body)];
 }
 template <int D>
 bool World<D>::awake(Handle body) const {
-  return m_bodies.awake[slotOf(body)] != 0;
+  return m_table.bodies.awake[slotOf(body)] != 0;
 }
 
 template <int D>
 std::uint64_t World<D>::userData(Handle body) const {
-  return m_bodies.userData[slotOf(body)];
+  return m_table.bodies.userData[slotOf(body)];
 }
 template <int D>
 void World<D>::setUserData(Handle body, std::uint64_t data) {
-  m_bodies.userData[slotOf(body)] = data;
+  m_table.bodies.userData[slotOf(body)] = data;
 }
 
-template <int D>
-void World<D>::touched(std::size_t body) {
-  ++m_visits;
-  m_bodies.awake[body] = 1;
-  m_events.push_back({SleepEvent::userChange, static_cast<std::int32_t>(body), -1});
-  m_boxes.touch(body);
-}
 template <int D>
 void World<D>::setPose(Handle body, const Pose<D>& X_WB) {
   const std::size_t i = slotOf(body);
   checkPose(X_WB, "setPose");
-  m_bodies.pose[i] = {X_WB * m_bodies.center[i], X_WB.q};
-  touched(i);
+  m_table.bodies.pose[i] = {X_WB * m_table.bodies.center[i], X_WB.q};
+  m_table.touch(i);
 }
 template <int D>
 void World<D>::setMotion(Handle body, const Motion<D>& motion) {
   const std::size_t i = slotOf(body);
   checkMotion(motion, "setMotion");
-  if (m_bodies.type[i] == BodyType::fixed) throw UserError("setMotion: a fixed body has no velocity");
-  m_bodies.motion[i] = motion;
-  touched(i);
+  if (m_table.bodies.type[i] == BodyType::fixed) throw UserError("setMotion: a fixed body has no velocity");
+  m_table.bodies.motion[i] = motion;
+  m_table.touch(i);
 }
 template <int D>
 void World<D>::applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) {
   const std::size_t i = slotOf(body);
   if (!force.allFinite() || !point.allFinite()) throw UserError("applyForce: force or point is not finite");
-  m_userForces[i].force += force;
-  m_userForces[i].torque += cross(point - m_bodies.pose[i].p, force);
-  touched(i);
+  m_table.userForces[i].force += force;
+  m_table.userForces[i].torque += cross(point - m_table.bodies.pose[i].p, force);
+  m_table.touch(i);
 }
 template <int D>
 void World<D>::applyTorque(Handle body, const Ang<D>& torque) {
   const std::size_t i = slotOf(body);
   if (!torque.allFinite()) throw UserError("applyTorque: the torque is not finite");
-  m_userForces[i].torque += torque;
-  touched(i);
+  m_table.userForces[i].torque += torque;
+  m_table.touch(i);
 }
 template <int D>
 void World<D>::wake(Handle body) {
-  touched(slotOf(body));
+  m_table.touch(slotOf(body));
 }
 template <int D>
-void World<D>::follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion) {
-  LPC_ASSERT(X_WC.size() == m_bodies.pose.size() && motion.size() == m_bodies.pose.size());
-  for (std::size_t i = 0; i < X_WC.size(); ++i) {
-    if (m_bodies.used[i] && m_bodies.type[i] != BodyType::fixed)
-      m_bodies.pose[i] = X_WC[i], m_bodies.motion[i] = motion[i];
+void World<D>::applyImpulse(Handle body, const Wrench<D>& impulse) {
+  const std::size_t i = slotOf(body);
+  if (!impulse.force.allFinite() || !impulse.torque.allFinite()) {
+    throw UserError("applyImpulse: an impulse is not finite");
   }
-  for (JointRecord<D>& j : m_joints) {  // whole turns are counted here, too
-    if (j.active()) j.kind->finish(j, poseOf(m_bodies, j.bodyA), poseOf(m_bodies, j.bodyB));
+  if (m_table.bodies.type[i] != BodyType::dynamic) return;
+  if (!m_table.bodies.pinned[i]) m_table.bodies.motion[i].v += impulse.force / m_table.bodies.mass[i];
+  if (m_settings.features.rotation) {
+    m_table.bodies.motion[i].w +=
+        rotateInertia(m_table.bodies.pose[i].q, m_table.bodies.invInertiaBody[i]) * impulse.torque;
   }
-  m_events.clear();  // nobody decides about sleep
-  m_boxes.outdate();
+  m_table.touch(i);
 }
 
 template <int D>
+void World<D>::applyImpulse(Handle body, const Vec<D>& impulse, const Vec<D>& point) {
+  const std::size_t i = slotOf(body);
+  if (!point.allFinite()) throw UserError("applyImpulse: the point is not finite");
+  applyImpulse(body, {impulse, cross(Vec<D>(point - m_table.bodies.pose[i].p), impulse)});
+}
+
+template <int D>
+void World<D>::applyAngularImpulse(Handle body, const Ang<D>& impulse) {
+  applyImpulse(body, {Vec<D>::Zero(), impulse});
+}
+
+template <int D>
+void World<D>::wakeAll() {
+  m_table.wakeAll();
+}
+
+template <int D>
+void World<D>::follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion) {
+  Bodies<D>& b = m_table.bodies;
+  LPC_ASSERT(X_WC.size() == b.pose.size() && motion.size() == b.pose.size());
+  for (std::size_t i = 0; i < X_WC.size(); ++i) {
+    if (b.used[i] && b.type[i] != BodyType::fixed) b.pose[i] = X_WC[i], b.motion[i] = motion[i];
+  }
+  m_joints.countTurns(b);
+  m_table.events.clear();  // no step decides about sleep
+  m_table.boxes.outdate();
+}
+
+template <int D>
+Weighed<D> World<D>::weigh(const BodyDef<D>& def, std::int32_t inPlaceOf) const {
+  const Weighed<D> weighed = lpc::weigh(def);
+  requireStages(m_stages, m_pipeline, m_table.kindsWith(weighed, inPlaceOf), calledIn(def) + ": ");
+  return weighed;
+}
+
+template <int D>
+void World<D>::requireStages(const StageSet<D>& stages, const Pipeline& pipeline,
+                             const std::array<bool, kShapeKinds>& kinds, const std::string& prefix) const {
+  requireContacts(stages.template get<ContactGenerator<D>>(), kinds,
+                  prefix + "contacts=" + pipeline[StageKind::contacts].name);
+  if (!m_settings.features.continuous) return;
+  requireCasts(stages.template get<ContinuousCollision<D>>(), kinds,
+               prefix + "continuous=" + pipeline[StageKind::continuous].name);
+}
+
+// Contacts of a body that goes, or of shapes of it: the other body hears of it, and listeners, which may still ask both
+// bodies for their user data. `gone` is asked about manifolds and records.
+template <int D>
+template <class Gone>
+void World<D>::endContacts(const Gone& gone) {
+  m_contacts.end(gone, [&](const Manifold<D>& m, std::int32_t body) {
+    m_table.events.push_back({SleepEvent::bodyRemoved, m.bodyA == body ? m.bodyB : m.bodyA, body});
+    m_listeners.forEach(m, [&](ContactListener<D>& l) { l.end(*this, m); });
+  });
+}
+
+template <int D>
+Handle World<D>::add(const BodyDef<D>& def) {
+  const std::size_t i = m_table.add(def, weigh(def, -1));
+  for (const std::int32_t shape : shapesOf(i)) m_continuous.forget(static_cast<std::size_t>(shape));
+  return handle(static_cast<std::int32_t>(i));
+}
+
+template <int D>
+void World<D>::remove(Handle body) {
+  const std::size_t i = slotOf(body);
+  const std::int32_t slot = body.slot;
+  m_table.visits += m_contacts.manifolds.size() + m_contacts.records.size();
+  endContacts([&](const auto& pair) { return pair.bodyA == slot || pair.bodyB == slot ? slot : -1; });
+  m_joints.removeAllOf(i, m_table);
+  m_forces.removeAllOf(i, m_table);
+  m_listeners.forget(i);
+  m_table.remove(i);
+}
+
+template <int D>
+void World<D>::clear() {
+  m_table.visits += m_contacts.manifolds.size() + m_contacts.records.size();
+  endContacts([](const auto& pair) { return pair.bodyA; });  // all; the body that it would wake goes, too
+  m_table.clear();
+  m_joints.clear(m_table.visits);
+  m_forces.clear(m_table.visits);
+  m_listeners.forgetBodies();
+  m_contacts.forgetPairs();
+  m_time = m_lastDt = 0, m_steps = 0;
+}
+
+template <int D>
+JointHandle World<D>::add(const JointDef<D>& def) {
+  return m_joints.add(def, m_table);
+}
+template <int D>
+void World<D>::remove(JointHandle joint) {
+  m_joints.remove(joint, m_table);
+}
+template <int D>
+void World<D>::breakJoint(std::size_t slot) {
+  m_joints.breakJoint(slot, m_table.events);
+}
+template <int D>
+ForceHandle World<D>::add(const ForceDef<D>& def) {
+  return m_forces.add(def, m_table);
+}
+template <int D>
+void World<D>::remove(ForceHandle force) {
+  m_forces.remove(force, m_table);
+}
+template <int D>
 void World<D>::add(std::shared_ptr<const ForceGenerator<D>> generator) {
   if (!generator) throw UserError("world: the force generator is null");
-  m_generators.push_back(std::move(generator));
+  m_forces.generators.push_back(std::move(generator));
 }
 template <int D>
 void World<D>::remove(const ForceGenerator<D>* generator) {
-  std::erase_if(m_generators, [&](const auto& f) { return f.get() == generator; });
+  std::erase_if(m_forces.generators, [&](const auto& f) { return f.get() == generator; });
 }
+
 template <int D>
 void World<D>::addListener(ContactListener<D>* listener) {
-  if (!listener) throw UserError("world: the listener is null");
-  if (std::find(m_listeners.begin(), m_listeners.end(), listener) == m_listeners.end()) m_listeners.push_back(listener);
+  m_listeners.add(listener);
 }
 template <int D>
 void World<D>::addListener(Handle body, ContactListener<D>* listener) {
-  const std::size_t i = slotOf(body);
-  if (!listener) throw UserError("world: the listener is null");
-  if (i >= m_bodyListeners.size()) m_bodyListeners.resize(i + 1);
-  auto& of = m_bodyListeners[i];
-  if (std::find(of.begin(), of.end(), listener) == of.end()) of.push_back(listener);
+  m_listeners.add(slotOf(body), listener);
 }
 template <int D>
 bool World<D>::isListenerOf(std::int32_t slot, const ContactListener<D>* listener) const {
-  const auto i = static_cast<std::size_t>(slot);
-  if (slot < 0 || i >= m_bodyListeners.size()) return false;
-  return std::find(m_bodyListeners[i].begin(), m_bodyListeners[i].end(), listener) != m_bodyListeners[i].end();
+  return m_listeners.isOf(slot, listener);
 }
 template <int D>
 void World<D>::removeListener(ContactListener<D>* listener) {
-  std::erase(m_listeners, listener);
-  for (auto& of : m_bodyListeners) std::erase(of, listener);
+  m_listeners.remove(listener);
+}
+
+template <int D>
+BodyDef<D> World<D>::definition(Handle body) const {
+  return m_table.definition(slotOf(body));
+}
+
+template <int D>
+void World<D>::change(Handle body, const BodyDef<D>& def) {
+  const std::size_t i = slotOf(body);
+  const std::int32_t slot = body.slot;
+  const Weighed<D> weighed = weigh(def, slot);
+  if (def.type != BodyType::dynamic) m_joints.requireMoving(i, m_table);
+  const auto match = m_table.match(i, weighed.shapes);
+  const auto isGone = [&](std::int32_t shape) {
+    return std::find(match.gone.begin(), match.gone.end(), static_cast<std::size_t>(shape)) != match.gone.end();
+  };
+  // Two bodies that do not move have no contact, and no step would end it.
+  const auto& type = m_table.bodies.type;
+  const bool stops = def.type != BodyType::dynamic && type[i] == BodyType::dynamic;
+  const auto bothStay = [&](const auto& pair) {
+    if (!stops || (pair.bodyA != slot && pair.bodyB != slot)) return false;
+    return type[static_cast<std::size_t>(pair.bodyA == slot ? pair.bodyB : pair.bodyA)] != BodyType::dynamic;
+  };
+  if (stops || !match.gone.empty()) {  // else all contacts stay, and are not looked at
+    m_table.visits += m_contacts.manifolds.size() + m_contacts.records.size();
+    endContacts(
+        [&](const auto& pair) { return isGone(pair.shapeA) || isGone(pair.shapeB) || bothStay(pair) ? slot : -1; });
+  }
+  const Vec<D> by = m_table.rewrite(i, def, weighed, match);
+  if (!by.isZero(0)) {  // everything that is told from the centre of mass
+    m_contacts.moveCenter(i, by, m_table.visits);
+    m_joints.moveCenter(i, by, m_table.visits);
+    m_forces.moveCenter(i, by, m_table.visits);
+  }
+  m_joints.weigh(i, m_table);
+  for (const std::int32_t shape : shapesOf(i)) m_continuous.forget(static_cast<std::size_t>(shape));
+  m_table.touch(i);
+}
+
+template <int D>
+void World<D>::merge(Handle into, Handle other) {
+  const std::size_t a = slotOf(into), b = slotOf(other);
+  if (a == b) throw UserError("merge: a body with itself; valid: two bodies");
+  const BodyDef<D> def = merged(definition(into), definition(other));
+  weigh(def, into.slot);  // throws before anything has changed
+  m_forces.handOver(b, a, m_table.bodies);
+  m_joints.handOver(b, a, m_table);
+  // What was to push it in the coming step pushes both.
+  std::vector<Wrench<D>>& push = m_table.userForces;
+  const Vec<D> arm = m_table.bodies.pose[b].p - m_table.bodies.pose[a].p, force = push[b].force;
+  push[a].torque += push[b].torque + cross(arm, force);
+  push[a].force += force;
+  remove(other);
+  change(into, def);
+}
+
+template <int D>
+std::vector<Handle> World<D>::takeApart(Handle body) {
+  const std::size_t i = slotOf(body);
+  const std::vector<BodyDef<D>> parts = takenApart<D>(definition(body), m_table.bodies.center[i]);
+  std::vector<Handle> out = {body};
+  if (parts.empty()) return out;
+  change(body, parts[0]);  // which keeps the motion that it had
+  for (std::size_t k = 1; k < parts.size(); ++k) out.push_back(add(parts[k]));
+  return out;
+}
+
+template <int D>
+void World<D>::setGravity(const Vec<D>& gravity) {
+  if (!gravity.allFinite()) throw UserError("setGravity: gravity is not finite");
+  m_settings.gravity = gravity;
+  wakeAll();
+}
+
+template <int D>
+void changeGravity(Simulation<D>& simulation, const Vec<D>& gravity) {
+  if (auto* world = dynamic_cast<World<D>*>(&simulation)) return world->setGravity(gravity);
+  auto* engine = dynamic_cast<ChangesGravity<D>*>(&simulation);
+  if (!engine) throw UserError("this engine keeps the gravity that it began with");
+  engine->setGravity(gravity);
+}
+template void changeGravity(Simulation<2>&, const Vec<2>&);
+template void changeGravity(Simulation<3>&, const Vec<3>&);
+
+template <int D>
+void World<D>::exchange(const Pipeline& pipeline) {
+  StageSet<D> stages(pipeline);
+  requireStages(stages, pipeline, m_table.kinds(), "exchange: ");
+  // With every parameter written out: the same algorithm is no other one where a text leaves out what it says by
+  // itself.
+  const auto whole = [](StageKind kind, const Spec& spec) {
+    return Registry::instance().find(kind, D, spec.name).canonical(spec).text();
+  };
+  const auto isAnother = [&](StageKind kind) { return whole(kind, pipeline[kind]) != whole(kind, m_pipeline[kind]); };
+  const bool solver = isAnother(StageKind::solver), contacts = isAnother(StageKind::contacts),
+             sleep = isAnother(StageKind::sleep);
+  for (std::size_t i = 0; i < m_table.bodies.pose.size(); ++i) {
+    if (solver) m_table.bodies.solver[i] = {};
+    if (sleep) m_table.bodies.sleep[i] = {};
+  }
+  for (JointRecord<D>& j : m_joints.records) {
+    if (solver) j.memory = {};
+  }
+  for (Manifold<D>& m : m_contacts.manifolds) {
+    for (ContactPoint<D>& c : m.points) {
+      if (solver) c.memory = {};
+      if (contacts) c.feature = ~std::uint64_t{0};  // another generator counts features otherwise
+    }
+  }
+  if (contacts) m_contacts.records.clear();
+  m_pipeline = pipeline;
+  m_stages = std::move(stages);
+  m_table.index(stage<Broadphase>(), m_settings.margin);
+  m_continuous.forgetAll();
+  wakeAll();
+}
+
+template <int D>
+std::vector<Handle> World<D>::at(const Vec<D>& point) const {
+  sync();
+  return BodyQueries<D>(m_table).at(point);
+}
+template <int D>
+std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
+  sync();
+  return BodyQueries<D>(m_table).overlap(box);
+}
+template <int D>
+bool World<D>::contains(Handle body, const Vec<D>& point) const {
+  return BodyQueries<D>(m_table).contains(slotOf(body), point);
+}
+template <int D>
+bool World<D>::intersects(Handle body, const Aabb<D>& box) const {
+  return BodyQueries<D>(m_table).intersects(slotOf(body), box);
+}
+template <int D>
+std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const {
+  sync();
+  return BodyQueries<D>(m_table).ray(p, direction, maxT, firstOnly);
+}
+template <int D>
+std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+                                         const RayFilter<D>& filter) const {
+  sync();
+  return BodyQueries<D>(m_table).ray(p, direction, maxT, firstOnly, &filter);
+}
+
+template <int D>
+void World<D>::save(std::ostream& out) const {
+  writeState<D>(out,
+                {m_settings, m_table.bodies, m_table.shapes, m_joints.records, m_contacts.manifolds, m_table.userForces,
+                 m_table.events, m_time, m_lastDt, m_steps, m_contacts.records, m_forces.records});
+}
+
+template <int D>
+void World<D>::load(std::istream& in) {
+  SavedState<D> s = readState<D>(in);
+  requireSound<D>(s, stage<ContactGenerator>());
+  if (s.settings.features.continuous) {
+    std::array<bool, kShapeKinds> kinds{};
+    for (const ShapeRecord<D>& shape : s.shapes) markKinds(shape.shape, kinds);
+    requireCasts(stage<ContinuousCollision>(), kinds, "load: this world's continuous collision");
+  }
+  const std::size_t n = s.bodies.pose.size();
+  s.bodies.invMass.assign(n, 0);  // refreshed before each solve
+  s.bodies.invInertia.assign(n, Inertia<D>::Zero());
+
+  m_settings = s.settings, m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
+  m_table.bodies = std::move(s.bodies), m_table.shapes = std::move(s.shapes);
+  m_table.userForces = std::move(s.userForces), m_table.events = std::move(s.events);
+  m_joints.records = std::move(s.joints), m_forces.records = std::move(s.forces);
+  m_contacts.manifolds = std::move(s.manifolds), m_contacts.records = std::move(s.records);
+
+  // New stages instead of the old ones' structures, which hold no history.
+  m_stages = StageSet<D>(m_pipeline);
+  m_table.recount(), m_joints.recount(m_table.visits), m_forces.recount();
+  m_table.index(stage<Broadphase>(), m_settings.margin);
+  m_continuous.forgetAll();
+  m_listeners.forgetBodies(), m_contacts.forgetPairs();  // of bodies that were
 }
 
 template class World<2>;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // One step of a world: boxes, pairs, cache.select, contacts, cache.carry, listeners, sleep, solver, continuous.
-#define XXH_INLINE_ALL  // one hash needs no library at link time
-#include <xxhash.h>
-
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "framework/world/world.h"
@@ -14,43 +13,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+template <class F>
+class CallAgain final : public DetectAgain {
+ public:
+  explicit CallAgain(const F& f) : m_f(f) {}
+  void again() override { m_f(); }
+
+ private:
+  const F& m_f;
+};
+
 }  // namespace
-
-template <int D>
-void World<D>::decideSleep(Real dt) {
-  m_awakeBefore = m_bodies.awake;
-  stage<SleepPolicy>().decide({dt, m_bodies, m_manifolds, jointsInUse(), m_events, m_settings.restitutionThreshold,
-                               m_settings.gravity, m_profiler.frame().work, m_graph},
-                              m_bodies.awake, m_bodies.sleep);
-  for (std::size_t i = 0; i < m_bodies.awake.size(); ++i) {
-    if (m_awakeBefore[i] && !m_bodies.awake[i]) m_bodies.motion[i] = {};
-  }
-}
-
-template <int D>
-void World<D>::refreshMasses() {
-  auto& b = m_bodies;
-  for (std::size_t i = 0; i < b.pose.size(); ++i) {
-    if (!b.active(static_cast<int>(i))) {
-      b.invMass[i] = 0, b.invInertia[i] = Inertia<D>::Zero();
-      continue;
-    }
-    b.invMass[i] = b.pinned[i] ? Real(0) : 1 / b.mass[i];
-    if (m_settings.features.rotation) b.invInertia[i] = rotateInertia(b.pose[i].q, b.invInertiaBody[i]);
-  }
-}
-
-template <int D>
-void World<D>::eval(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const {
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const Real mass = m_bodies.mass[i];
-    out[i] = m_userForces[i];
-    out[i].force += mass * m_bodies.gravityScale[i] * m_settings.gravity;
-  }
-  const ForceState<D> known{state.bodies, state.pose, state.motion, m_dt, m_lastContacts, m_lastDt};
-  applyForces(forces(), known, t, out);
-  for (const auto& f : m_generators) f->apply(known, t, out);
-}
 
 template <int D>
 void World<D>::step(Real dt) {
@@ -60,80 +33,75 @@ void World<D>::step(Real dt) {
   if (dt == 0) return;
   const Clock::time_point start = Clock::now();
   m_profiler.beginFrame(m_steps);
-  m_dt = dt;
-  m_lastContacts.clear();  // a solver changes impulses while it asks for forces
-  if (std::any_of(m_forces.begin(), m_forces.end(), [](const auto& f) { return f.kind && f.kind->readsContacts(); })) {
-    m_lastContacts.reserve(m_manifolds.capacity());  // a copy has room for itself alone
-    m_lastContacts.insert(m_lastContacts.end(), m_manifolds.begin(), m_manifolds.end());
-  }
-  m_profiler.frame().work[WorkCount::eventVisits] += std::exchange(m_visits, 0);
+  Profiler::Frame& f = m_profiler.frame();
+  f.work[WorkCount::eventVisits] += std::exchange(m_table.visits, 0);
+  m_forces.keepContacts(m_contacts.manifolds);
   {
     Profiler::Scope scope(m_profiler, "boxes");
     sync();
   }
-  findPairs(dt);
-  makeContacts();
   {
-    Profiler::Scope scope(m_profiler, "listeners");
-    tellListeners(false);
+    Profiler::Scope scope(m_profiler, "broadphase");
+    m_unpaired.read(jointsInUse());
+    m_contacts.findPairs(m_table, m_unpaired, f.work);
   }
+  const ContinuousInput<D> continuous{dt, stage<ContinuousCollision>(), m_table, m_settings, m_unpaired, m_profiler};
+  m_continuous.lookAhead(continuous);
+  {
+    Profiler::Scope scope(m_profiler, "cache");
+    m_contacts.sortPairs(m_table.shapes, m_continuous.ahead());
+  }
+  const auto detect = [&](bool again) {
+    m_contacts.make(
+        {stage<ContactCache>(), stage<ContactGenerator>(), m_table, m_settings, m_continuous.ahead(), m_profiler});
+    Profiler::Scope scope(m_profiler, "listeners");
+    m_listeners.tell(*this, m_table, {m_contacts.manifolds, m_contacts.before(), m_lastDt, again});
+  };
+  const auto outdateGraph = [&] { m_graph.reset(m_table.bodies, m_contacts.manifolds, jointsInUse(), f.work); };
+  detect(false);
   outdateGraph();
   if (m_settings.features.sleeping) {
     Profiler::Scope scope(m_profiler, "sleep");
-    decideSleep(dt);
+    m_awakeBefore = m_table.bodies.awake;
+    stage<SleepPolicy>().decide({dt, m_table.bodies, m_contacts.manifolds, jointsInUse(), m_table.events,
+                                 m_settings.restitutionThreshold, m_settings.gravity, f.work, m_graph},
+                                m_table.bodies.awake, m_table.bodies.sleep);
+    m_table.stopSleepers(m_awakeBefore);
   }
-  m_events.clear();
+  m_table.events.clear();
   {
     Profiler::Scope scope(m_profiler, "solver");
-    refreshMasses();
-    if (looks(Lookout::after)) m_start = m_bodies.pose;
-    collectActive();
-    stage<Solver>().step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this,
-                          m_settings.features, m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler,
-                          m_graph, m_watcher});
+    m_table.refreshMasses(m_settings.features.rotation);
+    m_continuous.begin(continuous);
+    const StepForces<D> forces(m_table, m_forces, {m_settings.gravity, dt, m_lastDt});
+    const auto again = [&] {
+      ++f.work[WorkCount::detections];
+      detect(true);
+      m_contacts.collectActive(m_table.bodies);
+      outdateGraph();
+    };
+    CallAgain callAgain(again);
+    stage<Solver>().step({dt, m_lastDt, m_time, m_table.bodies, m_contacts.manifolds,
+                          m_contacts.collectActive(m_table.bodies), m_joints.records, forces, callAgain,
+                          m_settings.features, m_settings.restitutionThreshold, f.work, m_profiler, m_graph,
+                          m_watcher});
   }
-  stopAtMeetings(dt);
-  if (m_settings.features.joints) finishJoints(dt);
-  m_boxes.outdate();
-  std::fill(m_userForces.begin(), m_userForces.end(), Wrench<D>{});
+  m_continuous.stopAtMeetings(continuous, m_contacts.manifolds, m_joints.records, m_graph);
+  if (m_settings.features.joints) m_joints.finish(m_table.bodies, dt, m_table.events);
+  m_table.boxes.outdate();
+  std::fill(m_table.userForces.begin(), m_table.userForces.end(), Wrench<D>{});
   m_time += dt, m_lastDt = dt;
   ++m_steps;
 
-  Profiler::Frame& f = m_profiler.frame();
-  f.bodies = bodyCount(), f.pairs = static_cast<int>(m_pairs.size()),
-  f.manifolds = static_cast<int>(m_manifolds.size());
+  f.bodies = bodyCount(), f.pairs = static_cast<int>(m_contacts.pairs().size());
+  f.manifolds = static_cast<int>(m_contacts.manifolds.size());
   f.awake = f.points = 0;
-  for (std::size_t i = 0; i < m_bodies.pose.size(); ++i) f.awake += m_bodies.active(static_cast<int>(i));
-  for (const Manifold<D>& m : m_manifolds) f.points += m.count;
+  for (int i = 0; i < m_table.bodies.size(); ++i) f.awake += m_table.bodies.active(i);
+  for (const Manifold<D>& m : m_contacts.manifolds) f.points += m.count;
   m_profiler.endFrame(std::chrono::duration<double>(Clock::now() - start).count());
 }
 
-template <int D>
-std::uint64_t World<D>::hash() const {
-  XXH64_state_t* state = XXH64_createState();
-  XXH64_reset(state, 0);
-  const auto put = [&](const auto& x) { XXH64_update(state, &x, sizeof x); };
-  for (std::size_t i = 0; i < m_bodies.pose.size(); ++i) {
-    put(m_bodies.used[i]);
-    if (!m_bodies.used[i]) continue;
-    const Pose<D>& x = m_bodies.pose[i];
-    XXH64_update(state, x.p.data(), sizeof(Real) * D);
-    put(x.q);
-    XXH64_update(state, m_bodies.motion[i].v.data(), sizeof(Real) * D);
-    XXH64_update(state, m_bodies.motion[i].w.data(), sizeof(Real) * kAngDim<D>);
-  }
-  const std::uint64_t h = XXH64_digest(state);
-  XXH64_freeState(state);
-  return h;
-}
-
-// The members of this file; the class as a whole is instantiated in world.cpp.
-#define LPC_INSTANTIATE(D)                                                              \
-  template void World<D>::eval(const ForceState<D>&, Real, std::span<Wrench<D>>) const; \
-  template void World<D>::step(Real);                                                   \
-  template std::uint64_t World<D>::hash() const
-LPC_INSTANTIATE(2);
-LPC_INSTANTIATE(3);
-#undef LPC_INSTANTIATE
+template void World<2>::step(Real);
+template void World<3>::step(Real);
 
 }}  // namespace lpc::LPC_PRECISION

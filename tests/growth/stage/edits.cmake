@@ -10,5 +10,5 @@ edit(framework/world/world_step.cpp [[#include "framework/world/world.h"
 ]] [[#include "framework/world/world.h"
 #include "framework/stage/stage_speed_limit.h"
 ]])
-edit(framework/world/world_step.cpp "    stage<Solver>().step(" "    stage<SpeedLimit>().limit(dt, m_bodies);
+edit(framework/world/world_step.cpp "    stage<Solver>().step(" "    stage<SpeedLimit>().limit(dt, m_table.bodies);
     stage<Solver>().step(")

@@ -13,7 +13,6 @@
 #include "framework/shape/curved_core.h"
 #include "framework/shape/surface.h"
 #include "framework/world/saved_state.h"
-#include "framework/world/world.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
@@ -271,26 +270,6 @@ void fields(Archive& a, SavedState<D>& s) {
     s.forces);
 }
 
-}  // namespace
-
-template <int D>
-void World<D>::save(std::ostream& out) const {
-  SavedState<D> s{m_settings, m_bodies, m_shapes, m_joints, m_manifolds, m_userForces,
-                  m_events,   m_time,   m_lastDt, m_steps,  m_records,   m_forces};
-  std::ostringstream body;
-  Archive inner(body);
-  inner(s);
-  const std::string bytes = std::move(body).str();
-  Header header;
-  header.dimension = D, header.realBytes = sizeof(Real);
-  header.size = bytes.size(), header.checksum = XXH64(bytes.data(), bytes.size(), 0);
-  Archive outer(out);
-  outer(header);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-namespace {
-
 Header readHeader(std::istream& in) {
   Header header{};
   header.magic = {};
@@ -313,7 +292,21 @@ SavedKind savedKind(std::istream& in) {
 }
 
 template <int D>
-void World<D>::load(std::istream& in) {
+void writeState(std::ostream& out, SavedState<D> state) {
+  std::ostringstream body;
+  Archive inner(body);
+  inner(state);
+  const std::string bytes = std::move(body).str();
+  Header header;
+  header.dimension = D, header.realBytes = sizeof(Real);
+  header.size = bytes.size(), header.checksum = XXH64(bytes.data(), bytes.size(), 0);
+  Archive outer(out);
+  outer(header);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+template <int D>
+SavedState<D> readState(std::istream& in) {
   const Header header = readHeader(in);
   if (header.dimension != D || header.realBytes != static_cast<std::int32_t>(sizeof(Real))) {
     throw UserError("load: the saved world is " + std::to_string(header.dimension) + "D with " +
@@ -335,43 +328,12 @@ void World<D>::load(std::istream& in) {
     if (what.starts_with("load: ")) throw;
     throw UserError("load: the saved world is damaged (" + std::string(what) + ")");
   }
-  requireSound<D>(s, stage<ContactGenerator>());
-  if (s.settings.features.continuous) {
-    std::array<bool, kShapeKinds> kinds{};
-    for (const ShapeRecord<D>& shape : s.shapes) markKinds(shape.shape, kinds);
-    requireCasts(stage<ContinuousCollision>(), kinds, "load: this world's continuous collision");
-  }
-  const std::size_t n = s.bodies.pose.size();
-  s.bodies.invMass.assign(n, 0);  // refreshed before each solve
-  s.bodies.invInertia.assign(n, Inertia<D>::Zero());
-
-  m_settings = s.settings, m_bodies = std::move(s.bodies), m_shapes = std::move(s.shapes),
-  m_joints = std::move(s.joints);
-  m_manifolds = std::move(s.manifolds), m_userForces = std::move(s.userForces), m_events = std::move(s.events);
-  m_records = std::move(s.records), m_forces = std::move(s.forces);
-  m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
-
-  // New stages instead of the old ones' structures, which hold no history.
-  m_stages = StageSet<D>(m_pipeline);
-  m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
-  m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
-  m_jointSlots.read(m_joints, [](const JointRecord<D>& j) { return !j.kind; });
-  m_forceSlots.read(m_forces, [](const ForceRecord<D>& f) { return !f.kind; });
-  m_kindCount = {};
-  m_shapesOf.clear(), m_jointsOf.clear();
-  for (std::size_t i = 0; i < m_shapes.size(); ++i) {
-    if (m_shapes[i].body < 0) continue;
-    countKinds(m_shapes[i].shape, 1);
-    m_shapesOf.add(static_cast<std::size_t>(m_shapes[i].body), i, m_visits);
-  }
-  for (std::size_t j = 0; j < m_joints.size(); ++j) listJoint(j);
-  m_bodyListeners.clear(), m_pairs.clear();  // of bodies that were
-  indexShapes();
+  return s;
 }
 
-template void World<2>::save(std::ostream&) const;
-template void World<3>::save(std::ostream&) const;
-template void World<2>::load(std::istream&);
-template void World<3>::load(std::istream&);
+template void writeState(std::ostream&, SavedState<2>);
+template void writeState(std::ostream&, SavedState<3>);
+template SavedState<2> readState(std::istream&);
+template SavedState<3> readState(std::istream&);
 
 }}  // namespace lpc::LPC_PRECISION

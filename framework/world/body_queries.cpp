@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// Questions about exact shapes at present poses.
+#include "framework/world/body_queries.h"
+
 #include <algorithm>
+#include <string>
 
 #include "framework/shape/parts_near.h"
-#include "framework/world/world.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
@@ -24,89 +25,90 @@ void meetOfSurface(const Surface<D>& surface, const Pose<D>& X_WS, const Vec<D>&
   }
 }
 
+template <int D>
+bool meets(const RayFilter<D>& filter, Handle body, const ShapeRecord<D>& s) {
+  return (filter.category & s.mask) && (filter.mask & s.category) && (!filter.accepts || filter.accepts(body, s));
+}
+
 }  // namespace
 
-// The bodies, each once, of those proxies of whose shape a convex part holds; `holds` is asked with it and its pose. Of
+// The bodies of those proxies, each once, that have a convex part that holds; `holds` is asked with it and its pose. Of
 // a surface those alone are asked that come near the box.
 template <int D>
 template <class Holds>
-std::vector<Handle> World<D>::bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box, const Holds& holds) const {
+std::vector<Handle> BodyQueries<D>::bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box,
+                                             const Holds& holds) const {
   std::sort(found.begin(), found.end());
   std::vector<Handle> out;
   std::vector<std::int32_t> near;
   WorkDone work;
   for (ProxyId id : found) {
-    const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(id)];
-    const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
+    const ShapeRecord<D>& s = m_table.shapes[static_cast<std::size_t>(id)];
+    const Pose<D> X_WS = m_table.bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
     bool held = false;
     forPartsNear(s.shape, X_WS, {}, box, near, work,
                  [&](std::int32_t, const auto& part, const Pose<D>& X_WP) { held = held || holds(part, X_WP); });
-    const Handle h = handle(s.body);
+    const Handle h = m_table.handle(s.body);
     if (held && std::find(out.begin(), out.end(), h) == out.end()) out.push_back(h);
   }
   return out;
 }
 
 template <int D>
-std::vector<Handle> World<D>::at(const Vec<D>& point) const {
-  sync();
+std::vector<Handle> BodyQueries<D>::at(const Vec<D>& point) const {
   std::vector<ProxyId> found;
-  m_boxes.at(point, found);
+  m_table.boxes.at(point, found);
   return bodiesOf(found, {point, point},
                   [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
 }
 
 template <int D>
-std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
-  sync();
+std::vector<Handle> BodyQueries<D>::overlap(const Aabb<D>& box) const {
   std::vector<ProxyId> found;
-  m_boxes.overlap(box, found);
+  m_table.boxes.overlap(box, found);
   return bodiesOf(found, box, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
 }
 
 // Of one body, which need not be asked of the broadphase.
 template <int D>
 template <class Holds>
-bool World<D>::anyPart(Handle body, const Aabb<D>& box, const Holds& holds) const {
-  const std::size_t i = slotOf(body);
+bool BodyQueries<D>::anyPart(std::size_t i, const Aabb<D>& box, const Holds& holds) const {
   std::vector<std::int32_t> near;
   WorkDone work;
   bool held = false;
-  for (const std::int32_t shape : m_shapesOf.of(i)) {
-    const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(shape)];
-    forPartsNear(s.shape, m_bodies.pose[i] * s.X_CS, {}, box, near, work,
+  for (const std::int32_t shape : m_table.shapesOf(i)) {
+    const ShapeRecord<D>& s = m_table.shapes[static_cast<std::size_t>(shape)];
+    forPartsNear(s.shape, m_table.bodies.pose[i] * s.X_CS, {}, box, near, work,
                  [&](std::int32_t, const auto& part, const Pose<D>& X_WP) { held = held || holds(part, X_WP); });
   }
   return held;
 }
 
 template <int D>
-bool World<D>::contains(Handle body, const Vec<D>& point) const {
+bool BodyQueries<D>::contains(std::size_t body, const Vec<D>& point) const {
   return anyPart(body, {point, point},
                  [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
 }
 
 template <int D>
-bool World<D>::intersects(Handle body, const Aabb<D>& box) const {
+bool BodyQueries<D>::intersects(std::size_t body, const Aabb<D>& box) const {
   return anyPart(body, box, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
 }
 
 template <int D>
-template <class Meets>
-std::vector<BodyRayHit<D>> World<D>::rayHits(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
-                                             const Meets& meets) const {
+std::vector<BodyRayHit<D>> BodyQueries<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+                                               const RayFilter<D>* filter) const {
   if (!p.allFinite() || !direction.allFinite()) throw UserError("ray: its start or direction is not finite");
   if (!(maxT >= 0)) throw UserError("ray: maxT is " + std::to_string(maxT) + "; valid: a number >= 0");
-  sync();
   std::vector<RayHit<D>> found;
-  m_boxes.ray(p, direction, maxT, found);  // the first box need not hold the first shape
+  m_table.boxes.ray(p, direction, maxT, found);  // the first box need not hold the first shape
   std::vector<BodyRayHit<D>> out;
   std::vector<std::int32_t> near;
   for (const RayHit<D>& hit : found) {
-    const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(hit.proxy)];
-    const Handle body = handle(s.body);
-    if (!meets(body, s)) continue;
-    const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
+    const ShapeRecord<D>& s = m_table.shapes[static_cast<std::size_t>(hit.proxy)];
+    const Handle body = m_table.handle(s.body);
+    if (filter && !meets(*filter, body, s)) continue;
+    const Pose<D> X_WS = m_table.bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
     RayEntry<D> first;
     const auto meet = [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
       const RayEntry<D> entry = rayEntry(part, X_WP, p, direction, maxT);
@@ -126,29 +128,7 @@ std::vector<BodyRayHit<D>> World<D>::rayHits(const Vec<D>& p, const Vec<D>& dire
   return out;
 }
 
-template <int D>
-std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const {
-  return rayHits(p, direction, maxT, firstOnly, [](Handle, const ShapeRecord<D>&) { return true; });
-}
-
-template <int D>
-std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
-                                         const RayFilter<D>& filter) const {
-  return rayHits(p, direction, maxT, firstOnly, [&](Handle body, const ShapeRecord<D>& s) {
-    return (filter.category & s.mask) && (filter.mask & s.category) && (!filter.accepts || filter.accepts(body, s));
-  });
-}
-
-// The members of this file; the class as a whole is instantiated in world.cpp.
-#define LPC_INSTANTIATE(D)                                                                           \
-  template std::vector<Handle> World<D>::at(const Vec<D>&) const;                                    \
-  template std::vector<Handle> World<D>::overlap(const Aabb<D>&) const;                              \
-  template bool World<D>::contains(Handle, const Vec<D>&) const;                                     \
-  template bool World<D>::intersects(Handle, const Aabb<D>&) const;                                  \
-  template std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>&, const Vec<D>&, Real, bool) const; \
-  template std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>&, const Vec<D>&, Real, bool, const RayFilter<D>&) const
-LPC_INSTANTIATE(2);
-LPC_INSTANTIATE(3);
-#undef LPC_INSTANTIATE
+template class BodyQueries<2>;
+template class BodyQueries<3>;
 
 }}  // namespace lpc::LPC_PRECISION

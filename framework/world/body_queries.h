@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "framework/world/body_table.h"
+
+namespace lpc { inline namespace LPC_PRECISION {
+
+template <int D>
+struct BodyRayHit {
+  Handle body;
+  std::int32_t shape;      // number among the body's shapes
+  Real t;                  // of entering the shape
+  Vec<D> normal;           // unit, world, out of the shape and so against the ray; zero when the ray starts inside
+  std::uint64_t userData;  // the shape's
+};
+
+/// What a ray meets: as a shape of this category and mask would collide. Without a filter it meets every shape.
+template <int D>
+struct RayFilter {
+  std::uint32_t category = 1;
+  std::uint32_t mask = ~0u;
+  /// Empty: all of these. Is asked before the shape is, in no promised order.
+  std::function<bool(Handle body, const ShapeRecord<D>& shape)> accepts = {};
+};
+
+/// Questions about exact shapes at the poses of now, through the boxes of the table, which must be in sync().
+template <int D>
+class BodyQueries {
+ public:
+  explicit BodyQueries(const BodyTable<D>& table) : m_table(table) {}
+
+  std::vector<Handle> at(const Vec<D>& point) const;
+  std::vector<Handle> overlap(const Aabb<D>& box) const;
+  bool contains(std::size_t body, const Vec<D>& point) const;
+  bool intersects(std::size_t body, const Aabb<D>& box) const;
+  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Without a filter every shape
+  /// is met. Throws UserError for a point or direction that is not finite and a maxT below zero.
+  std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+                                 const RayFilter<D>* filter = nullptr) const;
+
+ private:
+  template <class Holds>
+  std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box, const Holds& holds) const;
+  template <class Holds>
+  bool anyPart(std::size_t body, const Aabb<D>& box, const Holds& holds) const;
+
+  const BodyTable<D>& m_table;
+};
+
+}}  // namespace lpc::LPC_PRECISION

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/world/continuous_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lpc { inline namespace LPC_PRECISION {
+namespace {
+
+constexpr Real kNever = std::numeric_limits<Real>::infinity();
+
+template <int D>
+bool vetoed(std::span<const Manifold<D>> manifolds, const typename FastParts<D>::Pair& p) {
+  const std::tuple key(p.a.body, p.a.shape, p.b.body, p.b.shape);
+  const auto m = std::partition_point(manifolds.begin(), manifolds.end(),
+                                      [&](const Manifold<D>& x) { return x.shapeKey() < key; });
+  return m != manifolds.end() && m->shapeKey() == key && m->ignored;
+}
+
+}  // namespace
+
+template <int D>
+std::span<const typename FastParts<D>::Pair> ContinuousPass<D>::fastPairs(const ContinuousInput<D>& in,
+                                                                          const Ways<D>& ways) {
+  const auto found = m_fast.find(ways, in.method.threshold(), in.table.bodies, in.table.shapes, in.table.boxes,
+                                 in.profiler.frame().work);
+  in.profiler.frame().work[WorkCount::sweptPairs] += found.size();
+  return found;
+}
+
+template <int D>
+void ContinuousPass<D>::lookAhead(const ContinuousInput<D>& in) {
+  m_ahead.clear();
+  if (!in.looks(Lookout::before)) return;
+  Profiler::Scope scope(in.profiler, "continuous");
+  for (const auto& p : fastPairs(in, {in.table.bodies.pose, in.table.bodies.motion, in.dt})) {
+    if (in.unpaired.contains(p.a.body, p.b.body)) continue;
+    m_ahead.push_back({{p.a.shape, p.b.shape}, in.settings.margin + p.a.goes + p.b.goes});
+  }
+  // Of the parts of two shapes the one that comes nearest.
+  std::sort(m_ahead.begin(), m_ahead.end(), [](const PairAhead& p, const PairAhead& q) {
+    return std::tie(p.shapes, q.margin) < std::tie(q.shapes, p.margin);
+  });
+  m_ahead.erase(std::unique(m_ahead.begin(), m_ahead.end(),
+                            [](const PairAhead& p, const PairAhead& q) { return p.shapes == q.shapes; }),
+                m_ahead.end());
+}
+
+template <int D>
+void ContinuousPass<D>::begin(const ContinuousInput<D>& in) {
+  if (in.looks(Lookout::after)) m_start = in.table.bodies.pose;
+}
+
+// How a body went through the step that was just solved. The turn is the one of those with this end that is nearest to
+// what its speed says: a pose alone does not tell whole turns.
+template <int D>
+Motion<D> ContinuousPass<D>::wayOf(const ContinuousInput<D>& in, std::size_t body) const {
+  const Pose<D>&from = m_start[body], &to = in.table.bodies.pose[body];
+  constexpr Real kWhole = Real(6.28318530717958647693);
+  Ang<D> turn = turnOf(to.q * from.q.inverse());
+  const Ang<D> meant = in.table.bodies.motion[body].w * in.dt;
+  const Real angle = turn.norm();
+  const Ang<D> axis = angle > 0 ? Ang<D>(turn / angle) : Ang<D>(meant.normalized());
+  const Real more = std::round((meant.dot(axis) - angle) / kWhole);
+  if (more != 0 && std::isfinite(more)) turn += more * kWhole * axis;
+  return {(to.p - from.p) / in.dt, turn / in.dt};
+}
+
+// A pair as it goes on from a time on: what has been stopped stands still.
+template <int D>
+FastPair<D> ContinuousPass<D>::pairFrom(const ContinuousInput<D>& in, const typename FastParts<D>::Pair& p,
+                                        const Ways<D>& ways, Real from) const {
+  const auto motionOf = [&](const typename FastParts<D>::Part& part) {
+    ShapeMotion<D> motion = ways.of(part.body, part.X_CP);
+    const Real stop = m_stop[static_cast<std::size_t>(part.body)];
+    motion.X_WC = motion.bodyAt(std::min(from, stop));
+    if (stop <= from) motion.motion = {};
+    return motion;
+  };
+  const auto goesOn = [&](const typename FastParts<D>::Part& part) {
+    return part.fast && in.table.bodies.active(part.body) && m_stop[static_cast<std::size_t>(part.body)] == kNever;
+  };
+  const bool swap = p.a.view.kind > p.b.view.kind;
+  const auto &a = swap ? p.b : p.a, &b = swap ? p.a : p.b;
+  return {{a.view, b.view, motionOf(a), motionOf(b)}, a.girth, b.girth, goesOn(a), goesOn(b)};
+}
+
+// Meetings in the order of their times. The first one of a body ends its step, and that of all that are jointed to it,
+// or the joints would be torn. Pairs that still come are asked at once with what stands there now.
+template <int D>
+void ContinuousPass<D>::stopAtMeetings(const ContinuousInput<D>& in, std::span<const Manifold<D>> manifolds,
+                                       std::span<const JointRecord<D>> joints, const ContactGraph<D>& graph) {
+  if (!in.looks(Lookout::after)) return;
+  Profiler::Scope scope(in.profiler, "continuous");
+  Bodies<D>& bodies = in.table.bodies;
+  m_ways.assign(m_start.size(), {});
+  for (std::size_t i = 0; i < m_start.size(); ++i) {
+    if (bodies.used[i] && bodies.awake[i] && bodies.type[i] != BodyType::fixed) m_ways[i] = wayOf(in, i);
+  }
+  const Ways<D> ways{m_start, m_ways, in.dt};
+  const auto pairs = fastPairs(in, ways);
+  if (pairs.empty()) return;
+
+  m_stop.assign(bodies.pose.size(), kNever);
+  m_questions.clear(), m_meetings.clear(), m_pairsOf.clear();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (in.unpaired.contains(pairs[i].a.body, pairs[i].b.body) || vetoed<D>(manifolds, pairs[i])) continue;
+    const FastPair<D> question = pairFrom(in, pairs[i], ways, 0);
+    if (!question.fastA && !question.fastB) continue;
+    m_questions.push_back(question), m_meetings.push_back({kNever, i, kNever});
+    for (const std::int32_t body : {pairs[i].a.body, pairs[i].b.body}) m_pairsOf.emplace_back(body, i);
+  }
+  std::sort(m_pairsOf.begin(), m_pairsOf.end());
+  m_times.assign(m_questions.size(), kNever);
+  WorkDone& work = in.profiler.frame().work;
+  in.method.meetings(m_questions, in.dt, m_times, work);
+  for (std::size_t k = 0; k < m_times.size(); ++k) m_meetings[k].t = m_times[k];
+  std::erase_if(m_meetings, [&](const Meeting& m) { return !(m.t < in.dt); });
+  std::make_heap(m_meetings.begin(), m_meetings.end());
+
+  const auto firstStop = [&](const typename FastParts<D>::Pair& p) {
+    return std::min(m_stop[static_cast<std::size_t>(p.a.body)], m_stop[static_cast<std::size_t>(p.b.body)]);
+  };
+  const auto stop = [&](std::int32_t slot, Real t) {
+    const auto body = static_cast<std::size_t>(slot);
+    if (!bodies.active(slot) || m_stop[body] != kNever) return;
+    m_stop[body] = t, bodies.pose[body] = ways.of(slot, {}).bodyAt(t);
+    ++work[WorkCount::stops], in.profiler.frame().lostTime += in.dt - t;
+    m_stopped.push_back(slot);
+  };
+  while (!m_meetings.empty()) {
+    std::pop_heap(m_meetings.begin(), m_meetings.end());
+    const Meeting now = m_meetings.back();
+    m_meetings.pop_back();
+    const auto& p = pairs[now.pair];
+    if (firstStop(p) != now.asked) continue;  // it was asked anew
+    m_stopped.clear();
+    for (const auto* part : {&p.a, &p.b}) {
+      if (part->fast) stop(part->body, now.t);
+    }
+    for (std::size_t i = 0; i < m_stopped.size(); ++i) {  // grows
+      for (const std::int32_t joint : graph.jointsOf(m_stopped[i])) {
+        const JointRecord<D>& j = joints[static_cast<std::size_t>(joint)];
+        if (j.bodyA >= 0) stop(j.bodyA, now.t);
+        stop(j.bodyB, now.t);
+      }
+    }
+    for (const std::int32_t body : m_stopped) {
+      for (auto of = std::lower_bound(m_pairsOf.begin(), m_pairsOf.end(), std::pair(body, std::size_t(0)));
+           of != m_pairsOf.end() && of->first == body; ++of) {
+        const FastPair<D> again = pairFrom(in, pairs[of->second], ways, now.t);
+        if (!again.fastA && !again.fastB) continue;
+        Real later = kNever;
+        in.method.meetings({&again, 1}, in.dt - now.t, {&later, 1}, work);
+        if (!(now.t + later < in.dt)) continue;
+        m_meetings.push_back({now.t + later, of->second, now.t});
+        std::push_heap(m_meetings.begin(), m_meetings.end());
+      }
+    }
+  }
+}
+
+template class ContinuousPass<2>;
+template class ContinuousPass<3>;
+
+}}  // namespace lpc::LPC_PRECISION

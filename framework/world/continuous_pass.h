@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "framework/problem/contact_graph.h"
+#include "framework/stage/profiler.h"
+#include "framework/stage/stage_continuous.h"
+#include "framework/world/body_table.h"
+#include "framework/world/contact_maker.h"
+#include "framework/world/fast_parts.h"
+#include "framework/world/simulation.h"
+#include "framework/world/unpaired_bodies.h"
+
+namespace lpc { inline namespace LPC_PRECISION {
+
+template <int D>
+struct ContinuousInput {
+  Real dt;  // s, of the step
+  ContinuousCollision<D>& method;
+  BodyTable<D>& table;
+  const WorldSettings<D>& settings;
+  const UnpairedBodies& unpaired;
+  Profiler& profiler;
+
+  bool looks(Lookout when) const { return settings.features.continuous && method.lookout() == when; }
+};
+
+/// What lies between the poses of two steps: pairs that would meet get contacts before the solver, or bodies that met
+/// are stopped after it.
+template <int D>
+class ContinuousPass {
+ public:
+  /// The slot has another shape now.
+  void forget(std::size_t shape) { m_fast.forget(shape); }
+  void forgetAll() { m_fast = FastParts<D>(); }
+
+  /// Before the solver, with the boxes of the start: finds ahead(), sorted by their slots; none of a method that looks
+  /// back.
+  void lookAhead(const ContinuousInput<D>& in);
+  std::span<const PairAhead> ahead() const { return m_ahead; }
+  /// Keeps the poses from which the solver will move the bodies, for a method that looks back.
+  void begin(const ContinuousInput<D>& in);
+  /// After the solver: puts fast bodies back to where they met, with all that are jointed to them (`joints`, by slot).
+  /// Pairs that a listener has vetoed are left alone.
+  void stopAtMeetings(const ContinuousInput<D>& in, std::span<const Manifold<D>> manifolds,
+                      std::span<const JointRecord<D>> joints, const ContactGraph<D>& graph);
+
+ private:
+  using Pair = typename FastParts<D>::Pair;
+  struct Meeting {
+    Real t;  // s after the start
+    std::size_t pair;
+    Real asked;  // when the first of the two was stopped, as known then
+    bool operator<(const Meeting& o) const {
+      return std::tie(o.t, o.pair) < std::tie(t, pair);
+    }  // of a heap: the first
+  };
+  std::span<const Pair> fastPairs(const ContinuousInput<D>& in, const Ways<D>& ways);
+  Motion<D> wayOf(const ContinuousInput<D>& in, std::size_t body) const;
+  FastPair<D> pairFrom(const ContinuousInput<D>& in, const Pair& p, const Ways<D>& ways, Real from) const;
+
+  FastParts<D> m_fast;
+  // Scratch of a step.
+  std::vector<PairAhead> m_ahead;
+  std::vector<Pose<D>> m_start;   // of the step, X_WC by body slot
+  std::vector<Motion<D>> m_ways;  // of the step just solved, by body slot
+  std::vector<Real> m_stop;       // s after the start, by body slot
+  std::vector<Meeting> m_meetings;
+  std::vector<FastPair<D>> m_questions;
+  std::vector<Real> m_times;
+  std::vector<std::pair<std::int32_t, std::size_t>> m_pairsOf;  // body, pair; sorted
+  std::vector<std::int32_t> m_stopped;
+};
+
+}}  // namespace lpc::LPC_PRECISION

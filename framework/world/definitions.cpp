@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/world/definitions.h"
+
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "framework/math/inverse_inertia.h"
+#include "framework/math/user_numbers.h"
+#include "framework/shape/surface.h"
+#include "framework/stage/stage_narrowphase.h"
+
+namespace lpc { inline namespace LPC_PRECISION {
+namespace {
+
+template <int D>
+bool isFinite(const MassProperties<D>& m) {
+  return std::isfinite(m.mass) && m.center.allFinite() && m.inertia.allFinite();
+}
+
+template <int D>
+void checkShape(const ShapeDef<D>& s, const std::string& who) {
+  checkPose(s.X_BS, who + ", shape");
+  checkAmount(s.density, who, "density");
+  checkAmount(s.friction, who, "friction");
+  checkAmount(s.restitution, who, "restitution");
+}
+
+template <int D>
+void checkGivenMass(const MassProperties<D>& m, const std::string& who) {
+  checkAmount(m.mass, who, "the mass (kg)");
+  if (!m.center.allFinite() || !m.inertia.allFinite()) throw UserError(who + ": its centre or inertia is not finite");
+  if (isInertia(m.inertia)) return;
+  throw UserError(who + ": no body has such an inertia; valid: " +
+                  (D == 2 ? "a number >= 0"
+                          : "a symmetric matrix whose principal values are >= 0, none above the sum of the others"));
+}
+
+// In the world.
+template <int D>
+MassProperties<D> weightOf(const BodyDef<D>& def) {
+  MassProperties<D> mass;
+  for (const ShapeDef<D>& s : def.shapes) {
+    mass = combined(mass, transformed(massProperties(s.shape, s.density), s.X_BS));
+  }
+  return transformed(def.mass ? *def.mass : mass, def.X_WB);
+}
+
+// One motion of both with the momenta of the two.
+template <int D>
+Motion<D> together(const BodyDef<D>& a, const BodyDef<D>& b, const MassProperties<D>& A, const MassProperties<D>& B) {
+  const MassProperties<D> all = combined(A, B);
+  Motion<D> out;
+  out.v = (A.mass * a.velocity + B.mass * b.velocity) / all.mass;
+  const Ang<D> spin = A.inertia * a.angularVelocity + B.inertia * b.angularVelocity +
+                      cross(Vec<D>(A.center - all.center), Vec<D>(A.mass * (a.velocity - out.v))) +
+                      cross(Vec<D>(B.center - all.center), Vec<D>(B.mass * (b.velocity - out.v)));
+  if (all.inertia.trace() > 0) out.w = inverseAtItsScale(all.inertia) * spin;
+  return out;
+}
+
+}  // namespace
+
+template <int D>
+std::string calledIn(const BodyDef<D>& def) {
+  return def.name.empty() ? "body" : "body '" + def.name + "'";
+}
+
+template <int D>
+Weighed<D> weigh(const BodyDef<D>& def) {
+  const std::string who = calledIn(def);
+  checkPose(def.X_WB, who);
+  checkMotion(Motion<D>{def.velocity, def.angularVelocity}, who);
+  if (!std::isfinite(def.gravityScale)) throw UserError(who + ": the gravity scale is not finite");
+  Weighed<D> w;
+  w.shapes = def.shapes;
+  for (ShapeDef<D>& s : w.shapes) {
+    checkShape(s, who);
+    const ShapePart<D> near = centredPart<D>({s.shape, s.X_BS});
+    s.shape = near.shape, s.X_BS = near.X_SP;
+    const MassProperties<D> part = transformed(massProperties(s.shape, s.density), s.X_BS);
+    w.mass = combined(w.mass, part);
+    if (!isFinite(part) || !isFinite(w.mass)) {
+      throw UserError(who + ": its mass, " + std::to_string(part.mass) +
+                      " kg, or its inertia is beyond what numbers hold; valid: smaller ones");
+    }
+    if (s.shape.isPlane() && def.type != BodyType::fixed) {
+      throw UserError(who + ": a plane has no end and cannot move; make the body fixed, or give it a box");
+    }
+    if (s.shape.surface() && def.type != BodyType::fixed) {
+      throw UserError(who + ": a " + (D == 2 ? "chain" : "mesh") +
+                      " moves nothing; valid for bodies that move: convex shapes or a compound of them");
+    }
+    markKinds(s.shape, w.kinds);
+  }
+  if (def.mass) {
+    checkGivenMass(*def.mass, who);
+    w.mass = *def.mass;
+  }
+  if (def.type == BodyType::dynamic && !(w.mass.mass > 0)) {
+    throw UserError(who + ": a dynamic body needs mass; give it one, or a shape with density > 0, or make it fixed");
+  }
+  if (def.type == BodyType::dynamic) {
+    std::optional<Inertia<D>> inverse = Inertia<D>(Inertia<D>::Zero());
+    if (def.rotatable && w.mass.inertia.trace() > 0) inverse = inverseInertia<D>(w.mass.inertia);
+    if (!std::isfinite(1 / w.mass.mass) || !inverse) {
+      char kilograms[32];
+      std::snprintf(kilograms, sizeof kilograms, "%g", double(w.mass.mass));
+      throw UserError(who + ": its mass, " + kilograms +
+                      " kg, or its inertia has no inverse that numbers hold; valid: larger ones");
+    }
+    w.invInertia = *inverse;
+  }
+  return w;
+}
+
+template <int D>
+BodyDef<D> merged(const BodyDef<D>& a, const BodyDef<D>& b) {
+  if (a.type != b.type || a.type == BodyType::kinematic) {
+    throw UserError("merge: bodies of two types, or kinematic ones; valid: two dynamic bodies, or two fixed ones");
+  }
+  BodyDef<D> def = a;
+  const Pose<D> X_AB = poseBetween(a.X_WB, b.X_WB);
+  for (const ShapeDef<D>& s : b.shapes) {
+    def.shapes.push_back(s);
+    def.shapes.back().X_BS = X_AB * s.X_BS;
+  }
+  if (a.type == BodyType::dynamic) {
+    const MassProperties<D> A = weightOf(a), B = weightOf(b);
+    if (a.mass || b.mass) def.mass = transformed(combined(A, B), a.X_WB.inverse());
+    const Motion<D> motion = together(a, b, A, B);
+    def.velocity = motion.v, def.angularVelocity = motion.w;
+  }
+  return def;
+}
+
+template <int D>
+std::vector<BodyDef<D>> takenApart(const BodyDef<D>& whole, const Vec<D>& center) {
+  std::vector<BodyDef<D>> parts;
+  for (const ShapeDef<D>& s : whole.shapes) {
+    BodyDef<D>& part = parts.emplace_back(whole);
+    part.shapes = {s}, part.mass.reset();
+    const Vec<D> by = whole.X_WB.q * Vec<D>(weigh(part).mass.center - center);
+    if (&s != &whole.shapes[0]) part.velocity += cross(whole.angularVelocity, by);
+    if (whole.pinned) part.velocity.setZero();
+  }
+  return parts;
+}
+
+#define LPC_INSTANTIATE(D)                                          \
+  template std::string calledIn(const BodyDef<D>&);                 \
+  template Weighed<D> weigh(const BodyDef<D>&);                     \
+  template BodyDef<D> merged(const BodyDef<D>&, const BodyDef<D>&); \
+  template std::vector<BodyDef<D>> takenApart(const BodyDef<D>&, const Vec<D>&)
+LPC_INSTANTIATE(2);
+LPC_INSTANTIATE(3);
+#undef LPC_INSTANTIATE
+
+}}  // namespace lpc::LPC_PRECISION

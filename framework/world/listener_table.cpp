@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/world/listener_table.h"
+
+#include "framework/math/user_numbers.h"
+
+namespace lpc { inline namespace LPC_PRECISION {
+namespace {
+
+// The manifolds of the first pair of shapes, one for each pair of their children: they stand together.
+template <class M>
+std::span<M> firstPair(std::span<M> manifolds) {
+  std::size_t n = 0;
+  while (n < manifolds.size() && manifolds[n].shapeKey() == manifolds[0].shapeKey()) ++n;
+  return manifolds.first(n);
+}
+
+template <int D>
+Real smallestSeparation(std::span<const Manifold<D>> pair) {
+  Real s = pair[0].points[0].separation;
+  for (const Manifold<D>& m : pair) {
+    for (int i = 0; i < m.count; ++i) s = std::min(s, m.points[static_cast<std::size_t>(i)].separation);
+  }
+  return s;
+}
+
+// Largest speed of approach over the points, m/s, at least 0.
+template <int D>
+Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
+  const auto a = static_cast<std::size_t>(pair[0].bodyA), b = static_cast<std::size_t>(pair[0].bodyB);
+  Real speed = 0;
+  for (const Manifold<D>& m : pair) {
+    for (int i = 0; i < m.count; ++i) {
+      const ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
+      const Vec<D> vA = bodies.motion[a].v + cross(bodies.motion[a].w, bodies.pose[a].q * c.localA);
+      const Vec<D> vB = bodies.motion[b].v + cross(bodies.motion[b].w, bodies.pose[b].q * c.localB);
+      speed = std::max(speed, -(vB - vA).dot(m.normal));
+    }
+  }
+  return speed;
+}
+
+// A world may stop in a step with an exception of its user's making, and no other.
+void checkMaterial(const PairMaterial& m) {
+  checkAmount(m.friction, "a listener's mix", "friction");
+  checkAmount(m.restitution, "a listener's mix", "restitution");
+}
+
+// What was begun, vetoed or mixed stays so.
+template <int D>
+void hear(Manifold<D>& m, const Manifold<D>& said) {
+  m.begun = said.begun, m.ignored = said.ignored;
+  m.friction = said.friction, m.restitution = said.restitution;
+}
+
+// Neither of its bodies moves by itself.
+template <int D>
+bool quiet(const Manifold<D>& m, const Bodies<D>& bodies) {
+  const auto moves = [&](std::int32_t body) {
+    const auto i = static_cast<std::size_t>(body);
+    return bodies.awake[i] && bodies.type[i] != BodyType::fixed;
+  };
+  return !moves(m.bodyA) && !moves(m.bodyB);
+}
+
+template <class Listener>
+void addOnce(std::vector<Listener*>& list, Listener* listener) {
+  if (!listener) throw UserError("world: the listener is null");
+  if (std::find(list.begin(), list.end(), listener) == list.end()) list.push_back(listener);
+}
+
+}  // namespace
+
+template <int D>
+void ListenerTable<D>::add(ContactListener<D>* listener) {
+  addOnce(m_all, listener);
+}
+template <int D>
+void ListenerTable<D>::add(std::size_t body, ContactListener<D>* listener) {
+  if (body >= m_ofBodies.size()) m_ofBodies.resize(body + 1);
+  addOnce(m_ofBodies[body], listener);
+}
+template <int D>
+bool ListenerTable<D>::isOf(std::int32_t slot, const ContactListener<D>* listener) const {
+  const auto i = static_cast<std::size_t>(slot);
+  if (slot < 0 || i >= m_ofBodies.size()) return false;
+  return std::find(m_ofBodies[i].begin(), m_ofBodies[i].end(), listener) != m_ofBodies[i].end();
+}
+template <int D>
+void ListenerTable<D>::remove(ContactListener<D>* listener) {
+  std::erase(m_all, listener);
+  for (auto& of : m_ofBodies) std::erase(of, listener);
+}
+template <int D>
+void ListenerTable<D>::forget(std::size_t body) {
+  if (body < m_ofBodies.size()) m_ofBodies[body].clear();
+}
+
+template <int D>
+void ListenerTable<D>::tell(const World<D>& world, BodyTable<D>& table, const ContactNews<D>& news) const {
+  const auto asleep = [&](std::int32_t body) { return !table.bodies.awake[static_cast<std::size_t>(body)]; };
+  // Only sleeping bodies need events, and seldom are there any.
+  const auto wakeEvent = [&](SleepEvent::Kind kind, const Manifold<D>& m, Real speed) {
+    if (asleep(m.bodyA)) table.events.push_back({kind, m.bodyA, m.bodyB, double(speed)});
+    if (asleep(m.bodyB)) table.events.push_back({kind, m.bodyB, m.bodyA, double(speed)});
+  };
+  std::span<const Manifold<D>> old = news.before;
+  const auto end = [&] {
+    wakeEvent(SleepEvent::contactLost, old[0], 0);
+    forEach(old[0], [&](ContactListener<D>& l) { l.end(world, old[0]); });
+    old = old.subspan(firstPair(old).size());
+  };
+  for (std::span<Manifold<D>> rest = news.now; !rest.empty();) {
+    const std::span<Manifold<D>> pair = firstPair(rest);
+    const Manifold<D>& m = pair[0];
+    rest = rest.subspan(pair.size());
+    while (!old.empty() && old[0].shapeKey() < m.shapeKey()) end();
+    const bool known = !old.empty() && old[0].shapeKey() == m.shapeKey();
+    const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
+    old = old.subspan(before.size());
+    if (table.resting(m)) continue;
+    if (known && (news.again || quiet(m, table.bodies))) {  // within the step, or of sleepers: what was said stays
+      for (Manifold<D>& child : pair) hear(child, before[0]);
+      continue;
+    }
+    for (Manifold<D>& child : pair) child.begun = !known, child.ignored = 0;
+    if (!known) {
+      wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, table.bodies));
+    } else if (asleep(m.bodyA) || asleep(m.bodyB)) {
+      const Real growth = smallestSeparation<D>(pair) - smallestSeparation<D>(before);
+      if (growth > 0 && news.lastDt > 0) wakeEvent(SleepEvent::separationGrown, m, growth / news.lastDt);
+    }
+    PairMaterial material{m.friction, m.restitution};
+    forEach(m, [&](ContactListener<D>& l) { l.mix(world, m, material); });
+    checkMaterial(material);
+    for (Manifold<D>& child : pair) child.friction = material.friction, child.restitution = material.restitution;
+    forEach(m, [&](ContactListener<D>& l) {
+      if (known ? l.persist(world, m) : l.begin(world, m)) return;
+      for (Manifold<D>& child : pair) child.ignored = 1;
+    });
+    // A body that slept on it has lost it, too.
+    if (known && m.ignored && !before[0].ignored) wakeEvent(SleepEvent::contactLost, m, 0);
+  }
+  while (!old.empty()) end();
+}
+
+template class ListenerTable<2>;
+template class ListenerTable<3>;
+
+}}  // namespace lpc::LPC_PRECISION

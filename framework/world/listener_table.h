@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "framework/stage/stage_sleep.h"
+#include "framework/world/body_table.h"
+#include "framework/world/contact_listener.h"
+
+namespace lpc { inline namespace LPC_PRECISION {
+
+/// The contacts of a step and those of the step before, both in the order of their keys.
+template <int D>
+struct ContactNews {
+  std::span<Manifold<D>> now;
+  std::span<const Manifold<D>> before;
+  Real lastDt = 0;     // s, between the two
+  bool again = false;  // made once more within the step
+};
+
+/// Which listeners hear of the contacts of all bodies, and which of those of one.
+template <int D>
+class ListenerTable {
+ public:
+  void add(ContactListener<D>* listener);                    // throws UserError for null
+  void add(std::size_t body, ContactListener<D>* listener);  // as above
+  bool isOf(std::int32_t slot, const ContactListener<D>* listener) const;
+  void remove(ContactListener<D>* listener);
+  void forget(std::size_t body);
+  void forgetBodies() { m_ofBodies.clear(); }
+
+  /// f(listener) for each that hears of this contact, once: those of all bodies, of body A, of body B.
+  template <class F>
+  void forEach(const Manifold<D>& m, const F& f) const;
+
+  /// Tells of contacts that begin, persist and end, with mix() before, and writes what listeners answer into the
+  /// manifolds. Bodies that sleep get events. `world` is what listeners are handed.
+  void tell(const World<D>& world, BodyTable<D>& table, const ContactNews<D>& news) const;
+
+ private:
+  std::vector<ContactListener<D>*> m_all;
+  std::vector<std::vector<ContactListener<D>*>> m_ofBodies;  // by body slot; shorter where the rest has none
+};
+
+template <int D>
+template <class F>
+void ListenerTable<D>::forEach(const Manifold<D>& m, const F& f) const {
+  for (ContactListener<D>* l : m_all) f(*l);
+  const auto of = [&](std::int32_t body) {
+    const auto i = static_cast<std::size_t>(body);
+    return i < m_ofBodies.size() ? std::span<ContactListener<D>* const>(m_ofBodies[i])
+                                 : std::span<ContactListener<D>* const>();
+  };
+  const auto among = [](std::span<ContactListener<D>* const> list, const ContactListener<D>* l) {
+    return std::find(list.begin(), list.end(), l) != list.end();
+  };
+  for (ContactListener<D>* l : of(m.bodyA)) {
+    if (!among(m_all, l)) f(*l);
+  }
+  for (ContactListener<D>* l : of(m.bodyB)) {
+    if (!among(m_all, l) && !among(of(m.bodyA), l)) f(*l);
+  }
+}
+
+}}  // namespace lpc::LPC_PRECISION

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "framework/math/space.h"
+
+namespace lpc { inline namespace LPC_PRECISION {
+
+/// Frees the slot of a joint or a force: handles of before belong to no record any more.
+template <class Record>
+void freeRecord(Record& record) {
+  const std::uint32_t next = record.generation + 1;
+  record = Record{};
+  record.generation = next;
+}
+
+/// Whether the handle is that of a record now in the table.
+template <class Records, class Handle>
+bool holdsRecord(const Records& records, Handle handle) {
+  const auto i = static_cast<std::size_t>(handle.slot);
+  return handle.slot >= 0 && i < records.size() && records[i].kind && records[i].generation == handle.generation;
+}
+
+}}  // namespace lpc::LPC_PRECISION

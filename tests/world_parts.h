@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+// For tests of the parts of a world, each without a world.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "framework/world/body_table.h"
+#include "tests/small_worlds.h"
+
+namespace lpc { inline namespace LPC_PRECISION { namespace test {
+
+/// A suite of this runs its cases in 2D and 3D: TypeParam::D.
+template <int Dim>
+struct InDimension {
+  static constexpr int D = Dim;
+};
+using BothDimensions = testing::Types<InDimension<2>, InDimension<3>>;
+
+/// Bodies and shapes with a broadphase of their own.
+template <int D>
+struct Inhabitants {
+  std::unique_ptr<Broadphase<D>> broadphase = createStage<Broadphase<D>>({"naive", {}});
+  WorldSettings<D> settings{};
+  BodyTable<D> table{*broadphase, settings.margin};
+  Profiler profiler;
+
+  std::size_t add(const BodyDef<D>& def) { return table.add(def, weigh(def)); }
+  /// A unit ball.
+  std::size_t ball(const Vec<D>& place, BodyType type = BodyType::dynamic) {
+    return add(body<D>(Shape<D>::sphere(1), place, type));
+  }
+  Handle handle(std::size_t body) const { return table.handle(static_cast<std::int32_t>(body)); }
+};
+
+template <class F>
+std::string refusalOf(const F& f) {
+  try {
+    f();
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+}}}  // namespace lpc::LPC_PRECISION::test
