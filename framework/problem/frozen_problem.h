@@ -72,7 +72,8 @@ struct FrozenProblem {
     bodies.sleep.push_back({}), bodies.solver.push_back({}), bodies.generation.push_back(0);
     bodies.userData.push_back(0);
   }
-  void addJoint(std::int32_t a, std::int32_t b, const JointRows<D>& rows, const std::array<Real, kJointRows>& impulse) {
+  void addJoint(std::int32_t a, std::int32_t b, const JointRows<D>& rows,
+                const IndexedArray<Real, kJointRows>& impulse) {
     JointRecord<D>& joint = joints.emplace_back();
     joint.kind = std::make_shared<FrozenRows<D>>(rows);
     joint.bodyA = a, joint.bodyB = b, joint.impulse = impulse;

@@ -42,8 +42,8 @@ struct NoDetection final : DetectAgain {
 template <int D>
 struct ImpactScene {
   Bodies<D> bodies;
-  std::vector<Manifold<D>> manifolds;
-  std::vector<int> active;
+  IndexedVector<Manifold<D>> manifolds;
+  IndexedVector<int> active;
   std::vector<JointRecord<D>> joints;
   Features features;
   Field<D> field;

@@ -287,7 +287,7 @@ void readJoint(const Place& joint, FrozenProblem<D>& out) {
   }
   RealMatrix<kJointRows, 1> impulse;
   joint.at("impulse").column(impulse);
-  std::array<Real, kJointRows> copy{};
+  IndexedArray<Real, kJointRows> copy{};
   std::copy(impulse.data(), impulse.data() + kJointRows, copy.begin());
   out.addJoint(a, b, rows, copy);
 }
