@@ -41,7 +41,7 @@ class Walk {
 
   const SatCore& core(int i) const { return *m_core[i]; }
   Feature& feature(int i) const { return (*m_feature)[i]; }
-  Step moveTo(int i, Kind kind, Index auto number) {
+  Step moveTo(int i, Kind kind, AnyIndex auto number) {
     feature(i) = {kind, static_cast<std::int32_t>(number)};
     return Step::moved;
   }

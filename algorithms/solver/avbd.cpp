@@ -198,7 +198,9 @@ class Avbd final : public Solver<D> {
   bool moves(const StepInput<D>& in, std::int32_t body) const {
     return body >= 0 && (in.bodies.invMass[body] > 0 || turns(in, body));
   }
-  bool turns(const StepInput<D>& in, Index auto i) const { return m_rotation && in.bodies.invInertia[i].trace() > 0; }
+  bool turns(const StepInput<D>& in, AnyIndex auto i) const {
+    return m_rotation && in.bodies.invInertia[i].trace() > 0;
+  }
 
   // Where bodies would go without constraints, and where they start from: as far that way as they went in the last
   // step, so that what rests starts at rest.

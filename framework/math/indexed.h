@@ -16,10 +16,10 @@
 namespace lpc {
 
 template <class T>
-concept Index = std::integral<T> || std::is_enum_v<T>;
+concept AnyIndex = std::integral<T> || std::is_enum_v<T>;
 
 /// Element i of `size`.
-template <Index I>
+template <AnyIndex I>
 constexpr std::size_t indexOf(I i, [[maybe_unused]] std::size_t size) {
   LPC_ASSERT(static_cast<std::size_t>(i) < size);
   return static_cast<std::size_t>(i);
@@ -31,20 +31,20 @@ struct IndexedVector : std::vector<T> {
   IndexedVector() = default;
   IndexedVector(std::vector<T> from) : std::vector<T>(std::move(from)) {}
 
-  template <Index I>
+  template <AnyIndex I>
   T& operator[](I i) {
     return this->data()[indexOf(i, this->size())];
   }
-  template <Index I>
+  template <AnyIndex I>
   const T& operator[](I i) const {
     return this->data()[indexOf(i, this->size())];
   }
   /// `count` elements from `first` on.
-  template <Index I>
+  template <AnyIndex I>
   std::span<T> part(I first, I count) {
     return std::span<T>(*this).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));
   }
-  template <Index I>
+  template <AnyIndex I>
   std::span<const T> part(I first, I count) const {
     return std::span<const T>(*this).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));
   }
@@ -56,12 +56,12 @@ struct IndexedSpan : std::span<T> {
   constexpr IndexedSpan() = default;
   constexpr IndexedSpan(std::span<T> from) : std::span<T>(from) {}
 
-  template <Index I>
+  template <AnyIndex I>
   constexpr T& operator[](I i) const {
     return this->data()[indexOf(i, this->size())];
   }
   /// `count` elements from `first` on.
-  template <Index I>
+  template <AnyIndex I>
   constexpr std::span<T> part(I first, I count) const {
     return this->subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));
   }
@@ -69,11 +69,11 @@ struct IndexedSpan : std::span<T> {
 
 template <class T, int N>
 struct IndexedArray : std::array<T, static_cast<std::size_t>(N)> {
-  template <Index I>
+  template <AnyIndex I>
   constexpr T& operator[](I i) {
     return std::array<T, static_cast<std::size_t>(N)>::operator[](indexOf(i, this->size()));
   }
-  template <Index I>
+  template <AnyIndex I>
   constexpr const T& operator[](I i) const {
     return std::array<T, static_cast<std::size_t>(N)>::operator[](indexOf(i, this->size()));
   }

@@ -22,7 +22,7 @@
 
 #include "framework/math/indexed.h"
 #include "framework/math/worse.h"
-#include "framework/problem/contact_rows.h"
+#include "framework/problem/contact_as_rows.h"
 #include "framework/problem/given_problem.h"
 
 namespace lpc { inline namespace LPC_PRECISION {

@@ -106,7 +106,7 @@ void applyForces(std::span<const ForceRecord<D>> forces, const ForceState<D>& st
   }
 }
 template <int D>
-bool movedByForces(const Bodies<D>& bodies, Index auto body) {
+bool movedByForces(const Bodies<D>& bodies, AnyIndex auto body) {
   return bodies.used[body] && bodies.type[body] == BodyType::dynamic;
 }
 /// f(slot) for each body that the force acts on: B, or all.

@@ -121,7 +121,7 @@ FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   for (const int i : kept) {
     name(in.manifolds[i].bodyA), name(in.manifolds[i].bodyB);
   }
-  const std::span<JointRecord<D>> joints = in.features.joints ? in.joints : std::span<JointRecord<D>>();
+  const IndexedSpan<JointRecord<D>> joints = in.features.joints ? in.joints : IndexedSpan<JointRecord<D>>();
   for (const JointRecord<D>& j : joints) {
     if (j.active()) name(j.bodyA), name(j.bodyB);
   }

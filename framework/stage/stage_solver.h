@@ -137,7 +137,8 @@ class PositionResolver : public Stage {
   static constexpr int kDimension = D;
 
   /// The normal velocity (m/s, separating is positive) that a velocity resolver shall reach at a penetrating contact,
-  /// >= 0. `separation` <= 0. What holds for separation > 0 is not a matter of taste: see contact_rows.h.
+  /// >= 0. `separation` <= 0. What holds for separation > 0 is not a matter of taste: see `contactTarget` in
+  /// algorithms/solver/rows/contact_rows.h.
   virtual Real bias(Real /*separation*/, Real /*dt*/) const { return 0; }
   /// The velocity with which a joint's error (m or rad) shall shrink is jointBias() times the error (1/s).
   virtual Real jointBias(Real /*dt*/) const { return 0; }

@@ -167,7 +167,7 @@ double spreadOfCorners(const std::string& spec) {
   const auto resolver = createStage<VelocityResolver<3>>(Spec::parse(spec));
   const Real dt = Real(1) / 60, fall = 10 * dt, weight = 2 * fall;
   Motion<3> motion{{2, -fall, 0}, {0, 20, 0}};
-  std::array<std::array<Real, 3>, 4> impulse{};
+  std::array<IndexedArray<Real, 3>, 4> impulse{};
   Real angle = 0, lastDt = 0;
   double spread = 0;
   for (int step = 0; step < 20; ++step) {  // each begins with the impulses of the last, and gravity

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "framework/problem/contact_rows.h"
+#include "framework/problem/contact_as_rows.h"
 #include "tests/check_property.h"
 #include "tests/conformance/impact_scene.h"
 
