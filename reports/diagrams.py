@@ -225,6 +225,8 @@ def rooms():
     for folder, files in holds.items():
         for path in files:
             for target in re.findall(r'(?m)^\s*#\s*include [<"]([a-z_0-9/]+)/[^/">]+[">]', path.read_text()):
+                if target == "lpc":  # <lpc/world.h>: a header of the framework
+                    target = "framework/world"
                 if target in holds and target != folder:
                     uses[folder].add(target)
     return uses
