@@ -53,8 +53,11 @@ bool isOfAnAlgorithm(const SourceHash& source) {
 
 std::string codeHash(const Registered& entry) {
   const std::string key = keyOf(entry.stage, entry.info.name);
-  const auto it = pluginOf().find(key);
-  return it != pluginOf().end() ? it->second : methodHash(entry, kContents);
+  if (const auto it = pluginOf().find(key); it != pluginOf().end()) return it->second;
+  static std::map<std::string, std::string> known;  // a sweep plans thousands of cells
+  auto it = known.find(key);
+  if (it == known.end()) it = known.emplace(key, methodHash(entry, kContents)).first;
+  return it->second;
 }
 
 void addHashes(json& out, StageKind stage, const Spec& spec, int dimension) {

@@ -18,8 +18,8 @@ struct PairCorpusOptions {
 };
 
 struct PairCorpus {
-  std::string
-      text;  // a file of cases (oracles/corpus/cases.h), each with "interval" and "size" beside what is expected
+  /// A file of cases (oracles/corpus/cases.h), each with "interval" and "size" beside what is expected.
+  std::string text;
   long kept = 0, drawn = 0, undecided = 0;
 };
 

@@ -284,19 +284,15 @@ PlannedTrial Planner::problems(json cell) {
     throw UserError("axis '" + std::string(axis) + "' is " + cell[axis].dump() + validNames(valid, text(cell, axis)));
   }
   PlannedTrial out;
-  out.request.sceneFile = findProblems(text(cell, "problems"));
-  auto it = m_problems.find(out.request.sceneFile);
+  const std::string path = out.request.sceneFile = findProblems(text(cell, "problems"));
+  auto it = m_problems.find(path);
   if (it == m_problems.end()) {
-    const std::string bytes = readFile(out.request.sceneFile);
-    it =
-        m_problems
-            .emplace(out.request.sceneFile, std::pair(hexHash(bytes), ProblemFile::parse(bytes, out.request.sceneFile)))
-            .first;
+    const std::string bytes = readFile(path);
+    it = m_problems.emplace(path, std::pair(hexHash(bytes), ProblemFile::parse(bytes, path))).first;
   }
   const ProblemFile& file = it->second.second;
   wholeNumber(cell, "problem", 0, static_cast<long>(file.size()) - 1);
-  cell["problems"] = std::filesystem::path(out.request.sceneFile).stem().string(),
-  cell["problems_hash"] = it->second.first;
+  cell["problems"] = std::filesystem::path(path).stem().string(), cell["problems_hash"] = it->second.first;
   cell["dimension"] = file.dimension;
   json code = json::object();
   Spec spec = Spec::parse(text(cell, "velocity"));
@@ -373,6 +369,9 @@ PlannedTrial Planner::streamOfPairs(json cell) {
 PlannedTrial Planner::pairs(json cell) {
   cell["kind"] = "pairs";
   if (cell.contains("scene")) return streamOfPairs(std::move(cell));
+  for (const char* axis : {"stream", "from", "steps"}) {
+    if (cell.contains(axis)) throw UserError("axis '" + std::string(axis) + "' without 'scene', whose pairs it is of");
+  }
   require(cell, {"dimension", "kind_a", "kind_b", "pair_query"});
   addDefaults(cell, "n", 1024);
   cell.emplace("drawing", "in_turn");

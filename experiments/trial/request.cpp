@@ -50,7 +50,7 @@ WorldRequest worldFromJson(const json& j) {
   readBase(j, t);
   t.scene = j.value("scene", ""), t.script = j.value("script", "");
   t.params = j.at("params").get<ParameterValues>(), t.pipeline = j.at("pipeline");
-  t.engine = t.pipeline.starts_with("engine="), t.dt = j.at("dt"), t.steps = j.at("steps");
+  t.dt = j.at("dt"), t.steps = j.at("steps");
   t.features = j.at("features"), t.posesEvery = j.value("poses_every", 0.0), t.series = j.value("series", true);
   return t;
 }
@@ -94,7 +94,7 @@ TrialBase& TrialRequest::base() {
 }
 bool TrialRequest::ofEngine() const {
   const auto* ofWorld = std::get_if<WorldRequest>(&trial);
-  return ofWorld && ofWorld->engine;
+  return ofWorld && ofWorld->ofEngine();
 }
 
 json toJson(const WorldRequest& t) {

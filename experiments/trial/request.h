@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// What a worker is asked for: one trial, typed. The planner writes it, a worker reads it, and nothing else of either
-// knows how it looks as JSON.
+// What a worker is asked for: one trial, typed. request.cpp alone reads the document of a trial's key and knows how a
+// request looks on the way to its worker.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <variant>
@@ -25,7 +27,7 @@ struct WorldRequest : TrialBase {
   std::string scene, script;  // names, without paths; the second empty: none
   ParameterValues params;
   std::string pipeline;  // stages, or "engine=NAME{...}"
-  bool engine = false;
+  bool ofEngine() const { return pipeline.starts_with("engine="); }
   double dt = 0;  // s
   long steps = 0;
   std::string features;   // "cache,friction"

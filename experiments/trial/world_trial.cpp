@@ -332,7 +332,7 @@ class WorldTrial {
     m_tunnelling.finish(m_world);
     m_seen.tunnelled = m_again ? kNan : m_tunnelling.count();
     m_seen.ghostHits = m_again ? kNan : m_ghosts.count();
-    if (m_asked.engine) m_seen.lostTime = kNan;
+    if (m_asked.ofEngine()) m_seen.lostTime = kNan;
     if (const double limit = m_scene.limits.creep;
         limit > 0 && m_out.outcome == "ok" && m_seen.settling.creep() > limit) {
       char why[160];
@@ -345,9 +345,9 @@ class WorldTrial {
     auto& m = m_out.metrics;
     for (std::size_t i = 0; i < m_work.counts.size(); ++i) {
       m["work_" + std::string(kCountNames[i])] =
-          m_asked.engine ? kNan
-          : steps        ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps)
-                         : 0;
+          m_asked.ofEngine() ? kNan
+          : steps            ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps)
+                             : 0;
     }
     for (auto& [name, list] : m_seen.series) {
       if (!name.starts_with("sec_")) continue;

@@ -18,7 +18,7 @@ namespace lpc {
 template <class T>
 concept AnyIndex = std::integral<T> || std::is_enum_v<T>;
 
-/// Element i of `size`.
+/// i as the index of an element of a container of this size, which is asserted.
 template <AnyIndex I>
 constexpr std::size_t indexOf(I i, [[maybe_unused]] std::size_t size) {
   LPC_ASSERT(static_cast<std::size_t>(i) < size);

@@ -55,9 +55,8 @@ class ContinuousPass {
     Real t;  // s after the start
     std::size_t pair;
     Real asked;  // when the first of the two was stopped, as known then
-    bool operator<(const Meeting& o) const {
-      return std::tie(o.t, o.pair) < std::tie(t, pair);
-    }  // of a heap: the first
+    // Of a heap: the first meeting is the largest.
+    bool operator<(const Meeting& o) const { return std::tie(o.t, o.pair) < std::tie(t, pair); }
   };
   std::span<const Pair> fastPairs(const ContinuousInput<D>& in, const Ways<D>& ways);
   Motion<D> wayOf(const ContinuousInput<D>& in, std::size_t body) const;

@@ -135,11 +135,10 @@ class World final : public Simulation<D> {
   std::span<const std::int32_t> shapesOf(std::size_t body) const { return m_table.shapesOf(body); }
   std::span<const std::int32_t> jointsOf(std::size_t body) const { return m_joints.of(body); }
   std::span<const Manifold<D>> manifolds() const { return m_contacts.manifolds; }
-  std::span<const PairRecord> pairRecords() const {
-    return m_contacts.records;
-  }  // sorted by key; none where nobody remembers
-  /// Whom the last step found near enough to be asked for contacts, as many as its profile counts. By the slots that
-  /// they had: who has gone since is free there, and who has come may have taken a slot.
+  /// Sorted by key. There are none where the contact generator remembers nothing of pairs.
+  std::span<const PairRecord> pairRecords() const { return m_contacts.records; }
+  /// Shape pairs passed to the contact generator in the last step, by slots; as many as its profile counts. Slots may
+  /// have been reused since.
   std::span<const ShapePair> pairs() const { return m_contacts.pairs(); }
   std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
   std::span<const JointRecord<D>> joints() const override { return m_joints.records; }

@@ -239,6 +239,22 @@ TEST(PairsTrial, AnAdapterIsNoneOfTheRefereesCode) {
   EXPECT_NE(hash("before", "same"), hash("after", "same"));
 }
 
+TEST(PairsTrial, AxesOfAStreamNeedAScene) {
+  const nlohmann::json drawn = {{"dimension", 3}, {"kind_a", "box"}, {"kind_b", "box"}, {"pair_query", "sat"}};
+  Planner planner;
+  EXPECT_EQ(planner.pairs(drawn).unsupported, "");
+  for (const char* axis : {"stream", "from", "steps"}) {
+    nlohmann::json cell = drawn;
+    cell[axis] = 1;
+    try {
+      planner.pairs(cell);
+      ADD_FAILURE() << axis << " was taken";
+    } catch (const UserError& e) {
+      EXPECT_EQ(std::string(e.what()), "axis '" + std::string(axis) + "' without 'scene', whose pairs it is of");
+    }
+  }
+}
+
 // A kernel that is compiled apart, such as the lanes of `sat`, is in the keys of its group; another method's file is
 // not.
 TEST(PairsTrial, KernelsArePartOfTheKeysOfTheirGroup) {

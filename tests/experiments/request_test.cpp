@@ -22,7 +22,7 @@ Asked base() {
 std::vector<decltype(TrialRequest::trial)> everyKind() {
   auto world = base<WorldRequest>();
   world.scene = "pyramid", world.script = "rain", world.params = {{"base", 4.0}, {"joint", std::string("weld")}};
-  world.pipeline = "engine=box2d", world.engine = true, world.dt = 0.01, world.steps = 12, world.features = "cache";
+  world.pipeline = "engine=box2d", world.dt = 0.01, world.steps = 12, world.features = "cache";
   world.posesEvery = 0.5, world.series = false;
   auto boxes = base<BoxesRequest>();
   boxes.n = 5, boxes.frames = 6, boxes.distribution = "uniform", boxes.broadphase = "naive";

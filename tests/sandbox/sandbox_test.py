@@ -367,7 +367,8 @@ class Sandbox(Played):
 
     def test_a_plugin_of_another_build_is_refused(self):
         other = self.folder / "other.so"
-        other.write_bytes(b"\x7fELF\0LPC-ABI|0.1.0|f32|another compiler\0")
+        version = re.search(r"project\(lpc VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text())[1]
+        other.write_bytes(b"\x7fELF\0LPC-ABI|" + version.encode() + b"|f32|another compiler\0")
         scene = SOURCE / "experiments" / "scenes" / "pyramid.toml"
         window = [LPC.with_name("lpc-sandbox"), json.dumps({"scene": str(scene), "dimension": 2, "pipelines": [""],
                                                             "plugins": [str(other)]})]
