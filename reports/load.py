@@ -67,6 +67,7 @@ class Sweep:
     report: tuple = ()  # the charts that it is for; empty: whatever it has the data for
     calibrate: dict = field(default_factory=dict)  # equal, metric, setting, most: what the runner made equal; empty: nothing
     questions: dict = field(default_factory=dict)  # of breaking points, by name: parameter, falling, limit, seeds, perturb, ratio
+    settings_told: bool = False  # a cell whose method lacks a setting has no value of it; older stores give it the first value
     commands: tuple = ()  # the arguments of `lpc`, but for the store, that planned it; a store of an older program has none
 
     def method_axes(self, planned):
@@ -80,14 +81,15 @@ class Sweep:
 
 
 def _sweep(name, kind, summary, baseline, roles):
-    """Among the roles, which are texts, may stand the lists of charts and of commands and the tables of what is equal and of what
-    breaks."""
+    """Among the roles, which are texts, may stand the lists of charts and of commands, the tables of what is equal and of what
+    breaks, and whether settings are told."""
     roles = json.loads(roles)
     charts = roles.pop("report") if isinstance(roles.get("report"), list) else ()
     equal = roles.pop("calibrate") if isinstance(roles.get("calibrate"), dict) else {}
     questions = roles.pop("break") if isinstance(roles.get("break"), dict) else {}
     commands = roles.pop("commands") if isinstance(roles.get("commands"), list) else ()
-    return Sweep(name, kind, summary, baseline, roles, tuple(charts), equal, questions, tuple(map(tuple, commands)))
+    told = roles.pop("settings_told") if isinstance(roles.get("settings_told"), bool) else False
+    return Sweep(name, kind, summary, baseline, roles, tuple(charts), equal, questions, told, tuple(map(tuple, commands)))
 
 
 def _plain(value):
@@ -301,13 +303,16 @@ class Store:
     def _cell(self, sweep, entries):
         axes = {k: v for k, v in entries[0].axes.items() if k not in WITHIN_CELL}
         trials = [self.by_key[entry.key] for entry in entries if entry.key in self.by_key]
-        kind = self.sweep(sweep).kind
-        cell = {"sweep": sweep, **axes, "method": self.method_of(sweep, axes), "planned_trials": len(entries),
+        about = self.sweep(sweep)
+        unset = {name: np.nan for name, role in about.roles.items() if role == "setting"}
+        cell = {"sweep": sweep, "settings_told": about.settings_told, **unset, **axes,
+                "method": self.method_of(sweep, axes), "planned_trials": len(entries),
                 "finished_trials": len(trials), "outcome": NOT_RUN, "reason": "planned, no result in the store",
                 "step": np.nan, "key": None, "key_timed": None, "keys_timed": [], "machine": None, "keys": [], "hashes": [],
                 "seeds": list(dict.fromkeys(entry.axes.get("seed") for entry in entries)), "failed_seeds": 0,
                 "refused_repeats": 0,
-                **{_free(name, axes): np.nan for name, m in self.metrics.items() if m.kind in (kind, "any") and "*" not in name}}
+                **{_free(name, axes): np.nan for name, m in self.metrics.items()
+                   if m.kind in (about.kind, "any") and "*" not in name}}
         if not trials:
             return cell
         worst = max(trials, key=severity)

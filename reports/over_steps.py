@@ -35,9 +35,9 @@ def scenes(context, cells):
 
 
 def own_setting(cells, setting):
-    """The cells without a value of the setting where their method has none: a method that has one value where others have several
-    is the same at each, and was planned once."""
-    if not setting or cells[setting].dropna().empty:
+    """The cells without a value of the setting where their method has none. An older store gives it the first value: there a
+    method that has one value where others have several is taken for the same at each, which was planned once."""
+    if not setting or cells[setting].dropna().empty or cells["settings_told"].all():
         return cells
     alone = cells["method"].map(cells.groupby("method")[setting].nunique()) < min(2, cells[setting].nunique())
     return cells.assign(**{setting: cells[setting].where(~alone)})

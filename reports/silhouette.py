@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Outlines of the shapes of a file of cases: a convex shape's shadow has the support points of the shadow's plane for edge.
+"""Outlines of the shapes of cases. `lpc verify` writes them (oracles/corpus/case_text.cpp); of a case of an older store they are
+worked out here, by support points, of the kinds that there were then.
 
 Shapes and poses are those of the schema of tests/regressions/hard_cases.json; 3D is seen from one fixed side, in parallel.
 """
@@ -9,6 +10,18 @@ import numpy as np
 TURN = np.linspace(0, 2 * np.pi, 180, endpoint=False) + 1e-3  # along no axis, where a support point is any of an edge
 # Right and up of the picture in 3D: a little from the side and from above.
 CAMERA = np.array([[0.87, 0.0, -0.49], [-0.19, 0.92, -0.34]])
+
+
+KNOWN = ("sphere", "capsule", "cylinder", "cone", "ellipsoid", "box", "segment", "convex", "polygon", "triangle")
+
+
+def of_case(case, side):
+    """Points of the outline of its shape A or B, one row each, closed; None where nothing tells it."""
+    given = case.get(f"outline{side}")
+    if given:
+        return np.array([*given, given[0]], dtype=float)
+    shape = case[f"shape{side}"]
+    return outline(shape, case[f"pose{side}"], case["dim"]) if shape["type"] in KNOWN else None
 
 
 def outline(shape, pose, dimension):

@@ -58,9 +58,10 @@ std::vector<std::string> everySolver() {
 inline Spec withIterations(const Registered& entry, int iterations, int perContact) {
   Spec spec{entry.info.name, {}};
   for (const ParamInfo& p : entry.params) {
-    if (p.name == "iterations") spec.set("iterations", {std::to_string(iterations), {}});
-    if (p.name == "iteration_factor") spec.set("iteration_factor", {std::to_string(perContact), {}});
-    if (p.name == "epsilon") spec.set("epsilon", {"0", {}});
+    if (p.role == ParamRole::effort) {
+      spec.set(p.name, {std::to_string(p.type == "integer" ? iterations : perContact), {}});
+    }
+    if (p.role == ParamRole::tolerance) spec.set(p.name, {"0", {}});
   }
   return spec;
 }

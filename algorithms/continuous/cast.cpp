@@ -29,7 +29,7 @@ class Cast final : public ContinuousCollision<D> {
              "share of its inner ball that a part may go unseen in a step, and into another");
       v.real("depth", depth, 0, 1000, "m", "that a part may go into another, where its inner ball is not the limit");
       v.stage("query", query, StageKind::pairQuery, "tells how deep they are");
-      v.integer("iterations", iterations, 1, 1000000, "steps until they are too deep");
+      v.integer("iterations", iterations, 1, 1000000, "steps until they are too deep", ParamRole::effort);
     }
   };
   explicit Cast(const Params& params)

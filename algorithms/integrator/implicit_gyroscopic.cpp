@@ -20,7 +20,9 @@ class ImplicitGyroscopic final : public Integrator<D> {
  public:
   struct Params {
     int iterations = 1;
-    void visit(ParamVisitor& v) { v.integer("iterations", iterations, 1, 100, "of Newton's, in each step"); }
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 1, 100, "of Newton's, in each step", ParamRole::effort);
+    }
   };
   explicit ImplicitGyroscopic(const Params& params) : m_params(params) {}
 

@@ -72,7 +72,7 @@ class CoreMargin final : public PairQuery<D> {
       v.real("margin", margin, Real(0.01), Real(0.9), "1",
              "taken off boxes, as a part of the smallest half extent, and off polytopes, of the ball around their "
              "middle");
-      v.integer("iterations", iterations, 1, 10000, "support points of GJK");
+      v.integer("iterations", iterations, 1, 10000, "support points of GJK", ParamRole::effort);
       v.integer("faces", faces, 8, 100000, "faces that EPA may make");
     }
   };

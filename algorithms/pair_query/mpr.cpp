@@ -216,10 +216,11 @@ class Mpr final : public PairQuery<D> {
     int iterations = 256;
     Real tolerance = 0;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 1, 10000, "support points");
+      v.integer("iterations", iterations, 1, 10000, "support points", ParamRole::effort);
       v.real("tolerance", tolerance, 0, Real(0.1), "1",
              "how far the last portal lies below the surface, against the largest coordinate; eight roundings at "
-             "least");
+             "least",
+             ParamRole::tolerance);
     }
   };
   explicit Mpr(const Params& params) : m_params(params) {}

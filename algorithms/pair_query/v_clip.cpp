@@ -269,7 +269,8 @@ class VClip final : public PairQuery<D> {
   struct Params {
     int iterations = 100;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 1, 10000, "steps of the walk; then separating axes decide");
+      v.integer("iterations", iterations, 1, 10000, "steps of the walk; then separating axes decide",
+                ParamRole::effort);
     }
   };
   explicit VClip(const Params& params) : m_params(params) {}

@@ -32,7 +32,8 @@ class Baumgarte final : public PositionResolver<D> {
             .failures = {{"deep overlap", "bodies leave with the speed of separation", "PositionError.AddsNoVelocity"},
                          {"deep overlap, steps later", "bodies end apart", "PositionError.EndsInTouch"},
                          {"a joint that is pulled together", "its bodies go on with that speed",
-                          "JointStep.PullsLeaveNoSpeed"}}};
+                          "JointStep.PullsLeaveNoSpeed"}},
+            .noEffort = "its targets are met by the velocity resolver"};
   }
 
   Real bias(Real separation, Real dt) const override {

@@ -18,7 +18,7 @@ class Linear final : public PositionResolver<D> {
     Real factor = 1;
     Real slop = kLinearSlop;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 10000, "passes over all joints and contacts");
+      v.integer("iterations", iterations, 0, 10000, "passes over all joints and contacts", ParamRole::effort);
       v.real("factor", factor, 0, 1, "1", "share of the error to remove in one pass");
       v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
     }

@@ -15,7 +15,7 @@ class Ngs final : public PositionResolver<D> {
     int iterations = 4;
     NgsShare share;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 10000, "sweeps over all joints and contacts");
+      v.integer("iterations", iterations, 0, 10000, "sweeps over all joints and contacts", ParamRole::effort);
       share.visit(v);
     }
   };

@@ -19,7 +19,8 @@ class NoPosition final : public PositionResolver<D> {
             .guarantee = Guarantee::approximate,
             .failures = {{"anything that rests", "sinks in", "PositionError.Shrinks"},
                          {"pinned bodies that overlap", "stay so", "PositionError.TurnsPinnedBodies"},
-                         {"a joint under load", "drifts apart", "JointError.Shrinks"}}};
+                         {"a joint under load", "drifts apart", "JointError.Shrinks"}},
+            .noEffort = "does nothing"};
   }
 };
 

@@ -23,9 +23,11 @@ class Nonlinear final : public PositionResolver<D> {
     Real angularLimit = Real(0.2);
     ExtremeSearch search = ExtremeSearch::tree;
     void visit(ParamVisitor& v) {
-      v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of moves, as a multiple of the contacts");
+      v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of moves, as a multiple of the contacts",
+             ParamRole::effort);
       v.real("slop", slop, 0, 1, "m", "depth that stays; published: 0");
-      v.real("tolerance", tolerance, 0, 1, "m", "a contact is left if it is deeper than the slop by at most this");
+      v.real("tolerance", tolerance, 0, 1, "m", "a contact is left if it is deeper than the slop by at most this",
+             ParamRole::tolerance);
       v.real("angular_limit", angularLimit, 0, 2, "rad", "largest turn in one move; the rest is made up by moving");
       v.choice("search", search, {"scan", "tree"}, "how the deepest contact is found; the result is the same");
     }

@@ -20,7 +20,7 @@ class SplitImpulse final : public PositionResolver<D> {
     Real slop = kLinearSlop;
     Real maxMove = Real(0.2);
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 10000, "sweeps over all joints and contacts");
+      v.integer("iterations", iterations, 0, 10000, "sweeps over all joints and contacts", ParamRole::effort);
       v.real("factor", factor, 0, 1, "1", "share of the error to remove in one step");
       v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
       v.real("max_move", maxMove, 0, 1000, "m", "largest displacement of one contact in one step");

@@ -37,7 +37,7 @@ class Avbd final : public Solver<D> {
     Real minPenalty = 10, maxPenalty = Real(1e5), slop = Real(0.0005);
     bool postStabilize = true;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 1, 100000, "sweeps over all bodies");
+      v.integer("iterations", iterations, 1, 100000, "sweeps over all bodies", ParamRole::effort);
       v.integer("tries", tries, 0, 100,
                 "further solves of a body while its rows change between limit and spring; published: 0");
       v.choice("rows", rows, {"joints_at_end", "start"},

@@ -26,7 +26,7 @@ class PgsSoft final : public Solver<D> {
     Gaps gaps = Gaps::rigid;
     RelaxAt relaxAt = RelaxAt::start;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts");
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts", ParamRole::effort);
       v.real("hertz", hertz, 0, 100000, "1/s", "stiffness of contacts; limited to half of the step rate");
       v.real("damping_ratio", dampingRatio, 0, 1000, "1", "of contacts; large: they do not bounce");
       v.real("push_speed", pushSpeed, 0, 1000, "m/s", "limit of the speed at which overlap is undone");
@@ -35,7 +35,7 @@ class PgsSoft final : public Solver<D> {
       v.real("joint_factor", jointFactor, 0, 1, "1", "joints=rigid only: share of an error to remove in one step");
       v.choice("gaps", gaps, {"rigid", "soft"},
                "how a closing gap is stopped: at once, as published, or by its spring");
-      v.integer("relax", relax, 0, 100000, "sweeps without springs and push after the move");
+      v.integer("relax", relax, 0, 100000, "sweeps without springs and push after the move", ParamRole::effort);
       v.choice("relax_at", relaxAt, {"start", "end"}, "separations of these sweeps: of the step's start, as published");
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
     }

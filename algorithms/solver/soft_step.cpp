@@ -20,7 +20,7 @@ class SoftStep final : public Solver<D> {
     Arms arms = Arms::turning;
     bool bounceFriction = false;
     void visit(ParamVisitor& v) {
-      v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
+      v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
       v.real("hertz", hertz, 0, 100000, "1/s", "stiffness of contacts; limited to a quarter of the sub-step rate");
       v.real("damping_ratio", dampingRatio, 0, 1000, "1", "of contacts; large: they do not bounce");
       v.real("push_speed", pushSpeed, 0, 1000, "m/s", "limit of the speed at which overlap is undone");

@@ -37,7 +37,7 @@ class Tgs final : public Solver<D> {
     Real factor = Real(0.2), slop = kLinearSlop, pushSpeed = 4;
     bool warmStart = true;
     void visit(ParamVisitor& v) {
-      v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
+      v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
       v.integer("sweeps", sweeps, 0, 100000, "sweeps over all joints and contacts in each sub-step");
       v.integer("relax", relax, 0, 100, "sweeps without a push");
       v.choice("relax_at", relaxAt, {"each_substep", "end"},

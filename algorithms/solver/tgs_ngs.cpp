@@ -21,7 +21,7 @@ class TgsNgs final : public Solver<D> {
     NgsShare share;
     bool warmStart = true;
     void visit(ParamVisitor& v) {
-      v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
+      v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
       v.integer("sweeps", sweeps, 0, 100000, "sweeps over velocities in each sub-step");
       v.integer("position_iterations", positionIterations, 0, 10000, "sweeps over positions in each sub-step");
       v.choice("arms", arms, {"shared", "own", "detection"},

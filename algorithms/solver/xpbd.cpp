@@ -29,7 +29,7 @@ class Xpbd final : public Solver<D> {
     // In f32 half: the rounding of a place, divided by h, would be speed and impulse.
     Real jointShare = 0;
     void visit(ParamVisitor& v) {
-      v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each");
+      v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each", ParamRole::effort);
       v.real("contact_compliance", contactCompliance, 0, 1, "m/N", "of contacts; 0: rigid");
       v.real("joint_compliance", jointCompliance, 0, 1, "m/N", "of joints, rad/(N m) where they hold an angle");
       v.real("joint_share", jointShare, 0, 1, "1",

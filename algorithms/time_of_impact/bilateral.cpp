@@ -20,8 +20,9 @@ class Bilateral final : public TimeOfImpact<D> {
     int iterations = 100;
     void visit(ParamVisitor& v) {
       v.stage("query", query, StageKind::pairQuery, "gives the gap and its normal");
-      v.real("tolerance", tolerance, 0, Real(0.1), "1", "a gap that counts as contact, against the size of the pair");
-      v.integer("iterations", iterations, 1, 1000000, "axes");
+      v.real("tolerance", tolerance, 0, Real(0.1), "1", "a gap that counts as contact, against the size of the pair",
+             ParamRole::tolerance);
+      v.integer("iterations", iterations, 1, 1000000, "axes", ParamRole::effort);
     }
   };
   explicit Bilateral(const Params& params) : m_params(params), m_query(createStage<PairQuery<D>>(params.query)) {}

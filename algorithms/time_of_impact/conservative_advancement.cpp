@@ -17,8 +17,9 @@ class ConservativeAdvancement final : public TimeOfImpact<D> {
     int iterations = 1000;
     void visit(ParamVisitor& v) {
       v.stage("query", query, StageKind::pairQuery, "gives the gap and its normal");
-      v.real("tolerance", tolerance, 0, Real(0.1), "1", "a gap that counts as contact, against the size of the pair");
-      v.integer("iterations", iterations, 1, 1000000, "steps");
+      v.real("tolerance", tolerance, 0, Real(0.1), "1", "a gap that counts as contact, against the size of the pair",
+             ParamRole::tolerance);
+      v.integer("iterations", iterations, 1, 1000000, "steps", ParamRole::effort);
     }
   };
   explicit ConservativeAdvancement(const Params& params)

@@ -32,8 +32,9 @@ class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
     int maxRows = 200;
     int sweeps = 20;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 1, 100000, "at most, per island");
-      v.real("tolerance", tolerance, 0, 1, "m/s", "stop when neither law nor limits are missed by more");
+      v.integer("iterations", iterations, 1, 100000, "at most, per island", ParamRole::effort);
+      v.real("tolerance", tolerance, 0, 1, "m/s", "stop when neither law nor limits are missed by more",
+             ParamRole::tolerance);
       v.real("proximal", proximal, 0, 1, "1",
              "weight of the last iterate, over W_ii: redundant contacts; 0: 1e-6, in f32 1e-3");
       v.choice("correction", correction, {"de_saxce", "none"},

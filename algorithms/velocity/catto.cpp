@@ -26,7 +26,7 @@ class Catto final : public VelocityResolver<D> {
     bool block = false;
     Friction friction = Friction::cone;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts");
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts", ParamRole::effort);
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
       v.real("warm_factor", warmFactor, 0, 1, "1", "share of the last step's impulses to start from");
       v.real("relaxation", relaxation, Real(0.05), Real(1.95), "1", "over-relaxation of normal impulses (SOR)");

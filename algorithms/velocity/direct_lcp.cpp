@@ -53,6 +53,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
         .failures = {{"a heavy body on a light one in ever more iterations",
                       "it has no rate of sweeps: it is at the end at once", "Joint.ConvergesAsPredicted"}},
         .friction = FrictionLaw::facets,
+        .noEffort = "comes to its end at once; sweeps are for what nothing else helps",
         .matrixAlone = true};
     if (sizeof(Real) == 4) {
       info.failures.push_back({"a motor of 1e6 N m at its stop, in f32",

@@ -22,7 +22,7 @@ class Jacobi final : public VelocityResolver<D> {
     bool warmStart = true;
     Splitting splitting = Splitting::mass;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts");
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts", ParamRole::effort);
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
       v.choice("splitting", splitting, {"none", "averaged", "mass"}, "how a body is shared by those that push it");
     }

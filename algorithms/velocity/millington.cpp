@@ -22,8 +22,9 @@ class Millington final : public VelocityResolver<D> {
     ExtremeSearch search = ExtremeSearch::tree;
     ImpulseOrder order = ImpulseOrder::worstFirst;
     void visit(ParamVisitor& v) {
-      v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of impulses, as a multiple of the contacts");
-      v.real("epsilon", epsilon, 0, 10, "m/s", "a smaller error of velocity is left alone");
+      v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of impulses, as a multiple of the contacts",
+             ParamRole::effort);
+      v.real("epsilon", epsilon, 0, 10, "m/s", "a smaller error of velocity is left alone", ParamRole::tolerance);
       v.choice("search", search, {"scan", "tree"}, "how the worst contact is found; the result is the same");
       v.choice("order", order, {"worst_first", "given"},
                "given: sweeps, so many as the factor says, or until all is well");

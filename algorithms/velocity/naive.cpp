@@ -16,7 +16,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
   struct Params {
     int iterations = 1;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts");
+      v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts", ParamRole::effort);
     }
   };
   explicit NaiveVelocity(const Params& params) : m_params(params) {}

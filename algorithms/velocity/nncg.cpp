@@ -17,7 +17,7 @@ class Nncg final : public VelocityResolver<D>, private WholeProblem<D> {
     int iterations = 10;
     bool warmStart = true;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts");
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts", ParamRole::effort);
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
     }
   };

@@ -29,8 +29,9 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
       v.real("cfm", cfm, Real(1e-11), Real(0.1), "1", "what a row gives way in a pass, of W_ii");
       v.integer("passes", passes, 1, 1000, "at most, from where the last has come");
       v.integer("iterations", iterations, 1, 100000,
-                "at most, of Newton's method in an island and step, over all passes");
-      v.real("tolerance", tolerance, 0, 1, "1", "residual at which a pass is the last, of what rows are to do");
+                "at most, of Newton's method in an island and step, over all passes", ParamRole::effort);
+      v.real("tolerance", tolerance, 0, 1, "1", "residual at which a pass is the last, of what rows are to do",
+             ParamRole::tolerance);
       v.integer("max_bodies", maxBodies, 0, 10000, "of an island that is solved so");
       v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, over islands that are larger");
     }

@@ -20,7 +20,8 @@ class ShockPropagation final : public VelocityResolver<D> {
     int passes = 4;
     bool warmStart = false;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts before the levels");
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts before the levels",
+                ParamRole::effort);
       v.integer("passes", passes, 0, 1000, "sweeps over each level on the way up: a face has several points");
       v.flag("warm_start", warmStart, "start from the impulses of the last step, levels included; published: not");
     }

@@ -28,7 +28,7 @@ struct BreakOptions {
   bool quiet = false, timed = false;
 };
 
-constexpr const char* kSetting = "iterations";  // what methods get at equal cost
+constexpr const char* kSetting = "iterations";  // the axis of what methods get at equal cost
 constexpr int kTimedRepeats = 5;
 
 // The range of a scene's parameter is known.
@@ -68,6 +68,26 @@ std::vector<std::string> commandOf(const BreakOptions& o) {
   return out;
 }
 
+// At equal cost a pipeline says with $iterations where they go, or they are the effort of its solver.
+std::string searched(const std::string& pipeline, int dimension) {
+  if (pipeline.find(std::string("$") + kSetting) != pipeline.npos) return pipeline;
+  std::optional<Spec> engine = engineOf(pipeline);
+  Pipeline stages = Pipeline::parse(engine ? "" : pipeline);
+  const StageKind kind = engine ? StageKind::engine : StageKind::solver;
+  const auto [method, entry, effort] = effortIn(kind, dimension, engine ? *engine : stages[kind]);
+  if (!effort) {
+    const std::string& why = entry->info.noEffort;
+    throw UserError("--equal-cost and '" + pipeline + "': " + method->name + " has no effort" +
+                    (why.empty() ? "" : ", it " + why) + "; valid: another method, or $" + kSetting);
+  }
+  if (const Spec* given = method->find(effort->name)) {
+    throw UserError("--equal-cost and '" + pipeline + "', which says " + effort->name + "=" + given->text() +
+                    "; valid: without it");
+  }
+  method->set(effort->name, Spec{std::string("$") + kSetting, {}});
+  return engine ? "engine=" + engine->text() : stages.text();
+}
+
 PlannedSweep plan(BreakOptions& o) {
   BreakQuestion& q = o.question;
   const auto planner = std::make_shared<Planner>();
@@ -91,16 +111,14 @@ PlannedSweep plan(BreakOptions& o) {
   }
   const auto roles = std::make_shared<std::map<std::string, std::string>>();
   for (const std::string& pipeline : o.pipelines) {
+    const std::string text = o.budget ? searched(pipeline, dimension) : pipeline;
     const auto trialsAt = [=, &file, &o](const Ladder::Place& p) {
       nlohmann::json axes = {{o.question.parameter, axisNumber(p.value)}, {"seed", p.seed}};
       if (o.question.parameter != kPerturbParameter) axes[kPerturbParameter] = o.question.perturb;
       if (o.budget) axes[kSetting] = p.setting;
       std::set<std::string> used;
       WorldCell cell;
-      cell.pipeline = withValues(pipeline, axes, used);
-      if (o.budget && !used.count(kSetting)) {
-        throw UserError("--equal-cost and '" + pipeline + "', which has no $" + kSetting + "; valid: one that uses it");
-      }
+      cell.pipeline = withValues(text, axes, used);
       cell.params = params, cell.dimension = dimension, cell.precision = o.precision, cell.steps = o.steps;
       cell.timed = p.timed;
       readWorldAxes(file, axes, used, cell, *roles);
@@ -225,7 +243,7 @@ void addBreak(CommandLine& app, Session& session) {
   command.option("--param", o->params, "another parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--steps", o->steps, "number of steps; default: the scene's");
   command.option("--equal-cost", o->budget,
-                 "multiply-adds per step: each method has as many $iterations as that allows");
+                 "multiply-adds per step: each method has as much effort as that allows, or as many $iterations");
   command.flag("--timed", o->timed, "times the last value that holds, too");
   command.option("--store", o->store, "SQLite file, made if absent; what it has is not run again").showDefault();
   command.flag("--quiet", o->quiet, "no progress line");

@@ -154,8 +154,8 @@ class Breaker {
     for (std::size_t i = 0; i < unset.size(); ++i) {
       const PlannedTrial& t = round.trials.at(i);
       Tried& tried = unset[i].first->tried[unset[i].second];
-      tried.setting = t.axes.value(m_sweep.calibration->setting, 0L);
-      if (*tried.setting == 0) tried.none = t;
+      tried.setting = t.axes.value(m_sweep.calibration->setting, 1L);  // a method without the setting has one
+      if (!t.unsupported.empty()) tried.setting = 0, tried.none = t;
     }
     return true;
   }

@@ -22,6 +22,11 @@ json rangeOf(const ParamInfo& p) {
   return {static_cast<long>(p.range->lo), static_cast<long>(p.range->hi)};
 }
 
+std::string_view roleName(ParamRole role) {
+  constexpr std::array<std::string_view, 3> kNames = {"manner", "effort", "tolerance"};
+  return kNames[static_cast<std::size_t>(role)];
+}
+
 const char* guaranteeName(Guarantee g) {
   return g == Guarantee::exact ? "exact" : (g == Guarantee::conservative ? "conservative" : "approximate");
 }
@@ -47,6 +52,7 @@ json describeParams(const std::vector<ParamInfo>& params) {
   for (const ParamInfo& p : params) {
     out.push_back({{"name", p.name},
                    {"type", p.type},
+                   {"role", roleName(p.role)},
                    {"unit", p.unit},
                    {"meaning", p.meaning},
                    {"default", p.defaultText},
@@ -108,6 +114,7 @@ json describeAlgorithms() {
                    {"friction", frictionLawName(entry.info.friction)},
                    {"other_friction", otherFriction},
                    {"role", roleName(entry.info.role)},
+                   {"no_effort", entry.info.noEffort},
                    {"in_float", isInFloat(entry)},
                    {"dimensions", {entry.dimension}},
                    {"params", describeParams(entry.params)},

@@ -38,9 +38,11 @@ std::string askedOf(const TrialRequest& request, bool sidesAreRight) {
   if (at == all.end()) return "of plugins";
   if (at->second.info.role != AlgorithmRole::competitor) return "of libraries";
   // Answers are judged at one tolerance. What asked for a looser one promised no such distance, but the right side.
-  const Spec* const asked = spec.find("tolerance");
   const double judged = pairTolerance(request.base().precision == "f32");
-  if (asked && std::stod(asked->name) > judged && sidesAreRight) return "at a looser tolerance";
+  for (const ParamInfo& p : at->second.params) {
+    const Spec* const asked = p.role == ParamRole::tolerance ? spec.find(p.name) : nullptr;
+    if (asked && std::stod(asked->name) > judged && sidesAreRight) return "at a looser tolerance";
+  }
   return at->second.info.guarantee == Guarantee::exact ? "of exact ones of ours" : "of approximate ones of ours";
 }
 

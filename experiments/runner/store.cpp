@@ -242,11 +242,15 @@ void Store::forgetCells(const PlannedSweep& sweep) {
   };
   std::set<std::string> cells;
   for (const PlannedTrial& t : sweep.trials) cells.insert(cellOf(t.axes));
+  forget(sweep, [&](const json& axes) { return cells.count(cellOf(axes)) > 0; });
+}
+
+void Store::forget(const PlannedSweep& sweep, const std::function<bool(const json& axes)>& is) {
   std::vector<std::string> keys;
   SQLite::Statement s(m_db, "SELECT key, axes FROM planned WHERE sweep=?");
   s.bind(1, sweep.name);
   while (s.executeStep()) {
-    if (cells.count(cellOf(storedJson(s.getColumn(1).getString())))) keys.push_back(s.getColumn(0).getString());
+    if (is(storedJson(s.getColumn(1).getString()))) keys.push_back(s.getColumn(0).getString());
   }
   SQLite::Statement clear(m_db, "DELETE FROM planned WHERE sweep=? AND key=?");
   for (const std::string& key : keys) {
@@ -254,6 +258,24 @@ void Store::forgetCells(const PlannedSweep& sweep) {
     clear.exec();
     clear.reset();
   }
+}
+
+// A program that did not tell which methods lack a setting planned their cells at its first value.
+void Store::forgetFirstValues(const PlannedSweep& sweep) {
+  const auto cellOf = [&](json axes) {
+    for (const auto& [name, role] : sweep.roles) {
+      if (role == "setting") axes.erase(name);
+    }
+    return axes.dump();
+  };
+  std::set<std::string> cells;
+  for (const PlannedTrial& t : sweep.trials) {
+    const bool lacks = std::any_of(sweep.roles.begin(), sweep.roles.end(), [&](const auto& axis) {
+      return axis.second == "setting" && !t.axes.contains(axis.first);
+    });
+    if (lacks) cells.insert(cellOf(t.axes));
+  }
+  forget(sweep, [&](const json& axes) { return cells.count(cellOf(axes)) > 0; });
 }
 
 std::set<std::string> Store::changed(const PlannedSweep& sweep) {
@@ -278,6 +300,8 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
     clear.exec();
   } else if (sweep.calibration || !sweep.ladders.empty()) {
     forgetCells(sweep);
+  } else {
+    forgetFirstValues(sweep);
   }
   const json commands = commandsOf(sweep, replace);
   SQLite::Statement about(m_db, "INSERT OR REPLACE INTO sweep VALUES (?, ?, ?, ?, ?)");
@@ -286,6 +310,10 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   // Axes have texts, so that these are told from an axis of their name.
   if (!commands.empty()) roles["commands"] = commands;
   if (!sweep.charts.empty()) roles["report"] = sweep.charts;
+  const auto isSetting = [](const auto& axis) { return axis.second == "setting"; };
+  if (std::any_of(sweep.roles.begin(), sweep.roles.end(), isSetting)) {
+    roles["settings_told"] = true;  // a method without a setting has no value of that axis
+  }
   if (const auto& c = sweep.calibration) {
     roles["calibrate"] = {{"equal", c->equal}, {"metric", c->metric}, {"setting", c->setting}, {"most", c->most}};
   }

@@ -3,6 +3,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -96,8 +97,10 @@ class Store {
  private:
   long machineId();
   nlohmann::json commandsOf(const PlannedSweep& sweep, bool replace);
-  void forgetCells(const PlannedSweep& sweep);  // that are planned anew
-  void mergeLedger();                           // from the attached store `other`
+  void forget(const PlannedSweep& sweep, const std::function<bool(const nlohmann::json& axes)>& is);
+  void forgetCells(const PlannedSweep& sweep);        // that are planned anew
+  void forgetFirstValues(const PlannedSweep& sweep);  // of settings, for which they stood in older stores
+  void mergeLedger();                                 // from the attached store `other`
 
   std::optional<StoreLock> m_lock;  // goes after the database
   SQLite::Database m_db;

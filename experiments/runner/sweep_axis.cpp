@@ -97,7 +97,7 @@ class Stars {
       for (const Choice& c : out) {
         for (const Choice& v : values) {
           next.push_back(c);
-          next.back().spec.set(key, v.spec);
+          next.back().spec.set(ofAStar ? p->name : key, v.spec);
           for (const auto& name : v.names) join(next.back(), name);
         }
       }

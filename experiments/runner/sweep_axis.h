@@ -4,7 +4,8 @@
 //   *            is every competitor of that stage, and every engine where the stage is theirs
 //   *witness     every witness
 //   *-naive-sat  the same but for these, which the sweep treats otherwise or leaves out
-// and `*{iterations=4}` gives the parameter to those who have one of that name.
+// and `*{iterations=4}` gives the parameter to those that have one of that name, `*{effort=4}` to those that have an
+// effort, whatever its name is.
 #pragma once
 
 #include <array>
@@ -40,7 +41,8 @@ struct Axis {
 std::vector<nlohmann::json> seedsOf(const std::vector<Axis>& axes);
 
 /// What a store keeps of a sweep beside its axes (`roles` of the table `sweep`): no axis may have such a name.
-inline constexpr std::array<std::string_view, 4> kNoAxes = {"break", "calibrate", "commands", "report"};
+inline constexpr std::array<std::string_view, 5> kNoAxes = {"break", "calibrate", "commands", "report",
+                                                            "settings_told"};
 
 /// A number, a text, a list of these, or a table of labelled parts of pipelines. A label whose text has stars says with
 /// `$velocity` where the name goes that `velocity=*` became. Throws UserError with file and line.

@@ -47,6 +47,48 @@ void collectNames(const Spec& spec, std::set<std::string>& out) {
   for (const auto& [key, value] : spec.fields) collectNames(value, out);
 }
 
+CellPipeline::CellPipeline(const std::string& text, const json& axes, std::set<std::string>& used)
+    : m_text(text), m_axes(axes) {
+  const std::string base = withValues(text, axes, m_ofEngine);
+  used.insert(m_ofEngine.begin(), m_ofEngine.end());
+  m_engine = engineOf(base);
+  if (!m_engine) m_stages = Pipeline::parse(base);
+}
+
+void CellPipeline::put(const std::string& part, std::set<std::string>& names, std::set<std::string>& used) {
+  std::set<std::string> named;
+  const std::string text = withValues(part, m_axes, named);
+  used.insert(named.begin(), named.end());
+  if (const auto engine = engineOf(text)) {
+    m_engine = engine, m_ofEngine = named;
+    return;
+  }
+  m_ofParts.merge(named);
+  for (const StageKind stage : m_stages.replace(text)) {
+    m_replaced.insert(stage), collectNames(m_stages[stage], names);
+  }
+}
+
+std::string CellPipeline::finish(std::set<std::string>& names) const {
+  if (!m_engine) return m_stages.text();
+  collectNames(*m_engine, names);
+  return "engine=" + m_engine->text();
+}
+
+std::set<std::string> CellPipeline::named() const {
+  if (m_engine) return m_ofEngine;
+  std::set<std::string> out = m_ofParts;
+  try {
+    const Pipeline stages = Pipeline::parse(m_text);
+    for (const StageKind kind : kWorldStages) {
+      if (!m_replaced.count(kind)) out.merge(namedIn(stages[kind].text(), m_axes));
+    }
+  } catch (const UserError&) {  // a $name may stand for more than a value
+    out.merge(namedIn(m_text, m_axes));
+  }
+  return out;
+}
+
 std::string readWorldAxes(const SceneFile& file, const json& axes, const std::set<std::string>& used, WorldCell& cell,
                           std::map<std::string, std::string>& roles) {
   std::string model;

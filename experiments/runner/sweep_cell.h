@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -28,6 +29,26 @@ class AxisFiles {
 
 /// The algorithms that a text names.
 void collectNames(const Spec& spec, std::set<std::string>& out);
+
+/// The pipeline of a cell: that of the sweep, with the parts that axes put in place of its stages.
+class CellPipeline {
+ public:
+  /// `used` gets the axes that the text names.
+  CellPipeline(const std::string& text, const nlohmann::json& axes, std::set<std::string>& used);
+  /// `names` gets the algorithms.
+  void put(const std::string& part, std::set<std::string>& names, std::set<std::string>& used);
+  std::string finish(std::set<std::string>& names) const;
+  /// The axes whose values it has: what names them may be replaced.
+  std::set<std::string> named() const;
+
+ private:
+  const std::string& m_text;
+  const nlohmann::json& m_axes;
+  std::optional<Spec> m_engine;  // of the last part that names one: it stands in place of all stages
+  Pipeline m_stages;
+  std::set<StageKind> m_replaced;
+  std::set<std::string> m_ofEngine, m_ofParts;
+};
 
 /// Of a trial of a world: its dimension, precision, dt, steps and seed, and its scene's parameters. `used` are the axes
 /// that mean something already. Tells each axis its role, and returns the model. Throws UserError for an axis that

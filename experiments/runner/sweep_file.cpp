@@ -310,7 +310,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
         if (std::string_view(e.what()).find(".toml:") != std::string_view::npos) throw;
         failInCell(e.what(), s, at, where);
       }
-      trial.axes = axes;
+      if (m_kind != "world") trial.axes = axes;
       trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.asked().precision;
       if (m_kind == "world") trial.axes["scene"] = trial.world().scene;
       if (m_kind == "world" && !trial.world().script.empty()) trial.axes["script"] = trial.world().script;
@@ -360,9 +360,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     WorldCell cell;
     cell.timed = timed, cell.posesEvery = s.posesEvery, cell.series = s.series;
     std::set<std::string> used = s.named;
-    const std::string base = withValues(s.pipeline, axes, used);
-    std::optional<Spec> engine = engineOf(base);  // of the last part that names one: it stands in place of all stages
-    Pipeline pipeline = Pipeline::parse(engine ? "" : base);
+    CellPipeline pipeline(s.pipeline, axes, used);
     for (std::size_t i = 0; i < at.size(); ++i) {
       const Axis& axis = s.axes[i];
       const AxisValue& value = axis.values[at[i]];
@@ -378,16 +376,11 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       } else {
         continue;
       }
-      part = withValues(part, axes, used);
+      pipeline.put(part, names, used);
       used.insert(axis.name);
-      if (const auto named = engineOf(part)) {
-        engine = named;
-        continue;
-      }
-      for (const StageKind stage : pipeline.replace(part)) collectNames(pipeline[stage], names);
     }
-    if (engine) collectNames(*engine, names);
-    cell.pipeline = engine ? "engine=" + engine->text() : pipeline.text();
+    cell.pipeline = pipeline.finish(names);
+    std::set<std::string> named = pipeline.named();
     if (!axes.contains("scene")) throw UserError("a sweep of kind 'world' needs the axis 'scene'");
     const std::string scenePath = beside(m_path, valueText(axes["scene"]));
     cell.script = scriptOf(axes, used);
@@ -395,11 +388,17 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     m_files.add(file, axes.contains("script") && !used.count("script"));
     names.insert(file.name());
     if (const SceneParameter* p = file.parameter(kJointParameter); p && p->value.isText() && axes.contains(p->name)) {
-      cell.params[p->name] = withValues(valueText(axes[p->name]), axes, used);
+      std::set<std::string> ofJoint;
+      cell.params[p->name] = withValues(valueText(axes[p->name]), axes, ofJoint);
+      used.insert(ofJoint.begin(), ofJoint.end()), named.merge(ofJoint);
     }
     const std::string model = readWorldAxes(file, axes, used, cell, m_out.roles);
     if (!model.empty()) applyModel(file, model, cell);
     PlannedTrial trial = m_planner->world(scenePath, cell);
+    for (const auto& [name, value] : axes.items()) {  // a method without the setting is at no value of it
+      const bool searched = s.question && s.question->parameter == name;
+      if (m_out.roles[name] != "setting" || named.count(name) || searched) trial.axes[name] = value;
+    }
     if (trial.unsupported.empty()) {
       json choices = json::object();
       for (const auto& [name, value] : axes.items()) {

@@ -372,7 +372,7 @@ std::vector<Spec> specsToVerify(const Registered& method) {
   }
   if (method.info.role != AlgorithmRole::witness) return out;
   for (const ParamInfo& p : method.params) {
-    if (p.name != "tolerance" || !p.range) continue;
+    if (p.role != ParamRole::tolerance) continue;
     out.push_back(out.front());
     out.back().set(p.name, {fmt::format("{}", p.range->lo), {}});
   }

@@ -17,7 +17,7 @@ enum class Scaled { hasNone, atLimit, changed };
 Scaled scale(StageKind stage, int dimension, Spec& spec, double factor) {
   const Registered& entry = Registry::instance().find(stage, dimension, spec.name);
   for (const ParamInfo& p : entry.params) {
-    if (p.type != "integer" || (p.name != "iterations" && p.name != "substeps")) continue;
+    if (p.role != ParamRole::effort) continue;
     const double now = std::strtod(spec.find(p.name)->name.c_str(), nullptr);
     const double wanted =
         factor > 1 ? std::max(std::round(now * factor), now + 1) : std::min(std::round(now * factor), now - 1);

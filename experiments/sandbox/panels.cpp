@@ -38,15 +38,15 @@ void keysPanel(App<D>&) {
 class Sliders final : public ParamVisitor {
  public:
   explicit Sliders(Marks& marks, std::string panel) : m_marks(marks), m_panel(std::move(panel)) {}
-  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view unit,
-            std::string_view meaning) override {
+  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view unit, std::string_view meaning,
+            ParamRole) override {
     const std::string label(name), told = std::string(meaning) + " (" + std::string(unit) + ")";
     ImGui::SliderScalar(label.c_str(), ImGuiDataType_Double, &value, &lo, &hi, "%.3g",
                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", told.c_str());
     m_marks.last(m_panel + "/" + label);
   }
-  void integer(std::string_view, int&, int, int, std::string_view) override {}
+  void integer(std::string_view, int&, int, int, std::string_view, ParamRole) override {}
   void flag(std::string_view, bool&, std::string_view) override {}
   void stage(std::string_view, Spec&, StageKind, std::string_view) override {}
 

@@ -35,8 +35,9 @@ class ProblemTrial {
         m_iterations(asked.iterations) {
     const Registered& entry = Registry::instance().find(StageKind::velocity, D, m_spec.name);
     m_law = frictionLaw(entry.info, m_spec);
-    for (const ParamInfo& p : entry.params) {
-      if (p.name == "iterations") m_seen.counts = true, m_least = static_cast<int>(p.range.value().lo);
+    // An effort that counts per contact, which is a real number, counts no iterations.
+    if (const ParamInfo* p = firstOf(ParamRole::effort, entry.params); p && p->type == "integer") {
+      m_seen.counts = true, m_effort = p->name, m_least = static_cast<int>(p->range.value().lo);
     }
     if (asked.cold) forget(m_problem);
     if (!asked.friction) m_problem.features.friction = false;
@@ -58,7 +59,7 @@ class ProblemTrial {
     m_seen.rows = m_rows.size();
     findReference();
     for (int n = 0; m_seen.counts && n <= m_iterations; ++n) {
-      m_spec.set("iterations", Spec::parse(std::to_string(std::max(n, m_least))));
+      m_spec.set(m_effort, Spec::parse(std::to_string(std::max(n, m_least))));
       m_seen.answers.push_back(n < m_least ? untouched() : solve());
     }
     if (!m_seen.counts) m_seen.answers.push_back(solve());
@@ -232,6 +233,7 @@ class ProblemTrial {
   Spec m_spec;
   bool m_timed;
   int m_iterations, m_least = 0;
+  std::string m_effort;
   FrictionLaw m_law = FrictionLaw::unstated;
   Profiler m_profiler;
   ContactProblem<D> m_rows;

@@ -5,7 +5,7 @@
 //     int iterations = 10;
 //     bool warmStart = true;
 //     void visit(ParamVisitor& v) {
-//       v.integer("iterations", iterations, 0, 10000, "sweeps over all contacts");
+//       v.integer("iterations", iterations, 0, 10000, "sweeps over all contacts", ParamRole::effort);
 //       v.flag("warm_start", warmStart, "start from the last step's impulses");
 //     }
 //   };
@@ -22,13 +22,22 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
+/// What a number is to its method. Searches at equal cost, curves over iterations and tests of convergence ask for the
+/// role and know no names.
+enum class ParamRole {
+  manner,    // how the method works, and what multiplies an effort, such as sweeps within each sub-step
+  effort,    // how much it does: more is dearer and comes nearer; a real one counts per contact. The first is searched
+  tolerance  // an error at which it stops
+};
+
 class ParamVisitor {
  public:
   virtual ~ParamVisitor() = default;
-  virtual void integer(std::string_view name, int& value, int lo, int hi, std::string_view meaning) = 0;
+  virtual void integer(std::string_view name, int& value, int lo, int hi, std::string_view meaning,
+                       ParamRole role = ParamRole::manner) = 0;
   /// `unit` is SI, "1" when there is none.
   virtual void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view unit,
-                    std::string_view meaning) = 0;
+                    std::string_view meaning, ParamRole role = ParamRole::manner) = 0;
   virtual void flag(std::string_view name, bool& value, std::string_view meaning) = 0;
   /// Another algorithm inside this one, such as a solver's velocity resolver.
   virtual void stage(std::string_view name, Spec& value, StageKind kind, std::string_view meaning) = 0;
@@ -61,6 +70,10 @@ struct ParamInfo {
   std::vector<std::string> choices;  // of a choice, flag or stage
   /// The stage whose algorithms it takes; nullptr for one that takes numbers, choices or flags.
   const StageInfo* stage = nullptr;
+  ParamRole role = ParamRole::manner;
 };
+
+/// The first parameter of a role; nullptr where there is none.
+const ParamInfo* firstOf(ParamRole role, const std::vector<ParamInfo>& params);
 
 }}  // namespace lpc::LPC_PRECISION

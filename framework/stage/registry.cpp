@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/registry.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -22,7 +23,7 @@ class Reader final : public ParamVisitor {
  public:
   Reader(const Spec& spec, const std::string& algorithm) : m_spec(spec), m_algorithm(algorithm) {}
 
-  void integer(std::string_view name, int& value, int lo, int hi, std::string_view) override {
+  void integer(std::string_view name, int& value, int lo, int hi, std::string_view, ParamRole) override {
     if (const Spec* s = field(name)) {
       const auto [end, error] = std::from_chars(s->name.data(), s->name.data() + s->name.size(), value);
       const bool whole = error == std::errc() && end == s->name.data() + s->name.size() && s->fields.empty();
@@ -31,7 +32,8 @@ class Reader final : public ParamVisitor {
       }
     }
   }
-  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view, std::string_view) override {
+  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view, std::string_view,
+            ParamRole) override {
     if (const Spec* s = field(name)) {
       const auto [end, error] = std::from_chars(s->name.data(), s->name.data() + s->name.size(), value);
       const bool whole = error == std::errc() && end == s->name.data() + s->name.size() && s->fields.empty();
@@ -93,12 +95,14 @@ class Describer final : public ParamVisitor {
  public:
   std::vector<ParamInfo> infos;
 
-  void integer(std::string_view name, int& value, int lo, int hi, std::string_view meaning) override {
-    add(name, "integer", "1", meaning, std::to_string(value)).range = {double(lo), double(hi)};
+  void integer(std::string_view name, int& value, int lo, int hi, std::string_view meaning, ParamRole role) override {
+    ParamInfo& info = add(name, "integer", "1", meaning, std::to_string(value));
+    info.range = {double(lo), double(hi)}, info.role = role;
   }
-  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view unit,
-            std::string_view meaning) override {
-    add(name, "real", unit, meaning, numberText(value)).range = {double(lo), double(hi)};
+  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view unit, std::string_view meaning,
+            ParamRole role) override {
+    ParamInfo& info = add(name, "real", unit, meaning, numberText(value));
+    info.range = {double(lo), double(hi)}, info.role = role;
   }
   void flag(std::string_view name, bool& value, std::string_view meaning) override {
     add(name, "flag", "1", meaning, value ? "true" : "false").choices = {"true", "false"};
@@ -118,7 +122,7 @@ class Describer final : public ParamVisitor {
   ParamInfo& add(std::string_view name, std::string type, std::string_view unit, std::string_view meaning,
                  std::string value) {
     infos.push_back(
-        {std::string(name), std::move(type), std::string(unit), std::string(meaning), std::move(value), {}, {}, {}});
+        {std::string(name), std::move(type), std::string(unit), std::string(meaning), std::move(value), {}, {}});
     return infos.back();
   }
 };
@@ -128,10 +132,10 @@ class Canonical final : public ParamVisitor {
   Canonical(std::string name, int dimension) : spec{std::move(name), {}}, m_dimension(dimension) {}
   Spec spec;
 
-  void integer(std::string_view name, int& value, int, int, std::string_view) override {
+  void integer(std::string_view name, int& value, int, int, std::string_view, ParamRole) override {
     spec.set(name, {std::to_string(value), {}});
   }
-  void real(std::string_view name, Real& value, Real, Real, std::string_view, std::string_view) override {
+  void real(std::string_view name, Real& value, Real, Real, std::string_view, std::string_view, ParamRole) override {
     spec.set(name, {numberText(value), {}});
   }
   void flag(std::string_view name, bool& value, std::string_view) override {
@@ -174,6 +178,8 @@ const ParamInfo* Registry::parameter(StageKind stage, const std::string& name, s
     for (const ParamInfo& p : it->second.params) {
       if (p.name == parameter) return &p;
     }
+    if (parameter != "effort") continue;
+    if (const ParamInfo* p = firstOf(ParamRole::effort, it->second.params)) return p;
   }
   return nullptr;
 }
@@ -246,6 +252,22 @@ FrictionLaw frictionLaw(const AlgorithmInfo& info, const Spec& spec) {
     if (value && value->name == other.choice) return other.law;
   }
   return info.friction;
+}
+
+const ParamInfo* firstOf(ParamRole role, const std::vector<ParamInfo>& params) {
+  const auto it = std::find_if(params.begin(), params.end(), [&](const ParamInfo& p) { return p.role == role; });
+  return it == params.end() ? nullptr : &*it;
+}
+
+EffortPlace effortIn(StageKind stage, int dimension, Spec& spec) {
+  const Registered& entry = Registry::instance().find(stage, dimension, spec.name);
+  const ParamInfo* own = firstOf(ParamRole::effort, entry.params);
+  const auto part = std::find_if(entry.params.begin(), entry.params.end(), [](const ParamInfo& p) { return p.stage; });
+  if (own || part == entry.params.end()) return {&spec, &entry, own};
+  if (!spec.find(part->name)) spec.set(part->name, Spec::parse(part->defaultText));
+  const auto given =
+      std::find_if(spec.fields.begin(), spec.fields.end(), [&](const Spec::Field& f) { return f.key == part->name; });
+  return effortIn(part->stage->kind, dimension, given->value);
 }
 
 std::string canonicalText(const Pipeline& pipeline, int dimension) {

@@ -55,7 +55,8 @@ struct AlgorithmInfo {
   std::vector<FailureMode> failures = {};
   FrictionLaw friction = FrictionLaw::unstated;  // of every solver and velocity resolver, by its defaults
   std::vector<FrictionChoice> otherFriction = {};
-  bool matrixAlone = false;  // of a velocity resolver: it solves a GivenProblem, which has no bodies
+  std::string noEffort = {};  // of a solver, velocity or position resolver without a parameter of effort: why
+  bool matrixAlone = false;   // of a velocity resolver: it solves a GivenProblem, which has no bodies
   AlgorithmRole role = AlgorithmRole::competitor;
 };
 
@@ -88,6 +89,7 @@ class Registry {
   /// Throws UserError with the valid names.
   const Registered& find(StageKind stage, int dimension, std::string_view name) const;
   /// Of the algorithm of that name, in either dimension; null where it has no parameter of this name, or is not there.
+  /// "effort" is the first of this role, whatever its name.
   const ParamInfo* parameter(StageKind stage, const std::string& name, std::string_view parameter) const;
   std::vector<const Registered*> list(StageKind stage, int dimension) const;
 
@@ -127,6 +129,16 @@ class StageSet {
  private:
   IndexedArray<std::unique_ptr<Stage>, kStageKinds> m_stages;  // by kind; null where it is no stage of a world
 };
+
+/// Where a method takes its effort: in a parameter of its own, else where the first of its parts does, which solves the
+/// contacts.
+struct EffortPlace {
+  Spec* method;                // within the spec that was asked about
+  const Registered* entry;     // of `method`
+  const ParamInfo* parameter;  // nullptr: it has none
+};
+/// Writes out the part of `spec` that it takes.
+EffortPlace effortIn(StageKind stage, int dimension, Spec& spec);
 
 /// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.
 std::string canonicalText(const Pipeline& pipeline, int dimension);

@@ -3,9 +3,10 @@
 #include <cstdio>
 #include <iomanip>
 #include <limits>
+#include <numbers>
 #include <sstream>
 
-#include "framework/shape/curved_core.h"
+#include "framework/shape/support_map.h"
 #include "oracles/corpus/box_script.h"
 #include "oracles/corpus/hard_pairs.h"
 #include "oracles/referee/posed_core.h"
@@ -73,7 +74,69 @@ std::string poseText(const Pose<D>& X) {
   return "{\"t\": " + listed<D>(X.p) + ", " + rotationText(X.q) + "}";
 }
 
+constexpr int kTurns = 96;  // directions of an outline; a corner has all that lie between its edges
+
+// Right and up of a picture in space: a little from the side and from above.
+const Vec<3> kRight = Vec<3>(Real(0.87), 0, Real(-0.49)).normalized(),
+             kUp = Vec<3>(Real(-0.19), Real(0.92), Real(-0.34)).normalized();
+template <int D>
+Vec<D> across(const Vec<2>& d) {
+  if constexpr (D == 2)
+    return d;
+  else
+    return d[0] * kRight + d[1] * kUp;
+}
+template <int D>
+Vec<2> picture(const Vec<D>& p) {
+  if constexpr (D == 2)
+    return p;
+  else
+    return {kRight.dot(p), kUp.dot(p)};
+}
+
+template <int D>
+Real reachOf(const ShapeView<D>& s) {
+  return s.half.norm() + s.radius;
+}
+
+// A block of the half-space, under the other shape.
+template <int D>
+Pose<D> blockBelow(const Pose<D>& X, const ShapeView<D>& other, const Pose<D>& X_other, Shape<D>& block) {
+  Vec<D> middle = X.inverse() * X_other.p;
+  const Real size = reachOf(other) + std::abs(middle[1]);
+  block = Shape<D>::box(size * Vec<D>::Ones());
+  middle[1] = -size;
+  return {X * middle, X.q};
+}
+
+template <int D>
+std::string outlineText(ShapeView<D> s, Pose<D> X, const ShapeView<D>& other, const Pose<D>& X_other) {
+  Shape<D> block = Shape<D>::sphere(1);
+  if (s.core() == CoreClass::plane) X = blockBelow(X, other, X_other, block), s = block.view();
+  std::vector<std::string> points;
+  for (int i = 0; i < kTurns; ++i) {
+    const double turn = 2 * std::numbers::pi * (i + 0.1) / kTurns;  // along no axis
+    const Vec<D> d = (X.q.inverse() * across<D>({Real(std::cos(turn)), Real(std::sin(turn))})).normalized();
+    const Vec<2> p = picture<D>(X * Vec<D>(coreSupport(s, d) + s.radius * d));
+    if (!p.allFinite()) continue;
+    char text[64];
+    std::snprintf(text, sizeof text, "[%.5g, %.5g]", static_cast<double>(p[0]), static_cast<double>(p[1]));
+    if (points.empty() || points.back() != text) points.emplace_back(text);
+  }
+  if (points.size() > 1 && points.front() == points.back()) points.pop_back();
+  std::string out;
+  for (const std::string& p : points) out += (out.empty() ? "" : ", ") + p;
+  return '[' + out + ']';
+}
+
 }  // namespace
+
+template <int D>
+std::string outlinesText(const HardPair<D>& pair) {
+  const ShapeView<D> a = pair.a.view(), b = pair.b.view();
+  return ", \"outlineA\": " + outlineText<D>(a, {}, b, pair.X_AB) +
+         ", \"outlineB\": " + outlineText<D>(b, pair.X_AB, a, {});
+}
 
 std::string numberText(double x) {
   char text[32];
@@ -129,6 +192,8 @@ std::string scriptText(const BoxScript<D>& script) {
   return out.str() + "]";
 }
 
+template std::string outlinesText(const HardPair<2>&);
+template std::string outlinesText(const HardPair<3>&);
 template std::string scriptText(const BoxScript<2>&);
 template std::string scriptText(const BoxScript<3>&);
 template int coreVertexCount(const ShapeView<2>&);

@@ -45,6 +45,11 @@ HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index);
 template <int D>
 std::string caseText(const std::string& id, StageKind stage, const HardPair<D>& pair, const std::string& more);
 
+/// Of a case of a pair query what a picture of it shows, to be appended: `, "outlineA": [[x, y], ...], "outlineB": ...`
+/// (m). In space they are shadows from one side, and of a half-space the part that is near the other.
+template <int D>
+std::string outlinesText(const HardPair<D>& pair);
+
 /// What must come out, by the referee, to be appended to a line of a file of cases.
 template <int D>
 std::string expectedText(const RefereeAnswer<D>& truth);

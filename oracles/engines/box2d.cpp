@@ -14,8 +14,9 @@ struct Box2dParams {
   int positionIterations = 4;
   bool warmStart = true;
   void visit(ParamVisitor& v) {
-    v.integer("iterations", iterations, 1, 10000, "sweeps over all velocities");
-    v.integer("position_iterations", positionIterations, 0, 10000, "sweeps over all positions, at most");
+    v.integer("iterations", iterations, 1, 10000, "sweeps over all velocities", ParamRole::effort);
+    v.integer("position_iterations", positionIterations, 0, 10000, "sweeps over all positions, at most",
+              ParamRole::effort);
     v.flag("warm_start", warmStart, "start from the last step's impulses");
   }
 };

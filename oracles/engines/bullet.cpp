@@ -35,7 +35,7 @@ struct BulletParams {
   bool warmStart = true;
   bool splitImpulse = true;
   void visit(ParamVisitor& v) {
-    v.integer("iterations", iterations, 1, 10000, "sweeps over all rows");
+    v.integer("iterations", iterations, 1, 10000, "sweeps over all rows", ParamRole::effort);
     v.real("slop", slop, 0, 1, "m", "depth that contacts keep; the library's own is 0");
     v.flag("warm_start", warmStart, "start from 0.85 of the last step's impulses");
     v.flag("split_impulse", splitImpulse, "depths over 4 cm are corrected by impulses that leave no velocity");

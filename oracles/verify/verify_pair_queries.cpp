@@ -186,7 +186,8 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
         const auto text = [&] {
           const int index = range.first + begin + i;
           return caseText<D>(inputName(subject, range.seed, index), StageKind::pairQuery, k.pair,
-                             findingText(subject, verdict, range.seed, index) + expectedText(k.truth.answer));
+                             findingText(subject, verdict, range.seed, index) + expectedText(k.truth.answer) +
+                                 outlinesText<D>(k.pair));
         };
         Labels labels = k.labels;
         if (verdict.wider) labels.emplace_back(kWiderScale, "frames");

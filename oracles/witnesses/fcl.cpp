@@ -69,9 +69,7 @@ struct FclPlaced {
         lieAlongX();
         rounding = shape.radius;
         break;
-      case ShapeKind::plane:  // none of them is in the table of kinds
-      case ShapeKind::triangle:
-      case ShapeKind::custom:
+      default:  // of no other kind is a pair in errorBars(): it is unsupported, and not asked
         break;
     }
   }
@@ -130,7 +128,7 @@ class FclWitness : public IsolatedWitness<3> {
     Real tolerance = Real(1e-6);
     void visit(ParamVisitor& v) {
       v.real("tolerance", tolerance, Real(1e-14), 1, "1",
-             "of FCL's GJK and EPA; at 1e-10 its distance aborts on spheres");
+             "of FCL's GJK and EPA; at 1e-10 its distance aborts on spheres", ParamRole::tolerance);
       PairFrameParams::visit(v);
     }
   };

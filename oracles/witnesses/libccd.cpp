@@ -141,7 +141,8 @@ class LibccdGjk final : public LibccdWitness {
   struct Params : PairFrameParams {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "EPA stops below; libccd's own default is 1e-4");
+      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "EPA stops below; libccd's own default is 1e-4",
+             ParamRole::tolerance);
       PairFrameParams::visit(v);
     }
   };
@@ -183,7 +184,8 @@ class LibccdMpr final : public LibccdWitness {
   struct Params : PairFrameParams {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "the portal stops below; libccd's own default is 1e-4");
+      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "the portal stops below; libccd's own default is 1e-4",
+             ParamRole::tolerance);
       PairFrameParams::visit(v);
     }
   };

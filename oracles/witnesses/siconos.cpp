@@ -118,7 +118,7 @@ class Siconos final : public WitnessResolver<D> {
     Real tolerance = Real(1e-12);
     int sweeps = 20000;
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, 0, 1, "1", "its own measure of error at which it ends");
+      v.real("tolerance", tolerance, 0, 1, "1", "its own measure of error at which it ends", ParamRole::tolerance);
       v.integer("sweeps", sweeps, 1, 10000000, "at most");
     }
   };
@@ -131,6 +131,7 @@ class Siconos final : public WitnessResolver<D> {
             .complexity = "sweeps x contacts^2",
             .guarantee = Guarantee::approximate,
             .friction = FrictionLaw::coulomb,
+            .noEffort = "goes on to its tolerance; sweeps are a limit",
             .matrixAlone = true,
             .role = AlgorithmRole::witness};
   }

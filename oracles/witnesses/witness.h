@@ -30,8 +30,9 @@ struct ErrorBar {
 template <int D>
 class Witness : public PairQuery<D> {
  public:
-  /// The pairs of kinds that the library really answers. No other is asked: some pass over what they lack in silence
-  /// (FCL prints a warning and calls the shapes apart).
+  /// The pairs of kinds that the library really answers. All others are unsupported, those of a kind that is new among
+  /// them, and none is asked: some libraries pass over what they lack in silence (FCL prints a warning and calls the
+  /// shapes apart). So an adapter names the kinds that stand here and no others.
   virtual std::span<const ErrorBar> errorBars() const { return {}; }
   /// Infinite where the witness has no value.
   double errorBar(ShapeKind a, ShapeKind b) const {

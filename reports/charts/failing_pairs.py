@@ -7,7 +7,7 @@ import math
 import pandas as pd
 
 from chart import Chart, listing, plural
-from silhouette import outline
+from silhouette import of_case
 from style import grid_of_axes, si
 from table import quantity
 
@@ -83,13 +83,14 @@ def _chart(context, pairs, dimension, precision):
     columns = math.ceil(len(pairs) / math.ceil(len(pairs) / COLUMNS))
     rows = 2 * math.ceil(len(pairs) / columns)
     figure, axes = grid_of_axes(rows, columns, 1.25, left=0.65, gap_x=0.15, gap_y=1.05, top=0.4, bottom=0.85)
-    lines = []
+    lines, missing = [], []
     for ax in axes.flat:
         ax.set_visible(False)
     for index, (method, kept) in enumerate(pairs.items()):
         for below, what in enumerate(("simplest", "worst")):
             ax, case = axes[2 * (index // columns) + below][index % columns], kept[what][1]
-            _draw(ax, case, dimension)
+            missing += [f"{method}, {what}: no outline of {kind} is in the store, which an older program wrote"
+                        for kind in _draw(ax, case)]
             if below == 0:
                 ax.set_title(context.name(method).replace("{", "\n{").replace(" (witness)", ""), fontsize=8)
             if index % columns == 0:
@@ -97,7 +98,8 @@ def _chart(context, pairs, dimension, precision):
             found = case["found"]
             lines.append({"method": method, "which": what, "shapes": kinds(case), "family": case.get("note", ""),
                           "failure": found["failure"], "answer": found["value"], "truth": case["expected"]["signed_distance"],
-                          "error": found.get("error"), "case": case["id"], "input": json.dumps(case)})
+                          "error": found.get("error"), "case": case["id"],
+                          "input": json.dumps({key: v for key, v in case.items() if not key.startswith("outline")})})
     numbers = pd.DataFrame(lines)
     numbers = pd.DataFrame({**{c: numbers[c] for c in ("method", "which", "shapes", "family", "failure")},
                             **quantity("answer", "m", numbers["answer"]), **quantity("truth", "m", numbers["truth"]),
@@ -105,7 +107,7 @@ def _chart(context, pairs, dimension, precision):
                             "input": numbers["input"]})
     return Chart(f"failing_pairs_{dimension}d_{precision}", SECTION,
                  f"The simplest and the worst failing pair of each method, {dimension}D, {precision}",
-                 finding(pairs, dimension, precision), "", figure, numbers, [],
+                 finding(pairs, dimension, precision), "", figure, numbers, missing,
                  "Above the pair with the fewest vertices on which the method fails, below the one with the largest error; "
                  "beneath, the family, and what is wrong. A wrong distance is told for the true one, with the error over the "
                  "size, of the distance or, where that is more, along the normal; a wrong normal belongs to a right distance, "
@@ -115,10 +117,15 @@ def _chart(context, pairs, dimension, precision):
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
-def _draw(ax, case, dimension):
+def _draw(ax, case):
+    """Draws both shapes; returns the kinds of those that have no outline."""
     ax.set_visible(True)
+    without = []
     for side, colour in zip("AB", SHADES):
-        points = outline(case[f"shape{side}"], case[f"pose{side}"], dimension)
+        points = of_case(case, side)
+        if points is None:
+            without.append(case[f"shape{side}"]["type"])
+            continue
         ax.fill(points[:, 0], points[:, 1], facecolor=colour, alpha=0.25, lw=0)
         ax.plot(points[:, 0], points[:, 1], color=colour, lw=1.2)
     ax.set_aspect("equal", adjustable="datalim")
@@ -128,3 +135,4 @@ def _draw(ax, case, dimension):
     ax.set_xlabel("\n".join(told(case)), fontsize=7)
     for spine in ax.spines.values():
         spine.set_visible(False)
+    return without

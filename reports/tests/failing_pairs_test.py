@@ -25,6 +25,10 @@ from charts import failing_pairs  # noqa: E402
 STILL = {2: {"t": [0, 0], "cos_sin": [1, 0]}, 3: {"t": [0, 0, 0], "q_wxyz": [1, 0, 0, 0]}}
 
 
+class Names:  # the context of a chart that asks it for names alone
+    name = staticmethod(str)
+
+
 def case(method, failure, error, radius):
     """Two circles; the answer is off by this part of the size."""
     return {"id": f"{method}-{radius}", "dim": 2, "note": "ties",
@@ -74,6 +78,21 @@ class Gallery(undrawn.Undrawn):
                       "(ties), a wrong side, off by 0.2", failing_pairs.finding(wrong, 2, "f64"))
         del wrong["wrong_side"]
         self.assertIn("off by 0.1 of the size along its normal alone", failing_pairs.finding(wrong, 2, "f64"))
+
+    def test_an_outline_that_is_given_is_drawn_and_one_that_is_missing_is_told(self):
+        known = case("m", "wrong_distance", 0.1, 1.0)
+        given = {**known, "shapeA": {"type": "half_space"},
+                 "outlineA": [[0, 0], [1, 0], [1, 1]], "outlineB": [[0, 0], [2, 0], [0, 2]]}
+        self.assertEqual(silhouette.of_case(given, "A").tolist(), [[0, 0], [1, 0], [1, 1], [0, 0]])
+        self.assertEqual(silhouette.of_case(given, "B")[1].tolist(), [2, 0], "not the circle of its radius")
+        self.assertEqual(len(silhouette.of_case(known, "B")), 181, "of an older store")
+        for kind in ("half_space", "custom"):
+            older = {**known, "shapeA": {"type": kind}}
+            self.assertIsNone(silhouette.of_case(older, "A"))
+            made = failing_pairs._chart(Names, {"m": {"simplest": (0, older), "worst": (0, given)}}, 2, "f64")
+            self.assertEqual(made.holes, [f"m, simplest: no outline of {kind} is in the store, which an older program wrote"])
+            self.assertNotIn("outline", made.table["input"].iloc[1])
+            style.plt.close(made.figure)
 
     @undrawn.drawn
     def test_the_simplest_and_the_worst_pair_stand_beside_each_other(self):

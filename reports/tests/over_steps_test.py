@@ -16,7 +16,8 @@ import overlap  # noqa: E402
 import style  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import broadphase, energy, ensembles, residual, steadiness, step_times  # noqa: E402
+from charts import (broadphase, budgets, cost_against_error, energy, ensembles, momenta, over_time, residual,  # noqa: E402
+                    steadiness, step_times)
 
 
 def letters_one_by_one(ax, spots, **kwargs):
@@ -93,6 +94,23 @@ class OverSteps(with_store.WithStore):
             self.assertEqual(set(found.table["method"]), {"catto", "direct_lcp", "naive"}, module.__name__)
             self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", found.finding)
         self.assertIn("calmest with direct_lcp", self.made(steadiness, fill)[0].finding)
+
+    def test_a_store_that_tells_settings_is_not_guessed_at(self):
+        """naive has one value of the setting that it has; direct_lcp has none, and no axis says so in its place."""
+        def fill(maker, told=True):
+            maker.sweep("mine", "world", resolver="label", iterations="setting", **({"settings_told": True} if told else {}))
+            for label, settings in (("catto", (4, 10, 30)), ("naive", (10,)), ("direct_lcp", (None,) if told else (4,))):
+                for iterations in settings:
+                    axes = {"scene": "stack", "dimension": 2, "resolver": label}
+                    axes |= {} if iterations is None else {"iterations": iterations}
+                    maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2, "direct_lcp": 0.05}[label])
+        for module in (steadiness, energy, step_times):
+            self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", self.made(module, fill)[0].finding)
+            older = self.made(module, lambda maker: fill(maker, False))[0]
+            self.assertIn("(direct_lcp and naive have none)", older.finding, "the planted guess was not seen")
+        for module in (residual, budgets, cost_against_error, over_time, momenta):
+            for chart in self.made(module, fill):
+                self.assertNotIn("nan", f"{chart.finding} {chart.note}", module.__name__)
 
 
 if __name__ == "__main__":

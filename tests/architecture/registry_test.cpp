@@ -11,6 +11,8 @@
 #include <set>
 #include <sstream>
 
+#include "tests/expect_caught.h"
+
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 std::string read(const std::string& path) {
@@ -108,6 +110,55 @@ TEST(RegistryRules, EveryAlgorithmDescribesItself) {
     const std::string folder = "algorithms/" + std::string(stageName(r.stage)) + "/" + r.info.name + ".cpp";
     EXPECT_TRUE(r.file.ends_with(folder)) << r.file << " should be " << folder;
   }
+}
+
+/// What solves contacts has a parameter of effort, or takes it in its parts, or says why there is none.
+bool saysItsEffort(const Registered& r) {
+  if (r.stage != StageKind::solver && r.stage != StageKind::velocity && r.stage != StageKind::position) return true;
+  const bool ofParts = std::any_of(r.params.begin(), r.params.end(), [](const ParamInfo& p) { return p.stage; });
+  return (firstOf(ParamRole::effort, r.params) || ofParts) == r.info.noEffort.empty();
+}
+
+TEST(RegistryRules, EveryMethodSaysItsEffort) {
+  int with = 0, without = 0;
+  for (const auto& [key, r] : Registry::instance().all()) {
+    EXPECT_TRUE(saysItsEffort(r)) << stageName(r.stage) << ' ' << r.info.name;
+    (r.info.noEffort.empty() ? with : without) += r.stage == StageKind::velocity;
+  }
+  EXPECT_GT(with, 2 * without);
+  EXPECT_GT(without, 0);
+  // Planted: a method that iterates and does not say so, and one that says that it does not.
+  for (Registered r : {Registry::instance().find(StageKind::velocity, 2, "catto"),
+                       Registry::instance().find(StageKind::solver, 3, "xpbd")}) {
+    for (ParamInfo& p : r.params) p.role = ParamRole::manner;
+    test::expectCaught("registry: " + r.info.name + " says nothing of its effort", saysItsEffort(r));
+    r.info.noEffort = "solves directly";
+    EXPECT_TRUE(saysItsEffort(r));
+  }
+  Registered both = Registry::instance().find(StageKind::velocity, 2, "catto");
+  both.info.noEffort = "solves directly";
+  test::expectCaught("registry: effort beside a reason for none", saysItsEffort(both));
+}
+
+TEST(RegistryRules, RolesAreOfNumbersThatCanBeSet) {
+  for (const auto& [key, r] : Registry::instance().all()) {
+    for (const ParamInfo& p : r.params) {
+      EXPECT_NE(p.name, "effort") << r.info.name << ": what stars of sweeps call the first of this role";
+      if (p.role != ParamRole::manner) EXPECT_TRUE(p.range) << r.info.name << ' ' << p.name;
+    }
+    Spec spec{r.info.name, {}};
+    const EffortPlace place = effortIn(r.stage, r.dimension, spec);
+    ASSERT_TRUE(place.method);
+    if (place.parameter) place.method->set(place.parameter->name, Spec{"7", {}});
+    EXPECT_NO_THROW(r.create(spec)) << spec.text();
+  }
+  Spec solver = Spec::parse("split_solver{position=linear}");
+  const EffortPlace place = effortIn(StageKind::solver, 2, solver);
+  ASSERT_TRUE(place.parameter);
+  place.method->set(place.parameter->name, Spec{"7", {}});
+  EXPECT_EQ(solver.text(), "split_solver{position=linear,velocity=catto{iterations=7}}");
+  solver = Spec::parse("split_solver{velocity=direct_lcp,position=linear}");
+  EXPECT_FALSE(effortIn(StageKind::solver, 2, solver).parameter) << "iterations of its position resolver are not its";
 }
 
 // A spec's law is that of what it chooses, each choice called `friction` is another one, and no law is without a

@@ -50,10 +50,9 @@ struct Subject {
 };
 
 int atMost(const Registered& entry) {
-  const auto param = [&](const char* name) {
-    return std::find_if(entry.params.begin(), entry.params.end(), [&](const ParamInfo& p) { return p.name == name; });
-  };
-  return param("tolerance") == entry.params.end() ? 0 : std::stoi(param("iterations")->defaultText);
+  const ParamInfo* const effort = firstOf(ParamRole::effort, entry.params);
+  if (!effort || effort->type != "integer" || !firstOf(ParamRole::tolerance, entry.params)) return 0;
+  return std::stoi(effort->defaultText);
 }
 
 /// Do sweeps come to the end here long before they stop? Contacts that are nearly one, or nearly contradict each other,
@@ -318,19 +317,7 @@ TEST(Convergence, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 // In f64 only: what moves positions has velocities by division by a part of this step.
 constexpr Real kShort = Real(1e-5);
 // Sweeps that start from what springs have left, or from a problem that turning has changed, take more than kMany.
-constexpr int kSubsteps = 400, kSweeps = 4000;
-
-/// A solver with so many sub-steps, or with so many iterations and, if it relaxes after them, as many sweeps that do.
-Spec withEffort(const Registered& entry, int n) {
-  Spec spec{entry.info.name, {}};
-  for (const ParamInfo& p : entry.params) {
-    if (p.name == "substeps" || p.name == "iterations") spec.set(p.name, {std::to_string(n), {}});
-  }
-  for (const ParamInfo& p : entry.params) {
-    if (p.name == "relax" && !spec.find("substeps")) spec.set(p.name, {std::to_string(n), {}});
-  }
-  return spec;
-}
+constexpr int kSweeps = 4000;
 
 template <int D>
 Comes<D> byStepping(std::function<std::unique_ptr<Solver<D>>(int)> made) {
@@ -364,9 +351,8 @@ void testSolvers() {
     const bool ofParts =
         std::any_of(entry->params.begin(), entry->params.end(), [](const ParamInfo& p) { return p.stage != nullptr; });
     if (!competes(*entry) || ofParts) continue;  // what is put together has its resolver tested alone
-    const Subject<D> on =
-        ofSteps<D>(byStepping<D>([entry](int n) { return createStage<Solver<D>>(withEffort(*entry, n)); }),
-                   withEffort(*entry, 1).find("substeps") ? kSubsteps : kSweeps);
+    const Subject<D> on = ofSteps<D>(
+        byStepping<D>([entry](int n) { return createStage<Solver<D>>(withIterations(*entry, n, n)); }), kSweeps);
     for (const Named<D>& p : stepProperties<D>()) {
       const std::string name = std::string(p.name) + " " + entry->info.name + " " + std::to_string(D) + "D";
       SCOPED_TRACE(name);

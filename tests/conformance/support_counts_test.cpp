@@ -100,8 +100,8 @@ void allAreCounted() {
     if (r->info.role != AlgorithmRole::competitor) continue;
     std::vector<std::string> specs{r->info.name};
     for (const ParamInfo& p : r->params) {
-      if (p.name == "tolerance")
-        specs.push_back(r->info.name + "{tolerance=1e-6}"), specs.push_back(r->info.name + "{tolerance=0.1}");
+      if (p.role != ParamRole::tolerance) continue;
+      for (const char* value : {"1e-6", "0.1"}) specs.push_back(r->info.name + '{' + p.name + '=' + value + '}');
     }
     for (const std::string& spec : specs) {
       const auto method = createStage<PairQuery<D>>(Spec::parse(spec));

@@ -337,7 +337,10 @@ TEST(Breaking, MistakesAreOneLine) {
   refused(w, good + pipeline + "--seeds 0", {"--seeds", "1 to 1000"});
   refused(w, good + pipeline + "--ratio 1", {"--ratio", "1.001 to 2"});
   refused(w, good + pipeline + "--grid 3", {"--grid", "1.001 to 2"});
-  refused(w, good + pipeline + "--equal-cost 100", {"no $iterations"});
+  refused(w, good + "--pipeline solver=split_solver{velocity=direct_lcp} --equal-cost 100",
+          {"direct_lcp has no effort, it comes to its end at once", "$iterations"});
+  refused(w, good + "--pipeline solver=soft_step{substeps=4} --equal-cost 100", {"substeps=4", "without it"});
+  refused(w, good + "--pipeline engine=bullet{iterations=4} --dimension 3 --equal-cost 100", {"iterations=4"});
   refused(w, good + "--pipeline solver=split_solverr", {"split_solverr"});
 }
 
@@ -405,6 +408,25 @@ TEST(Breaking, AtEqualCostEveryRungHasItsOwnSetting) {
   for (const int n : {2, 4, 8}) EXPECT_LE(at(n, "max(" + cost + ")"), 1000) << n;
   EXPECT_GT(at(2, iterations), at(4, iterations));
   EXPECT_GT(at(4, iterations), at(8, iterations));
+}
+
+// What a solver calls its sub-steps need not be known.
+TEST(Breaking, AtEqualCostTheEffortOfEachMethodIsSearched) {
+  Workspace w;
+  const Outcome out = w.lpc(
+      "break bridge --parameter n --from 2 --to 4 --steps 20 --seeds 1 --perturb 0 --equal-cost 2000 --quiet --store "
+      "e.db --pipeline solver=soft_step --pipeline 'solver=split_solver{velocity=millington}' "
+      "--pipeline 'solver=soft_step{substeps=$iterations}'");
+  ASSERT_EQ(out.code, 0) << out.text;
+  const auto count = [&](const std::string& where) {
+    return std::stoi(
+        ask(w.path("e.db"), "SELECT count(*) FROM planned p JOIN trial t ON p.key = t.key WHERE " + where));
+  };
+  const std::string pipeline = "json_extract(t.canonical, '$.pipeline') LIKE '%",
+                    set = "' || json_extract(p.axes, '$.iterations') || '";
+  EXPECT_GT(count(pipeline + "soft_step{substeps=" + set + ",%'"), 0);
+  EXPECT_GT(count(pipeline + "millington{iteration_factor=" + set + ",%'"), 0);
+  EXPECT_GT(count("json_extract(p.axes, '$.iterations') > 1"), 1);
 }
 
 // The trials that find the iterations of each value are planned, too.

@@ -164,7 +164,7 @@ steps = 10
                                    method + "\"%'");
   };
   EXPECT_EQ(of("catto", "outcome"), "ok");
-  EXPECT_EQ(json::parse(of("fixed", "axes")).at("iterations"), 1) << "it has one setting";
+  EXPECT_FALSE(json::parse(of("fixed", "axes")).contains("iterations")) << "it has one setting, and says so";
   EXPECT_EQ(of("bullet", "outcome"), "unsupported");
   EXPECT_FALSE(of("bullet", "reason").empty());
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM planned"), "3");

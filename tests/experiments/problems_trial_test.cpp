@@ -38,10 +38,10 @@ class NotANumber final : public VelocityResolver<D> {
   enum class Where { nowhere, impulse, velocity, turn };
   struct Params {
     Where where = Where::nowhere;
-    int iterations = 1;
+    int rounds = 1;
     void visit(ParamVisitor& v) {
       v.choice("where", where, {"nowhere", "impulse", "velocity", "turn"}, "what is spoiled");
-      v.integer("iterations", iterations, 0, 100, "sweeps");
+      v.integer("rounds", rounds, 0, 100, "sweeps", ParamRole::effort);
     }
   };
   explicit NotANumber(const Params& params) : m_params(params) {}
@@ -55,9 +55,9 @@ class NotANumber final : public VelocityResolver<D> {
   }
   void solve(const VelocityInput<D>& in) override {
     Spec right{"catto", {}};
-    right.set("iterations", {std::to_string(m_params.iterations), {}});
+    right.set("iterations", {std::to_string(m_params.rounds), {}});
     createStage<VelocityResolver<D>>(right)->solve(in);
-    if (m_params.iterations != 2) return;
+    if (m_params.rounds != 2) return;
     const Real nan = std::numeric_limits<Real>::quiet_NaN();
     if (m_params.where == Where::impulse) in.manifolds.back().points[0].impulse[0] = nan;
     if (m_params.where == Where::velocity) in.bodies.motion.back().v[0] = nan;

@@ -234,6 +234,52 @@ iterations = [4, 10]
 axes = { scene = "pyramid", resolver = { "millington" = "solver=split_solver{velocity=millington{iteration_factor=$iterations}}" } }
 )";
 
+// Whatever the name is. Methods without effort are as they are, at no value of the setting.
+TEST(SweepStar, GivesEffortByItsRole) {
+  const auto axis = axisOf("r", R"({ "$velocity" = "solver=split_solver{velocity=*{effort=$n}}" })");
+  EXPECT_EQ(axis.at("catto"), "solver=split_solver{velocity=catto{iterations=$n}}");
+  EXPECT_EQ(axis.at("millington"), "solver=split_solver{velocity=millington{iteration_factor=$n}}");
+  EXPECT_EQ(axis.at("direct_lcp"), "solver=split_solver{velocity=direct_lcp}");
+  const auto solvers = axisOf("r", R"({ "$solver" = "solver=*-split_solver{effort=$n}" })");
+  EXPECT_EQ(solvers.at("avbd"), "solver=avbd{iterations=$n}");
+  EXPECT_EQ(solvers.at("tgs"), "solver=tgs{substeps=$n}");
+  Workspace w;
+  const std::string path = w.write("s.toml", R"(
+summary = "s"
+kind = "world"
+[axes]
+scene = "box_drop"
+iterations = [2, 4]
+[axes.resolver]
+"$velocity" = "solver=split_solver{velocity=*{effort=$iterations}}"
+)");
+  std::map<std::string, Names> at;
+  for (const PlannedTrial& t : planSweeps(path, {})[0].trials) {
+    at[t.axes["resolver"]].insert(t.axes.contains("iterations") ? t.axes["iterations"].dump() : "none");
+  }
+  EXPECT_EQ(at["direct_lcp"], Names{"none"});
+  // Of a pipeline for all a method has the stages that it does not replace.
+  const std::string base = w.write("b.toml", R"(
+summary = "s"
+kind = "world"
+pipeline = "cache=none solver=split_solver{velocity=catto{iterations=$iterations}}"
+[axes]
+scene = "box_drop"
+iterations = [2, 4]
+[axes.resolver]
+"fixed" = "solver=xpbd"
+"both" = "broadphase=naive"
+"box2d" = "engine=box2d"
+)");
+  std::map<std::string, Names> with;
+  for (const PlannedTrial& t : planSweeps(base, {})[0].trials) {
+    with[t.axes["resolver"]].insert(t.axes.contains("iterations") ? t.axes["iterations"].dump() : "none");
+  }
+  EXPECT_EQ(with, (std::map<std::string, Names>{{"fixed", {"none"}}, {"both", {"2", "4"}}, {"box2d", {"none"}}}));
+  EXPECT_EQ(at["catto"], (Names{"2", "4"}));
+  EXPECT_EQ(at["millington"], (Names{"2", "4"}));
+}
+
 TEST(SweepWith, AMethodOfTheCommandLineJoinsTheLabelledAxis) {
   Workspace w;
   const std::string path = w.write("s.toml", kTwoResolvers);

@@ -191,7 +191,7 @@ steps = 5
 set(worlds ${sweep})
 
 # few: promises that compile a file or none; witnesses: with the oracles, which this tree is spared otherwise;
-# everything: what everything includes. The last two with -DALL=ON only.
+# everything: what everything includes, the oracles too. The last two with -DALL=ON only.
 # Then without precompiled headers: each file includes what it uses.
 set(rounds few)
 set(precompiled_off OFF)
@@ -202,7 +202,7 @@ endif()
 foreach(current IN LISTS rounds)
   set(oracles OFF)
   set(methods "\"gjk_epa\", \"closed_form\"")
-  if(current STREQUAL witnesses)
+  if(NOT current STREQUAL few)
     set(oracles ON)
     set(methods "\"gjk_epa\", \"libccd_gjk\"")
   endif()

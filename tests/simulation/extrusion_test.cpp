@@ -135,8 +135,8 @@ double mostApart(const Spec& solver, const Scene& scene, bool spoil = false) {
 Spec often(StageKind stage, Spec spec) {
   const Registered& method = Registry::instance().find(stage, 3, spec.name);
   for (const ParamInfo& p : method.params) {
-    if (p.name == "iterations" || p.name == "iteration_factor") spec.set(p.name, {std::to_string(kSweeps), {}});
-    if (p.name == "epsilon") spec.set(p.name, {"0", {}});
+    if (p.role == ParamRole::effort) spec.set(p.name, {std::to_string(kSweeps), {}});
+    if (p.role == ParamRole::tolerance) spec.set(p.name, {"0", {}});
     if (!p.stage || (p.stage->kind != StageKind::velocity && p.stage->kind != StageKind::position)) continue;
     const Spec* given = spec.find(p.name);
     spec.set(p.name, often(p.stage->kind, given ? *given : Spec::parse(p.defaultText)));

@@ -50,11 +50,12 @@ struct GjkEpaParams {
     }
     v.real("tolerance", tolerance, 0, Real(0.1), "1",
            "gap of the distance or depth that is left, as a part of the measure; eight roundings of the largest "
-           "coordinate at least");
+           "coordinate at least",
+           ParamRole::tolerance);
     v.real("depth_tolerance", depthTolerance, 0, Real(0.1), "1",
-           "gap of the depth that EPA leaves, as a part of the measure; the tolerance at least");
-    v.integer("iterations", iterations, 1, 10000, "support points of GJK");
-    v.integer("expansions", expansions, 0, 100000, "support points of EPA that become corners");
+           "gap of the depth that EPA leaves, as a part of the measure; the tolerance at least", ParamRole::tolerance);
+    v.integer("iterations", iterations, 1, 10000, "support points of GJK", ParamRole::effort);
+    v.integer("expansions", expansions, 0, 100000, "support points of EPA that become corners", ParamRole::effort);
     v.integer("faces", faces, 8, 100000, "faces that EPA may make");
   }
 };

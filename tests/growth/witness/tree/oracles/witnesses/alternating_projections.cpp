@@ -15,7 +15,9 @@ class AlternatingProjections final : public IsolatedWitness<3> {
  public:
   struct Params {
     int rounds = 20;
-    void visit(ParamVisitor& v) { v.integer("rounds", rounds, 1, 10000, "projections onto each segment"); }
+    void visit(ParamVisitor& v) {
+      v.integer("rounds", rounds, 1, 10000, "projections onto each segment", ParamRole::effort);
+    }
   };
   explicit AlternatingProjections(const Params& params) : m_params(params) {}
 
