@@ -43,12 +43,12 @@ def parse(arguments):
 
 def all_charts(context, only=()):
     """Every chart of the report in reading order. A theme that the store lacks gives a chart that says so."""
-    from chart import made, modules
+    from chart import kinds, made
     from load import UserError
     from style import plt
     kept, everyone = [], []
-    for module in modules():
-        for chart in made(module, context):
+    for kind in kinds():
+        for chart in made(kind, context):
             if chart.id in context.ids:
                 raise UserError(f"two charts have the id {chart.id}")
             context.ids.append(chart.id)

@@ -16,18 +16,13 @@ from matplotlib.lines import Line2D
 import metrics
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
 from charts.budgets import marks, within
 from load import split, varying
 from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si, times
 from table import quantity
 
-PLACE = 23
 SECTION = "How far does each method go from a converged reference?"
-NEEDS = Needs("world", methods=(2, math.inf),
-              also="a baseline with its own runs, at half its step, started beside itself and by an unlike solver")
-ABSENT = Chart("against_reference", SECTION, "Against the reference", "No sweep with a converged reference is in this store.",
-               "reference")
 APART = 5e-4  # m: a tenth of the slop that most methods leave
 NAMED = 4  # so many of those that are farthest are named in a sentence
 EVEN = 1e-6  # s: moments that are nearer are one
@@ -36,7 +31,11 @@ WORK = "work_multiply_adds"
 COST, FAR, MIDDLE = "cost", "largest distance", "median distance"  # columns of cells
 
 
-def of_sweep(context, cells):
+@of_sweeps("against_reference", 23, SECTION,
+           Needs("world", methods=(2, math.inf),
+                 also="a baseline with its own runs, at half its step, started beside itself and by an unlike solver"),
+           "Against the reference", "No sweep with a converged reference is in this store.", "reference")
+def against_reference(context, cells):
     cells = cells.assign(own_dt=[_dt(context, key) for key in cells["key"]])
     name, groups, made = context.baseline(cells), [c for c in ("scene", "dimension") if c in cells], []
     for part in split(cells, groups):

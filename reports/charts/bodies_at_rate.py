@@ -9,22 +9,22 @@ from matplotlib.patches import Patch
 
 import metrics
 import ranking
-from chart import Chart, Headline, Needs, dimension_of, holes, listing
+from chart import Chart, Headline, Needs, dimension_of, holes, listing, of_sweeps
 from load import one_machine
 from style import figures, grid_of_axes, legend_right
 from table import quantity
 
-PLACE = 39
 SECTION = "How many bodies keep sixty steps a second?"
 SLOW, MEDIAN = "ms_per_step_p99", "ms_per_step_median"
 LIMIT = 1000 / 60  # ms
-NEEDS = Needs("world", methods=(1, math.inf), metrics=(MEDIAN,), also="`report` that names it")
-ABSENT = Chart("bodies_at_rate", SECTION, "Bodies at sixty steps a second",
-               "No timed sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_bodies")
 WITHIN, TOP, BELOW, UNKNOWN = "within the ladder", "the ladder ended", "below the ladder", "unknown"
 
 
-def of_sweep(context, cells):
+@of_sweeps("bodies_at_rate", 39, SECTION,
+           Needs("world", methods=(1, math.inf), metrics=(MEDIAN,), also="`report` that names it"),
+           "Bodies at sixty steps a second",
+           "No timed sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_bodies")
+def bodies_at_rate(context, cells):
     if "bodies_at_rate" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
     cells, refused = one_machine(context.store, cells)

@@ -15,16 +15,12 @@ from matplotlib.patches import Patch, Rectangle
 import noise
 import ranking
 import rest
-from chart import Chart, Headline, Needs, identifier, listing, methods, plural
+from chart import Chart, Headline, Needs, identifier, listing, methods, of_sweeps, plural
 from load import split
 from style import WIDTH, figures, plt, si
 from table import quantity
 
-PLACE = 39
 SECTION = "When does each method fall?"
-NEEDS = Needs("world", also="questions of breaking points", calibrated=None)
-ABSENT = Chart("breaking_map", SECTION, "Breaking points, searched", "No search for breaking points is in this store.",
-               "breaking_map")
 MOST_COLUMNS = 6
 COLOURS = ["#8FC1E3", "#BBD9EE", "#DDEBF5", "#F3EFE6", "#F6D9B8", "#EDB48A"]  # by how many halves of the best: 0, 1/2, 1, ...
 STEPS = (0.05, 0.5, 1, 2, 4)
@@ -62,7 +58,10 @@ class Found:
     excuse: str = ""  # why it has no rank
 
 
-def of_sweep(context, cells):
+@of_sweeps("breaking_map", 39, SECTION,
+           Needs("world", also="questions of breaking points", calibrated=None),
+           "Breaking points, searched", "No search for breaking points is in this store.", "breaking_map")
+def breaking_map(context, cells):
     questions = context.store.sweep(cells["sweep"].iloc[0]).questions
     if "question" not in cells or not questions:
         return []

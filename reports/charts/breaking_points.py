@@ -8,20 +8,19 @@ import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
 import ranking
-from chart import Chart, Headline, Needs, holes, listing, methods
+from chart import Chart, Headline, Needs, holes, listing, methods, of_sweeps
 from load import split
 from style import OUTCOMES, WIDTH, plt, si
 
-PLACE = 40
 SECTION = "When does each method fall?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), calibrated=None)
-ABSENT = Chart("breaking_points", SECTION, "Breaking points", "No sweep that raises a parameter is in this store.",
-               "breaking_points_stack")
 BRIGHT = ("ok", "not run", "sank", "frozen", "collapsed", "wrong", "unsupported")  # outcomes whose letters are dark
 FEWEST = 3  # values of a parameter that is raised
 
 
-def of_sweep(context, cells):
+@of_sweeps("breaking_points", 40, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), calibrated=None),
+           "Breaking points", "No sweep that raises a parameter is in this store.", "breaking_points_stack")
+def breaking_points(context, cells):
     parts = split(cells, ["dimension"] if "dimension" in cells else [], sort=True)
     made = [(part, ladders(context, part)) for part in parts]
     return [_chart(context, part, found, int(part["dimension"].iloc[0]) if "dimension" in part else 2)

@@ -9,24 +9,23 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps
 from load import one_machine, split, varying
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log,
                    same, times)
 from table import quantity
 
-PLACE = 10
 SECTION = "Which broadphase for how many bodies?"
 TIME, TESTS = "ns_per_frame_median", "box_tests_mean"
-NEEDS = Needs("boxes", varies=("n",), metrics=(TIME, TESTS))
 ASKED = {"heritage_broadphase": "region_tree"}  # by sweep: the tree of figure 7.3 of the 2009 report
 UNTIMED = "not timed beside it"
 WHY_UNTIMED = "the first ten frames are warm-up; the sweep has no more, or is not timed"
-ABSENT = Chart("broadphase", SECTION, "Time over body count", "No timed sweep of boxes over their number is in this store.",
-               "broadphase_crossover")
 
 
-def of_sweep(context, cells):
+@of_sweeps("broadphase", 10, SECTION,
+           Needs("boxes", varies=("n",), metrics=(TIME, TESTS)),
+           "Time over body count", "No timed sweep of boxes over their number is in this store.", "broadphase_crossover")
+def broadphase(context, cells):
     cells, refused = one_machine(context.store, cells)
     if "distribution" not in cells:
         cells["distribution"] = "boxes"

@@ -11,24 +11,23 @@ import metrics
 import noise
 import over_steps
 import ranking
-from chart import Chart, Needs, describe, holes, identifier, listing, methods
+from chart import Chart, Needs, describe, holes, identifier, listing, methods, of_sweeps
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
 from matplotlib.lines import Line2D
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si
 from table import quantity
 
-PLACE = 21
 SECTION = "Which method is right within a budget?"
 TIME = "ms_per_step_median"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(TIME,),
-              also="several values of a setting at several costs")
-ABSENT = Chart("budgets", SECTION, "Error within a budget",
-               "No timed sweep of several methods at several costs is in this store.", "resolvers")
 BUDGETS = 4  # that the finding names, evenly on a log axis from where two methods have finished to the dearest
 
 
-def of_sweep(context, cells):
+@of_sweeps("budgets", 21, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(TIME,),
+                 also="several values of a setting at several costs"),
+           "Error within a budget", "No timed sweep of several methods at several costs is in this store.", "resolvers")
+def budgets(context, cells):
     cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error")))
     groups = [c for c in ("scene", "dimension") if c in cells]
     made = []

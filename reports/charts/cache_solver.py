@@ -10,23 +10,22 @@ from matplotlib.patches import Rectangle
 
 import metrics
 import ranking
-from chart import Chart, Headline, Needs, describe, holes, identifier, methods
+from chart import Chart, Headline, Needs, describe, holes, identifier, methods, of_sweeps
 from charts.breaking_points import FEWEST, breaking, equal_words
 from load import JOINED, one_machine, split
 from style import OUTCOMES, grid_of_axes, plt, si
 from table import quantity
 
-PLACE = 41
 SECTION = "Does the cache matter more than the resolver?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), calibrated=None,
-              also="several caches under several resolvers, and a parameter that is raised")
-ABSENT = Chart("cache_solver", SECTION, "Cache x resolver", "No sweep of caches under several resolvers is in this store.",
-               "cache_solver")
 DRIFT = "lean"
 NAMED = 4  # pairs in a sentence; more are counted
 
 
-def of_sweep(context, cells):
+@of_sweeps("cache_solver", 41, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), calibrated=None,
+                 also="several caches under several resolvers, and a parameter that is raised"),
+           "Cache x resolver", "No sweep of caches under several resolvers is in this store.", "cache_solver")
+def cache_solver(context, cells):
     axes = [axis for axis in context.store.method_axes(cells["sweep"].iloc[0]) if axis != "cache"]
     if "cache" not in cells or cells["cache"].nunique() < 2 or not axes:
         return []

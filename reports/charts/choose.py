@@ -12,18 +12,15 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Headline, holes, identifier, listing, plural
+from chart import Chart, Headline, holes, identifier, listing, of_asked, plural
 from choice import (ALONE, AS_RIGHT, COST, JITTER, TOGETHER, by_place, choose, combination, errors_judged, given_of,
                     pipeline_of, ratio, short, span, tie, zeros)
 from load import one_machine
 from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
 
-PLACE = 5
 SECTION = "What should one take for this scene?"
 KIND = "world"
-ABSENT = Chart("choose", SECTION, "What to take", "No sweep that chooses is in this store; experiments/run choose makes one.",
-               "choose")
 WORDS = 2.75  # inches for the verdicts
 
 
@@ -44,12 +41,14 @@ class Advice:
         return next((cell for name, cell in self.whole if self.run is not None and cell["key"] != self.run["key"]), None)
 
 
-def of_store(context):
+@of_asked("choose", 5, SECTION,
+          "What to take", "No sweep that chooses is in this store; experiments/run choose makes one.", "choose")
+def what_to_take(context):
     """One chart per scene, of all sweeps that name this chart."""
     return [_chart(context, advice) for advice in advices(context)]
 
 
-def of_sweep(context, cells):
+def places_of(context, cells):
     """[(place, cells that may be compared, refused)]: one for each scene and size."""
     cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics(KIND, "error")))
     return [(place, part, refused) for place, part in by_place(context, cells)]
@@ -58,7 +57,7 @@ def of_sweep(context, cells):
 def advices(context):
     places = {}
     for sweep in [name for name in context.store.sweeps() if "choose" in context.store.sweep(name).report]:
-        for place, cells, refused in of_sweep(context, context.cells(sweep)):
+        for place, cells, refused in places_of(context, context.cells(sweep)):
             places.setdefault(place, []).append((sweep, cells, refused))
     return [made for made in (_advice(context, place, found) for place, found in places.items()) if made.choices]
 

@@ -4,28 +4,26 @@
 import math
 
 import numpy as np
-import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
 import noise
 import ranking
-from chart import Chart, Headline, Needs, describe, holes, identifier, methods
+from chart import Chart, Headline, Needs, describe, holes, identifier, methods, of_sweeps
 from load import one_machine, split, varying
 from style import ZeroLog, fallen, grid_of_axes, letter, times
 from table import quantity
 
-PLACE = 44
 SECTION = "What do contacts cost, and what stands better for them?"
 TIME, POINTS = "ms_per_step_median", "contacts_end"
 BOUGHT = ("sag_end", "lateral_max", "jitter")
 TOLD = 1.1  # ratio of two results from which it is told, when it holds beyond doubt
-NEEDS = Needs("world", metrics=(TIME,), also="contact generators as its methods, and what settles")
-ABSENT = Chart("contact_rules", SECTION, "Rules of contacts", "No timed sweep of contact generators on stacks is in this store.",
-               "reduction_in_a_stack")
 
 
-def of_sweep(context, cells):
+@of_sweeps("contact_rules", 44, SECTION,
+           Needs("world", metrics=(TIME,), also="contact generators as its methods, and what settles"),
+           "Rules of contacts", "No timed sweep of contact generators on stacks is in this store.", "reduction_in_a_stack")
+def contact_rules(context, cells):
     if context.store.method_axes(cells["sweep"].iloc[0]) != ["contacts"] or not {POINTS, *BOUGHT} <= set(cells):
         return []
     cells, refused = one_machine(context.store, cells)

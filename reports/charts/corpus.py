@@ -6,10 +6,9 @@ import io
 import pandas as pd
 from matplotlib.patches import Rectangle
 
-from chart import Chart, Headline, listing, plural
+from chart import Chart, Headline, listing, of_store, plural
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, plt
 
-PLACE = 90
 SECTION = "Which method is right, and which fails where?"
 # How each case of the file ends for a method, with the colour of its cell and the words over its column. The last three are no
 # failures (failure.py): a method is asked only what it declares and there is, and may refuse the rest.
@@ -22,10 +21,9 @@ UNDECLARED = "unsupported_shape"  # reason of a refusal
 MADE_BY = "verify --cases tests/regressions/hard_cases.json"
 
 
-ABSENT = Chart("corpus", SECTION, "Published hard cases", "No corpus was run into this store.", "", made_by=MADE_BY)
-
-
-def of_store(context):
+@of_store("corpus", 90, SECTION,
+          "Published hard cases", "No corpus was run into this store.", made_by=MADE_BY)
+def corpus(context):
     """A chart when the store has the table; `lpc verify` alone does not make it."""
     rows = read(context.store)
     if not len(rows):

@@ -11,22 +11,21 @@ import metrics
 import noise
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
 from load import one_machine, split, varying
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of,
                    si, times)
 from table import quantity
 
-PLACE = 20
 SECTION = "Which method is right for its cost?"
 # Which errors a scene can show, its trials say; features and precisions are compared by charts of their own.
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",))
 WHOSE = 6  # so many methods that failed are named in the legend
-ABSENT = Chart("cost_against_error", SECTION, "Cost against error", "No timed sweep of several methods is in this store.",
-               "resolvers")
 
 
-def of_sweep(context, cells):
+@of_sweeps("cost_against_error", 20, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",)),
+           "Cost against error", "No timed sweep of several methods is in this store.", "resolvers")
+def cost_against_error(context, cells):
     cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error", "detail")))
     groups = [c for c in ("scene", "dimension") if c in cells]
     made = []

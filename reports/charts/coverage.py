@@ -4,18 +4,18 @@
 from matplotlib.patches import Patch
 
 import coverage
-from chart import Chart, listing, plural
+from chart import Chart, listing, of_store, plural
 from load import NOT_RUN, SEVERITY
 from style import OUTCOMES, WIDTH, plt
 
-PLACE = 120
 SECTION = "Coverage: what was planned, what came of it?"
 
 
-def of_store(context):
+@of_store("coverage", 120, SECTION, "What came of the planned trials", "Nothing was planned in this store.")
+def coverage_of_plan(context):
     table = coverage.trials(context.store)
     if not len(table):
-        return [Chart("coverage", SECTION, "What came of the planned trials", "Nothing was planned in this store.", "")]
+        return []
     outcomes = [o for o in SEVERITY + [NOT_RUN] if (table["outcome"] == o).any()]
     outcomes += sorted(set(table["outcome"]) - set(outcomes))
     sweeps = list(dict.fromkeys(table["sweep"]))

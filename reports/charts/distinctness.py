@@ -8,19 +8,18 @@ import pandas as pd
 
 import load
 import ranking
-from chart import Chart, listing, plural
+from chart import Chart, listing, of_store, plural
 from style import WIDTH, plt
 
-PLACE = 65
 SECTION = "Are these methods different?"
 MOST = 0.5  # part of the runs of two methods that must end in the same bits; larger: fewer methods are called one
 LEAST = 2  # runs that two methods must share, or nothing is said of them
 SHOWN = 24  # bars at most
-ABSENT = Chart("distinctness", SECTION, "Runs that end in the same bits", "No two methods were run on the same worlds in this "
-               "store.", "resolvers")
 
 
-def of_store(context):
+@of_store("distinctness", 65, SECTION,
+          "Runs that end in the same bits", "No two methods were run on the same worlds in this store.", "resolvers")
+def distinctness(context):
     found = [agreements(context.store, context.cells(sweep)) for sweep in context.store.sweeps()
              if context.store.sweep(sweep).kind == "world"]
     found = [table for table in found if len(table)]

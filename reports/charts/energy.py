@@ -9,21 +9,21 @@ import pandas as pd
 import metrics
 import over_steps
 import ranking
-from chart import Chart, Needs, holes, methods
+from chart import Chart, Needs, holes, methods, of_sweeps
 from load import split
 from style import si
 from table import quantity
 
-PLACE = 36
 SECTION = "Does energy come from nowhere?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("energy_gain",),
-              series=("kinetic", "potential"), also=over_steps.ONE_COURSE)
-ABSENT = Chart("energy", SECTION, "Energy", "No sweep of several methods with energies is in this store.", "resolvers")
 ROUNDING = 1e-9  # of the energy exchanged: no energy from nowhere
 LITTLE = 1e-2  # of the largest energy that a run of the chart exchanged: a gain over less is told in J
 
 
-def of_sweep(context, cells):
+@of_sweeps("energy", 36, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("energy_gain",),
+                 series=("kinetic", "potential"), also=over_steps.ONE_COURSE),
+           "Energy", "No sweep of several methods with energies is in this store.", "resolvers")
+def energy(context, cells):
     if over_steps.elsewhere(context, cells):
         return []
     made = []

@@ -10,20 +10,20 @@ from matplotlib.lines import Line2D
 import metrics
 import noise
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
 from charts.cost_against_error import errors_of
 from load import split, varying
 from style import ZeroLog, grid_of_axes, legend_right, si
 from table import quantity
 
-PLACE = 25
 SECTION = "Which ranks hold when a scene starts a little elsewhere?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), also="several seeds")
-ABSENT = Chart("ensembles", SECTION, "Ensembles", "No sweep over seeds is in this store.", "ensembles")
 ERRORS = 2  # panels
 
 
-def of_sweep(context, cells):
+@of_sweeps("ensembles", 25, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), also="several seeds"),
+           "Ensembles", "No sweep over seeds is in this store.", "ensembles")
+def ensembles(context, cells):
     cells = metrics.add(context.store, cells[cells["seeds"].map(len) > 1],
                         [*context.metrics("world", "error"), *set(metrics.BEYOND_SLOP.values())])
     if not len(cells):

@@ -11,22 +11,22 @@ from matplotlib.lines import Line2D
 import metrics
 import noise
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, plural
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps, plural
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
 from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
 from table import quantity
 
-PLACE = 15
 SECTION = "Which method is best at equal cost, and which is cheapest at equal error?"
-NEEDS = Needs("world", methods=(2, math.inf), calibrated=True)
-ABSENT = Chart("equal_cost", SECTION, "Equal cost", "No sweep that calibrates its methods is in this store.", "equal_cost")
 PANELS = 3
 NAMED = 3  # so many between first and last are named in a sentence; of more the table tells
 SPARE = 0.5  # what spends less of the budget is told
 
 
-def of_sweep(context, cells):
+@of_sweeps("equal_cost", 15, SECTION,
+           Needs("world", methods=(2, math.inf), calibrated=True),
+           "Equal cost", "No sweep that calibrates its methods is in this store.", "equal_cost")
+def equal_cost(context, cells):
     cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error", "detail")))
     about = context.store.sweep(cells["sweep"].iloc[0]).calibrate
     groups = [c for c in ("scene", "dimension") if c in cells]

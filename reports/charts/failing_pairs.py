@@ -6,21 +6,21 @@ import math
 
 import pandas as pd
 
-from chart import Chart, listing, plural
+from chart import Chart, listing, of_store, plural
 from silhouette import outline
 from style import grid_of_axes, si
 from table import quantity
 
-PLACE = 85
 SECTION = "Which method is right, and which fails where?"
 COLUMNS = 7  # at most
 SHADES = ("#0072B2", "#D55E00")  # A, B
 WRONG = {"wrong_distance": "wrong distance", "wrong_normal": "wrong normal", "wrong_side": "wrong side"}  # in the ledger's order
-ABSENT = Chart("failing_pairs", SECTION, "The simplest and the worst failing pairs", "No failing pair is in this store.", "",
-               made_by="verify --stage pair_query --pairs 200")
 
 
-def of_store(context):
+@of_store("failing_pairs", 85, SECTION,
+          "The simplest and the worst failing pairs", "No failing pair is in this store.",
+          made_by="verify --stage pair_query --pairs 200")
+def failing_pairs(context):
     pairs = {}
     for case, vertices, size in context.store.found_cases():
         _keep(pairs, case, "simplest", (vertices, size))

@@ -9,19 +9,15 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 
 import ranking
-from chart import Chart, Needs, describe, listing, plural
+from chart import Chart, Needs, describe, listing, of_sweeps, plural
 from load import described, varying
 from style import OUTCOMES, WIDTH, plt, si
 
-PLACE = 45
 SECTION = "When does each method fall?"
-NEEDS = Needs("world", series=("kinetic", "potential", "max_penetration"), calibrated=None,
-              also="a run that fell")
+SERIES = ("kinetic", "potential", "max_penetration")
 FALLEN = {"collapsed": "a body is farther from where it came than the scene allows",
           "exploded": "a body is faster than the scene allows, or than light",
           "diverged": "a number is not finite, or the energy is over what the scene allows"}
-ABSENT = Chart("falls", SECTION, "How runs fall", "No run of this store fell: nothing collapsed, exploded or diverged.",
-               "breaking_points_stack")
 BLUE, WINE, GREEN = "#0072B2", "#882255", "#009E73"
 # Inches. A row is words, pictures, lines from these to their steps, and two panels over the same steps.
 LEFT, RIGHT, TALLEST, BETWEEN = 0.85, 1.7, 1.9, 0.08
@@ -30,7 +26,10 @@ LEAST = 60  # steps of a panel, where a run has as many
 MOST_PATCHES = 400  # of one picture as vectors: more are weight of a page without gain
 
 
-def of_sweep(context, cells):
+@of_sweeps("falls", 45, SECTION,
+           Needs("world", series=SERIES, also="a run that fell", calibrated=None),
+           "How runs fall", "No run of this store fell: nothing collapsed, exploded or diverged.", "breaking_points_stack")
+def falls(context, cells):
     runs = runs_of(context.store, cells)
     fallen = runs[runs["outcome"].isin(FALLEN)]
     fallen = fallen[[row["outcome"] != "collapsed" or not stood(context.store, row) for _, row in fallen.iterrows()]]
@@ -130,7 +129,7 @@ def _tall(film):
 
 def _tracks(store, key):
     """Series of the run by what they show; None where it has none."""
-    kinetic, potential, contacts = (store.series(key, name) for name in NEEDS.series)
+    kinetic, potential, contacts = (store.series(key, name) for name in SERIES)
     shapes = store.series(key, "penetration_poses") if described(store.described_series, "penetration_poses") else None
     energy = None if kinetic is None or potential is None else kinetic + potential
     return {"energy": energy, "motion": kinetic, "contacts": contacts, "shapes": shapes}

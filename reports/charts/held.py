@@ -12,22 +12,21 @@ import metrics
 import noise
 import ranking
 import rest
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, holes, identifier, methods, of_sweeps
 from load import one_machine, split, varying
 from style import OUTCOMES, WIDTH, plt, si, times
 from table import quantity
 
-PLACE = 42
 SECTION = "When does each method fall?"
-NEEDS = Needs("world", methods=(2, math.inf), also="a sweep that asks for this chart")
-ABSENT = Chart("held", SECTION, "Methods that hold what is hard to hold", "No sweep that asks for this chart is in this "
-               "store.", "beyond")
 TIME = "ms_per_step_median"
 EXCUSE = "not ranked"  # column: why a cell has no rank
 MOST_COLUMNS = 7
 
 
-def of_sweep(context, cells):
+@of_sweeps("held", 42, SECTION,
+           Needs("world", methods=(2, math.inf), also="a sweep that asks for this chart"),
+           "Methods that hold what is hard to hold", "No sweep that asks for this chart is in this store.", "beyond")
+def held(context, cells):
     about = context.store.sweep(cells["sweep"].iloc[0])
     if "held" not in about.report:
         return []

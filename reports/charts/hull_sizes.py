@@ -13,18 +13,14 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps
 from load import one_machine, split, varying
 from style import ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same
 from table import quantity
 
-PLACE = 72
 SECTION = "Which pair query is fast and right?"
 SIZE, TIME = "vertices", "ns_single"
 WORK = ("support_calls", "axis_tests", "polytope_faces")  # counted per query; who does none of one is not drawn there
-NEEDS = Needs("pairs", varies=(SIZE,), metrics=(TIME,))
-ABSENT = Chart("hull_sizes", SECTION, "Over the vertices of hulls", "No timed sweep of pair queries over the vertices of hulls "
-               "is in this store.", "hull_sizes")
 FEWEST = 4  # sizes from which an exponent is fitted
 STUDENT = {2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 6: 2.447, 7: 2.365, 8: 2.306}  # 95 %, by degrees of freedom
 LINEAR = "at most linear"
@@ -32,7 +28,11 @@ STEEPER = "steeper than linear"
 OPEN = "not told from linear"
 
 
-def of_sweep(context, cells):
+@of_sweeps("hull_sizes", 72, SECTION,
+           Needs("pairs", varies=(SIZE,), metrics=(TIME,)),
+           "Over the vertices of hulls", "No timed sweep of pair queries over the vertices of hulls is in this store.",
+           "hull_sizes")
+def hull_sizes(context, cells):
     if not set(WORK) <= set(cells):  # a store of before trials counted it
         return []
     cells, refused = one_machine(context.store, cells)

@@ -9,12 +9,11 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 
 import failure
 import noise
-from chart import Chart, Headline, listing, plural
+from chart import Chart, Headline, listing, of_store, plural
 from load import family
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
 from table import quantity
 
-PLACE = 80
 SECTION = "Which method is right, and which fails where?"
 COUNTS = ("asked", "agree", "tie", "wrong", "wrong_side", "undecided", "refused", "not_finite", "threw", "crashed", "hung",
           "capped")
@@ -23,10 +22,11 @@ FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: a
 
 
 PARTS, MADE_BY = ["stage", "dimension", "precision"], "verify --pairs 200"
-ABSENT = Chart("ledger", SECTION, "Ledgers with failures", "No ledger with a failure is in this store.", "", made_by=MADE_BY)
 
 
-def of_store(context):
+@of_store("ledger", 80, SECTION,
+          "Ledgers with failures", "No ledger with a failure is in this store.", made_by=MADE_BY)
+def ledger(context):
     ledger = context.store.ledger()
     made = []
     for (stage, dimension, precision), part in ledger.groupby(["stage", "dimension", "precision"], sort=True):

@@ -5,13 +5,10 @@ import pandas as pd
 from matplotlib.patches import Rectangle
 
 import failure
-from chart import Chart, listing, plural
+from chart import Chart, listing, of_store, plural
 from charts.ledger import MADE_BY, NOUNS, PARTS, SECTION
 from style import NOT_ASKED, RIGHT, WIDTH, plt
 
-PLACE = 82
-ABSENT = Chart("ledger_clean", SECTION, "Ledgers without a failure", "No ledger without a failure is in this store.", "",
-               made_by=MADE_BY)
 ROW, CELL, HEAD = 0.22, 0.4, 0.3  # inches
 
 
@@ -21,7 +18,9 @@ def clean(ledger):
     return pd.concat(parts) if parts else ledger[:0]
 
 
-def of_store(context):
+@of_store("ledger_clean", 82, SECTION,
+          "Ledgers without a failure", "No ledger without a failure is in this store.", made_by=MADE_BY)
+def ledger_clean(context):
     rows = clean(context.store.ledger())
     return [_chart(context, rows)] if len(rows) else []
 

@@ -7,18 +7,17 @@ from collections import OrderedDict
 import numpy as np
 import pandas as pd
 
-from chart import Chart, Headline, listing
+from chart import Chart, Headline, listing, of_store
 from style import WIDTH, plt, si, times
 
-PLACE = 110
 SECTION = "What do single calls cost?"
-ABSENT = Chart("micro", SECTION, "Micro-benchmarks", "No micro-benchmark was imported into this store.", "",
-               made_by="import-benchmark bench.json")
 PER_PANEL = 12  # columns, so that times stay readable
 SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 
 
-def of_store(context):
+@of_store("micro", 110, SECTION,
+          "Micro-benchmarks", "No micro-benchmark was imported into this store.", made_by="import-benchmark bench.json")
+def micro(context):
     """Of every import the newest result of a benchmark counts; names are stage/dimension/algorithm/case.../size."""
     groups, machines, found = OrderedDict(), [], {}
     for imported, data in context.store.benchmarks():

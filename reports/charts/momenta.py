@@ -10,18 +10,13 @@ from matplotlib.lines import Line2D
 import metrics
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, holes, identifier, listing, methods, plural
+from chart import Chart, Headline, Needs, holes, identifier, listing, methods, of_sweeps, plural
 from load import split
 from style import ZeroLog, grid_of_axes, si
 from table import quantity
 
-PLACE = 37
 SECTION = "Do momenta stay?"
 SHARES = ("momentum_share", "angular_momentum_share")
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
-              metrics=("momentum_error", "angular_momentum_error", *SHARES), also="a scene that says what momenta it has")
-ABSENT = Chart("momenta", SECTION, "Momenta", "No sweep of several methods on a scene that says what momenta it has is in this "
-               "store.", "momenta")
 # Of what there is, by the arithmetic: some roundings in each of some hundred steps.
 ROUNDING = {"f64": 1e-12, "f32": 1e-4}
 # What a method declares that it fails, by the share that shows it; the properties are of whole steps of free bodies, and of what
@@ -34,7 +29,11 @@ ALIKE = 0.5  # of the largest share: what changes as much is named beside what c
 SHORT = {"momentum_share": "linear", "angular_momentum_share": "angular"}
 
 
-def of_sweep(context, cells):
+@of_sweeps("momenta", 37, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
+                 metrics=("momentum_error", "angular_momentum_error", *SHARES), also="a scene that says what momenta it has"),
+           "Momenta", "No sweep of several methods on a scene that says what momenta it has is in this store.", "momenta")
+def momenta(context, cells):
     cells = cells[cells["outcome"].ne("ok") | cells[list(SHARES)].notna().all(axis=1)]
     if not cells[list(SHARES)].notna().any(axis=None):
         return []

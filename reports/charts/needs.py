@@ -11,11 +11,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 import noise
-from chart import Chart, Headline, listing, plural
+from chart import Chart, Headline, listing, of_store, plural
 from style import ZeroLog, grid_of_axes, legend_right, letter, si
 from table import quantity
 
-PLACE = 49
 SECTION = "What does this scene need of its model?"
 OWN, AGAIN, SEED = "minimal", "minimal, again", "another seed"
 SWITCHED = {"cache": "cache", "continuous": "continuous", "sleeping": "sleep"}  # features that are one stage each
@@ -24,7 +23,6 @@ WITHIN, UNKNOWN, EQUAL = "time within the noise", "too few seeds to measure the 
 IDLE = "nothing to measure"
 TIME, FARTHEST = "time, times that of minimal [1]", "way from where bodies end, farthest [m]"  # columns
 INK, FAR = "#0072B2", "#D55E00"
-ABSENT = Chart("needs", SECTION, "Needs", "No scene was asked for its needs in this store.", "", made_by="needs pyramid")
 
 
 @dataclass
@@ -51,7 +49,9 @@ class Seen:
     cost: float = math.nan  # of the scene's own (ms per step)
 
 
-def of_store(context):
+@of_store("needs", 49, SECTION,
+          "Needs", "No scene was asked for its needs in this store.", made_by="needs pyramid")
+def needs(context):
     return [_chart(context, name) for name in context.store.sweeps() if "needs" in context.store.sweep(name).report]
 
 

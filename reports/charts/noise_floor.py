@@ -7,18 +7,18 @@ import numpy as np
 import pandas as pd
 
 import noise
-from chart import Chart, listing, plural
+from chart import Chart, listing, of_store, plural
 from style import grid_of_axes
 
-PLACE = 115
 SECTION = "How noisy are these times?"
 WIDEST = 50.0  # percent that are drawn
 
 
-def of_store(context):
+@of_store("noise", 115, SECTION, "Noise of times", "No timed trial is in this store.")
+def noise_floor(context):
     rows = [row for sweep in context.store.sweeps() for row in _rows(context, sweep)]
     if not rows:
-        return [Chart("noise", SECTION, "Noise of times", "No timed trial is in this store.", "")]
+        return []
     figure = _drawn(rows) if any(row["ratios"] or row["loads"] for row in rows) else None  # stores of old hold neither
     table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "cells of the bar": len(row["ratios"]),
                            "noise floor [1]": row["floor"] - 1 if row["ratios"] else math.nan,

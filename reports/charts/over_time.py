@@ -8,22 +8,22 @@ import pandas as pd
 
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, holes, listing
+from chart import Chart, Headline, Needs, holes, listing, of_sweeps
 from load import split
 from style import ZeroLog, caption_of_lines, one_line, si
 from table import quantity
 
-PLACE = 33
 SECTION = "What stands, and under whom?"
-NEEDS = Needs("world", methods=(2, math.inf), series=("height", "drift"), also="`report` that names it")
-ABSENT = Chart("over_time", SECTION, "Height and drift over time",
-               "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_positions")
 TURNS_NONE = "linear"  # the report's first position method
 SEEN = 0.004  # of a panel's height: lines that are nearer everywhere are one to the eye
 LOST = 0.5  # of the height at the start: what has less has fallen
 
 
-def of_sweep(context, cells):
+@of_sweeps("over_time", 33, SECTION,
+           Needs("world", methods=(2, math.inf), series=("height", "drift"), also="`report` that names it"),
+           "Height and drift over time",
+           "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_positions")
+def over_time(context, cells):
     if "over_time" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
     made = []

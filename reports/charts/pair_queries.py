@@ -11,25 +11,25 @@ from matplotlib.patches import Patch
 import failure
 import metrics
 import noise
-from chart import Chart, Headline, Needs, dimension_of, holes, listing, plural
+from chart import Chart, Headline, Needs, dimension_of, holes, listing, of_sweeps, plural
 from load import one_machine
 from style import (NOT_ASKED, OUTCOMES, RIGHT, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si,
                    times)
 from table import quantity
 
-PLACE = 70
 SECTION = "Which pair query is fast and right?"
 FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
 TIME = "ns_single"  # libraries are asked one by one: a time in batches, of lanes, has no rank beside theirs
 BATCH = "ns_per_query"
 ERRORS = ("median_error", "p99_error", "max_error")
-NEEDS = Needs("pairs", metrics=(TIME, *ERRORS))
 SINGLE = ("A time is that of a query by itself, between two readings of the clock, which are in it; the numbers have that in "
           "batches, too, which wide registers make shorter.")
-ABSENT = Chart("pair_queries", SECTION, "Time against error", "No timed sweep of pair queries is in this store.", "pair_queries")
 
 
-def of_sweep(context, cells):
+@of_sweeps("pair_queries", 70, SECTION,
+           Needs("pairs", metrics=(TIME, *ERRORS)),
+           "Time against error", "No timed sweep of pair queries is in this store.", "pair_queries")
+def pair_queries(context, cells):
     if "wrong" not in cells:
         return [Chart(f"{cells['sweep'].iloc[0]}_uncounted", SECTION, "Time against error",
                       "These trials of pairs do not count wrong answers: they are older than the definition of a failure. The "

@@ -7,21 +7,21 @@ import pandas as pd
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, dimension_of, holes, listing
+from chart import Chart, Headline, Needs, dimension_of, holes, listing, of_sweeps
 from load import family, one_machine
 from style import ZeroLog, fallen, grid_of_axes, times
 from table import quantity
 
-PLACE = 11
 SECTION = "Which broadphase for how many bodies?"
 TIME = "ns_per_frame_median"
-NEEDS = Needs("boxes", methods=(2, math.inf), metrics=(TIME,), also="`report` that names it, and methods with their defaults")
-ABSENT = Chart("parameters", SECTION, "What hangs on parameters",
-               "No timed sweep that asks for this chart is in this store; experiments/run heritage makes one.",
-               "broadphase_parameters")
 
 
-def of_sweep(context, cells):
+@of_sweeps("parameters", 11, SECTION,
+           Needs("boxes", methods=(2, math.inf), metrics=(TIME,), also="`report` that names it, and methods with their defaults"),
+           "What hangs on parameters",
+           "No timed sweep that asks for this chart is in this store; experiments/run heritage makes one.",
+           "broadphase_parameters")
+def parameters(context, cells):
     if "parameters" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
     cells, refused = one_machine(context.store, cells)

@@ -10,21 +10,20 @@ from matplotlib.lines import Line2D
 import failure
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, dimension_of, identifier, listing, plural
+from chart import Chart, Headline, Needs, describe, dimension_of, identifier, of_sweeps, plural
 from load import one_machine, varying
 from style import WIDTH, ZeroLog, legend_right, legend_room, plt, times
 from table import quantity
 
-PLACE = 71
 SECTION = "Which pair query is fast and right?"
 TIME = "ns_single"
-NEEDS = Needs("pairs", metrics=(TIME, "max_error"), also="ours and a witness on the same pairs of shapes")
-ABSENT = Chart("peers", SECTION, "Beside packaged libraries", "No timed sweep asks ours and witnesses about the same pairs.",
-               "pair_queries")
 WHAT = ("dimension", "pair", "vertices", "drawing")  # a row, besides what else differs in the sweep
 
 
-def of_sweep(context, cells):
+@of_sweeps("peers", 71, SECTION,
+           Needs("pairs", metrics=(TIME, "max_error"), also="ours and a witness on the same pairs of shapes"),
+           "Beside packaged libraries", "No timed sweep asks ours and witnesses about the same pairs.", "pair_queries")
+def peers(context, cells):
     if "wrong" not in cells or "stream" in cells:
         return []
     cells, refused = one_machine(context.store, cells)

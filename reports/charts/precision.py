@@ -7,18 +7,18 @@ import numpy as np
 
 import noise
 import twins
-from chart import Chart, Headline, Needs, describe, listing, plural
+from chart import Headline, Needs, describe, listing, of_sweeps, plural
 from load import one_machine, split, varying
 
-PLACE = 60
 SECTION = "What does single precision change?"
 COST = "ms_per_step_median"
 SAME_ERROR = 1.005  # a ratio of errors that reads as 1
-NEEDS = Needs("world", varies=("precision",), metrics=(COST, "lean"))
-ABSENT = Chart("precision", SECTION, "f32 against f64", "No sweep over precisions is in this store.", "precision")
 
 
-def of_sweep(context, cells):
+@of_sweeps("precision", 60, SECTION,
+           Needs("world", varies=("precision",), metrics=(COST, "lean")),
+           "f32 against f64", "No sweep over precisions is in this store.", "precision")
+def precision(context, cells):
     cells, refused = one_machine(context.store, cells)
     same, error = varying(context.store, cells, ("precision",)), twins.errors(context)[0]
     place_axes = [c for c in ("scene", "dimension") if c in same]

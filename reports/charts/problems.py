@@ -10,18 +10,15 @@ from matplotlib.lines import Line2D
 
 import metrics
 import ranking
-from chart import Chart, Needs, describe, holes, identifier, listing
+from chart import Chart, Needs, describe, holes, identifier, listing, of_sweeps
 from load import one_machine, split
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
 from table import quantity
 
-PLACE = 36
 SECTION = "Which method solves a step's problem?"
 RESIDUAL, COST, TO = "problem_residual", "multiply_adds", "multiply_adds_to_thousandth"
 TIME = "ns_per_solve"
 RATE, PREDICTED = "rate", "predicted_rate"
-NEEDS = Needs("problems", methods=(2, math.inf))  # a store of before this kind has none of its metrics
-ABSENT = Chart("problems", SECTION, "Residual over multiply-adds", "No sweep of frozen problems is in this store.", "problems")
 FLOOR = 1e-12  # of g dt: below it all is rounding
 ROWS, COLUMNS = 3, 3  # of panels
 FAR = 100.0  # the profiles end where a method takes so many times as much as the best
@@ -29,7 +26,10 @@ SOLVED = 1e-3  # of g dt: what may be left, as in the metric TO
 ALIKE = 2.0  # times that were measured once, in less than such a ratio, are not told apart
 
 
-def of_sweep(context, cells):
+@of_sweeps("problems", 36, SECTION,
+           Needs("problems", methods=(2, math.inf)),
+           "Residual over multiply-adds", "No sweep of frozen problems is in this store.", "problems")
+def frozen_problems(context, cells):
     rates = _rates(context, cells)
     cells = cells[cells["outcome"] != "unsupported"]
     starts = split(cells, ["start"], sort=True) if "start" in cells else [cells]

@@ -8,22 +8,22 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import ranking
-from chart import Chart, Headline, Needs, holes, listing
+from chart import Chart, Headline, Needs, holes, listing, of_sweeps
 from load import split
 from style import ZeroLog, caption_of_lines, grid_of_axes, legend_right, legend_room, one_line, plain_log, same, si
 from table import quantity
 
-PLACE = 32
 SECTION = "Do contacts bounce that should not?"
 ROUNDING = 1e-6  # m: below it nothing is thrown back
 NEAR = 1.1  # times the speed before: what a line joins
 SUNK = 0.02  # m: four times the depth that most methods leave
-NEEDS = Needs("world", varies=("height",), methods=(2, math.inf), series=("height",), also="`report` that names it")
-ABSENT = Chart("rebound", SECTION, "What is thrown back after a fall",
-               "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_springs")
 
 
-def of_sweep(context, cells):
+@of_sweeps("rebound", 32, SECTION,
+           Needs("world", varies=("height",), methods=(2, math.inf), series=("height",), also="`report` that names it"),
+           "What is thrown back after a fall",
+           "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_springs")
+def rebound(context, cells):
     if "rebound" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
     return [_chart(context, part) for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True)]

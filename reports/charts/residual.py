@@ -9,21 +9,21 @@ import pandas as pd
 import metrics
 import over_steps
 import ranking
-from chart import Chart, Needs, holes, methods
+from chart import Chart, Needs, holes, methods, of_sweeps
 from load import split
 from style import ZeroLog, plain_log, si
 from table import quantity
 
-PLACE = 35
 SECTION = "Do more iterations solve the contacts?"
 SERIES, RESIDUAL = "residual", "residual_median"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
-              also="one seed, contacts and several values of a setting")
-ABSENT = Chart("residual", SECTION, "Residual", "No sweep of several methods with residuals is in this store.", "resolvers")
 FLOOR = 1e-12  # below it a residual is rounding
 
 
-def of_sweep(context, cells):
+@of_sweeps("residual", 35, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
+                 also="one seed, contacts and several values of a setting"),
+           "Residual", "No sweep of several methods with residuals is in this store.", "resolvers")
+def residual(context, cells):
     if RESIDUAL not in context.store.metrics or (cells["seeds"].map(len) > 1).any():
         return []  # a store of an earlier program; an ensemble, of which one run says little
     made = []

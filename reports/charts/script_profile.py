@@ -10,18 +10,13 @@ from matplotlib.patches import Patch
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, holes, listing
+from chart import Chart, Headline, Needs, holes, listing, of_sweeps
 from load import one_machine, split
 from over_steps import stretches
 from style import PALETTE, figures, grid_of_axes, legend_right, si
 
-PLACE = 99
 SECTION = "Where does the time of a step go?"
 COST = "ms_per_step_median"
-NEEDS = Needs("world", methods=(1, 4), fixed=("model", "precision", "setting"), metrics=(COST,),
-              series=("seconds", "sec_*", "bodies", "awake", "points"), also="`report` that names it")
-ABSENT = Chart("script_profile", SECTION, "A script under the names of 2009",
-               "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_sleeping")
 # The report's name of a phase, and the scope of ours that does the same.
 PHASES = {"findPairs": "sec_broadphase", "findContacts": "sec_contacts", "applyForces": "sec_solver_integrate",
           "resolveVelocities": "sec_solver_velocity", "moveApart": "sec_solver_position",
@@ -35,7 +30,12 @@ REPORTED = {"heritage_sleeping": "The report has a peak just over 7 ms and 6.5 m
             "Catto's, and about 50 against 4 ms at the end, with bodies that never fall asleep."}
 
 
-def of_sweep(context, cells):
+@of_sweeps("script_profile", 99, SECTION,
+           Needs("world", methods=(1, 4), fixed=("model", "precision", "setting"), metrics=(COST,),
+                 series=("seconds", "sec_*", "bodies", "awake", "points"), also="`report` that names it"),
+           "A script under the names of 2009",
+           "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_sleeping")
+def script_profile(context, cells):
     if "script_profile" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
     cells, refused = one_machine(context.store, cells)

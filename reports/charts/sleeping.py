@@ -12,18 +12,13 @@ from matplotlib.ticker import MaxNLocator
 
 import metrics
 import sleep_scenes
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, methods, of_sweeps
 from load import split, varying
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si
 from table import quantity
 
-PLACE = 38
 SECTION = "What does sleeping save, and what does it cost?"
 COST, WAVE = "work_multiply_adds", "wake_steps"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(COST,),
-              also="sleep policies that differ, and a baseline that keeps everybody awake")
-ABSENT = Chart("sleeping", SECTION, "Sleeping", "No sweep of sleep policies with one that keeps everybody awake is in this "
-               "store.", "sleeping")
 TOLD = ("awake_mean", "woken", WAVE)  # by trials; not in stores that are older
 SAVED, FAR, MIDDLE = "multiply-adds saved", "largest distance", "median distance"  # columns of cells
 TIME, TIME_RUNS = "time saved", "time saved by repeats"
@@ -31,7 +26,11 @@ FLOOR = 1e-12  # m
 COUNTED = ", with the range of its repeats; the table has the multiply-adds, a count without noise"
 
 
-def of_sweep(context, cells):
+@of_sweeps("sleeping", 38, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(COST,),
+                 also="sleep policies that differ, and a baseline that keeps everybody awake"),
+           "Sleeping", "No sweep of sleep policies with one that keeps everybody awake is in this store.", "sleeping")
+def sleeping(context, cells):
     if not set(TOLD) <= set(cells) or len({_policy(context, key) for key in cells["key"]} - {None}) < 2:
         return []
     name, groups = context.baseline(cells), [c for c in ("scene", "dimension") if c in cells]

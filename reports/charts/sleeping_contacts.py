@@ -10,20 +10,16 @@ from matplotlib.lines import Line2D
 import metrics
 import noise
 import twins
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, plural
+from chart import Chart, Headline, Needs, describe, holes, identifier, listing, of_sweeps, plural
 from charts.sleeping import FLOOR, at_the_end, distances
 from load import one_machine, split, varying
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si, times
 from table import quantity
 
-PLACE = 39
 SECTION = "What does sleeping save, and what does it cost?"
 AXIS, QUERIES, TIME = "sleeping_contacts", "work_pair_queries", "ms_per_step_median"
 TITLES = {QUERIES: "pair queries per step", "work_box_tests": "box tests per step", TIME: "time per step"}
 WAVE = ("woken", "wake_steps")
-NEEDS = Needs("world", varies=(AXIS,), metrics=(TIME,), also="pair queries of policies that let bodies sleep")
-ABSENT = Chart("sleeping_contacts", SECTION, "Contacts of sleepers", "No sweep with and without contacts of sleepers is in this "
-               "store.", "sleeping_contacts")
 KEPT, ANEW = "left as they were", "made anew"
 
 
@@ -56,7 +52,10 @@ class Pair:
         return all(a == b or (a != a and b != b) for a, b in zip(*self.late))
 
 
-def of_sweep(context, cells):
+@of_sweeps("sleeping_contacts", 39, SECTION,
+           Needs("world", varies=(AXIS,), metrics=(TIME,), also="pair queries of policies that let bodies sleep"),
+           "Contacts of sleepers", "No sweep with and without contacts of sleepers is in this store.", "sleeping_contacts")
+def sleeping_contacts(context, cells):
     if QUERIES not in cells:
         return []
     cells, refused = one_machine(context.store, cells)

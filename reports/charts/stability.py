@@ -7,16 +7,12 @@ import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
 import ranking
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, plural
+from chart import Chart, Headline, Needs, describe, holes, identifier, listing, of_sweeps, plural
 from load import split, varying
 from style import OUTCOMES, grid_of_axes, legend_right
 
-PLACE = 31
 SECTION = "What stands, and under whom?"
 REST = "rest_since"
-NEEDS = Needs("world", methods=(2, math.inf), also="`report` that names it")
-ABSENT = Chart("stability", SECTION, "What becomes of scenes under each method",
-               "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_stability")
 
 
 def _with(held, most):
@@ -25,7 +21,11 @@ def _with(held, most):
     return f"{listing(alike)} hold{'s' if len(alike) == 1 else ''}"
 
 
-def of_sweep(context, cells):
+@of_sweeps("stability", 31, SECTION,
+           Needs("world", methods=(2, math.inf), also="`report` that names it"),
+           "What becomes of scenes under each method",
+           "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_stability")
+def stability(context, cells):
     if "stability" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
     return [_chart(context, part) for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True)]

@@ -8,24 +8,24 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing
+from chart import Chart, Headline, Needs, describe, holes, identifier, listing, of_sweeps
 from load import split, varying
 from style import PALETTE, grid_of_axes, legend_right, si
 
-PLACE = 100
 SECTION = "Where does the time of a step go?"
 COST = "ms_per_step_median"
 # A comparison of many methods is no place for timelines.
-NEEDS = Needs("world", methods=(1, 2), fixed=("model", "precision", "setting"), metrics=(COST,),
-              series=("seconds", "sec_solver", "bodies", "awake", "points"))
-ABSENT = Chart("stages", SECTION, "Stage timelines", "No timed sweep of at most two methods is in this store.", "stages")
 # From the bottom of a stack of stage times upwards, as World::step goes.
 STAGES = {"boxes": 4, "broadphase": 0, "cache": 9, "contacts": 1, "listeners": 10, "sleep": 3, "solver": 2, "other": 11}
 COUNTS = OrderedDict([("bodies", "#000000"), ("awake", "#D55E00"), ("points", "#0072B2")])
 STRETCHES = 240
 
 
-def of_sweep(context, cells):
+@of_sweeps("stages", 100, SECTION,
+           Needs("world", methods=(1, 2), fixed=("model", "precision", "setting"), metrics=(COST,),
+                 series=("seconds", "sec_solver", "bodies", "awake", "points")),
+           "Stage timelines", "No timed sweep of at most two methods is in this store.", "stages")
+def stages(context, cells):
     axes = context.store.method_axes(cells["sweep"].iloc[0])
     side = None if cells["method"].nunique() < 2 else axes[0] if len(axes) == 1 else "method"
     others = varying(context.store, cells)

@@ -9,20 +9,21 @@ import pandas as pd
 
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, holes, listing, methods
+from chart import Chart, Headline, Needs, holes, listing, methods, of_sweeps
 from load import NOT_RUN, split
 from style import ZeroLog, caption_of_lines, one_line, same, si
 
-PLACE = 30
 SECTION = "How restless is a scene that should be at rest?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("drift_limit", "restlessness"),
-              series=("max_speed", "points"), also=f"{over_steps.ONE_COURSE}, on a scene that says how far its bodies may drift")
-ABSENT = Chart("steadiness", SECTION, "The fastest body and the contacts over time",
-               "No sweep of several methods on a scene that should be at rest is in this store.", "resolvers")
 REST = 1e-9  # m/s: rounding, not motion
 
 
-def of_sweep(context, cells):
+@of_sweeps("steadiness", 30, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("drift_limit", "restlessness"),
+                 series=("max_speed", "points"),
+                 also=f"{over_steps.ONE_COURSE}, on a scene that says how far its bodies may drift"),
+           "The fastest body and the contacts over time",
+           "No sweep of several methods on a scene that should be at rest is in this store.", "resolvers")
+def steadiness(context, cells):
     if over_steps.elsewhere(context, cells):
         return []
     made = []

@@ -11,20 +11,20 @@ import metrics
 import noise
 import over_steps
 import ranking
-from chart import Chart, Needs, holes
+from chart import Chart, Needs, holes, of_sweeps
 from load import one_machine, split
 from style import ZeroLog, grid_of_axes, legend_right, letter, si, times
 from table import quantity
 
-PLACE = 38
 SECTION = "How long does the slowest step take?"
 MEDIAN, SLOW, WORST = "ms_per_step_median", "ms_per_step_p99", "ms_per_step_worst"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(MEDIAN,))
-ABSENT = Chart("step_times", SECTION, "Times of whole steps", "No timed sweep of several methods is in this store.", "resolvers")
 MARKS = ((MEDIAN, "o", 5), (SLOW, "|", 9), (WORST, "x", 5))
 
 
-def of_sweep(context, cells):
+@of_sweeps("step_times", 38, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(MEDIAN,)),
+           "Times of whole steps", "No timed sweep of several methods is in this store.", "resolvers")
+def step_times(context, cells):
     if not {SLOW, WORST} <= set(context.store.metrics):  # a store of an earlier program
         return []
     cells, refused = one_machine(context.store, cells)

@@ -10,12 +10,11 @@ from matplotlib.lines import Line2D
 import failure
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps
 from load import one_machine, varying
 from style import ZeroLog, grid_of_axes, legend_right, times
 from table import quantity
 
-PLACE = 73
 SECTION = "Which pair query is fast and right?"
 WAY, TIME = "stream", "ns_per_query"
 WORK = ("support_calls", "axis_tests", "polytope_faces")
@@ -23,12 +22,12 @@ DRAWN, COLD, WARM = "drawn", "cold", "warm"
 MARKS = {DRAWN: "o", COLD: "s", WARM: "^"}
 ASIDE = {DRAWN: -0.2, COLD: 0.0, WARM: 0.2}  # of a row, so that what is alike does not hide the other
 WORDS = {DRAWN: "drawn pairs", COLD: "a world's, each as if new", WARM: "a world's, with what is remembered"}
-NEEDS = Needs("pairs", varies=(WAY,), metrics=(TIME,))
-ABSENT = Chart("streams", SECTION, "On the pairs of worlds", "No timed sweep of pair queries on streams is in this store.",
-               "streams")
 
 
-def of_sweep(context, cells):
+@of_sweeps("streams", 73, SECTION,
+           Needs("pairs", varies=(WAY,), metrics=(TIME,)),
+           "On the pairs of worlds", "No timed sweep of pair queries on streams is in this store.", "streams")
+def streams(context, cells):
     cells, refused = one_machine(context.store, cells)
     cells = cells[cells[WAY].isin(MARKS)]
     # What a scene has one value of needs no word.

@@ -10,22 +10,21 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, dimension_of, holes, identifier, listing
+from chart import Chart, Headline, Needs, dimension_of, holes, identifier, of_sweeps
 from load import one_machine
-from style import ZeroLog, grid_of_axes, legend_right, legend_room, si, times
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, times
 from table import quantity
 
-PLACE = 74
 SECTION = "Which pair query is fast and right?"
 SETTING, TIME, ERROR = "tolerance", "ns_per_query", "max_error"
 WORK = "support_calls"
 FEWEST = 3  # values of the tolerance that make a curve
-NEEDS = Needs("pairs", metrics=(TIME, ERROR), also=f"a method with {FEWEST} values of its {SETTING}")
-ABSENT = Chart("tolerance_cost", SECTION, "What a tolerance costs", "No timed sweep of pair queries over a tolerance is in this "
-               "store.", "tolerance_cost")
 
 
-def of_sweep(context, cells):
+@of_sweeps("tolerance_cost", 74, SECTION,
+           Needs("pairs", metrics=(TIME, ERROR), also=f"a method with {FEWEST} values of its {SETTING}"),
+           "What a tolerance costs", "No timed sweep of pair queries over a tolerance is in this store.", "tolerance_cost")
+def tolerance_cost(context, cells):
     if WORK not in cells:
         return []
     cells, refused = one_machine(context.store, cells)

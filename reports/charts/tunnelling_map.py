@@ -9,18 +9,15 @@ import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
 import noise
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
 from load import one_machine, split, varying
 from metrics import Trial
-from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, plt, si, times
+from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, si, times
 from table import quantity
 
-PLACE = 43
 SECTION = "What passes through a wall, and what does it cost to stop it?"
 AXES = ("speed", "thickness")
 TIME = "ms_per_step_median"
-NEEDS = Needs("world", varies=AXES, also="a scene of `n` bullets of which a finished cell says how many tunnelled")
-ABSENT = Chart("tunnelling_map", SECTION, "What passes through", "No sweep of bullets at walls is in this store.", "continuous")
 MOST_COLUMNS = 5
 ROW = 0.34  # inches of a row of cells
 LEGIBLE = 0.27  # inches of a cell from which a number fits into it
@@ -31,7 +28,10 @@ SIGNS = {noise.NOISE: "≈", noise.FEW: "?", noise.SAME_WORK: "="}
 NOT_TOLD = {**noise.IN_WORDS, noise.SAME_WORK: "by all counts the same work"}
 
 
-def of_sweep(context, cells):
+@of_sweeps("tunnelling_map", 43, SECTION,
+           Needs("world", varies=AXES, also="a scene of `n` bullets of which a finished cell says how many tunnelled"),
+           "What passes through", "No sweep of bullets at walls is in this store.", "continuous")
+def tunnelling_map(context, cells):
     if "tunnelled" not in cells:  # a store of before trials counted them
         return []
     cells, refused = one_machine(context.store, cells)

@@ -3,17 +3,17 @@
 
 import noise
 import twins
-from chart import Chart, Headline, Needs, describe, listing
+from chart import Headline, Needs, describe, listing, of_sweeps
 from load import one_machine, split, varying
 
-PLACE = 50
 SECTION = "What does a feature cost that a scene does not need?"
 COST = "ms_per_step_median"
-NEEDS = Needs("world", varies=("model",), metrics=(COST, "lean"))
-ABSENT = Chart("unneeded", SECTION, "Unneeded features", "No sweep of models is in this store.", "unneeded")
 
 
-def of_sweep(context, cells):
+@of_sweeps("unneeded", 50, SECTION,
+           Needs("world", varies=("model",), metrics=(COST, "lean")),
+           "Unneeded features", "No sweep of models is in this store.", "unneeded")
+def unneeded(context, cells):
     cells, refused = one_machine(context.store, cells)
     # A model may be another dimension, so the dimension is no axis of its own here.
     same = varying(context.store, cells, ("model", "dimension"))

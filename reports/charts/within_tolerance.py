@@ -7,20 +7,20 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import failure
-from chart import Chart, Headline, listing
+from chart import Chart, Headline, listing, of_store
 from load import family
 from style import grid_of_axes, legend_right, legend_room
 
-PLACE = 75
 SECTION = "Which method is right, and which fails where?"
 DECADES = range(-16, 1)  # tolerances: from a rounding to the size itself
 LOOSE = -3  # a thousandth of the size: what a game would not see
 EVERYTHING = "all that it was asked"
-ABSENT = Chart("within_tolerance", SECTION, "Right within which tolerance?", "No pair query that fails somewhere is in this "
-               "store.", "", made_by="verify --stage pair_query --pairs 200")
 
 
-def of_store(context):
+@of_store("within_tolerance", 75, SECTION,
+          "Right within which tolerance?", "No pair query that fails somewhere is in this store.",
+          made_by="verify --stage pair_query --pairs 200")
+def within_tolerance(context):
     ledger = context.store.ledger()
     rows = ledger[(ledger["stage"] == "pair_query") & (ledger["axis"] == "all") & (ledger["asked"] > 0)]
     groups = rows.groupby(["dimension", "precision"], sort=True)

@@ -36,7 +36,7 @@ class BodiesAtRate(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(bodies_at_rate, self.ladders(**about))
+        found = self.made(bodies_at_rate.bodies_at_rate, self.ladders(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -65,7 +65,7 @@ class BodiesAtRate(with_store.WithStore):
         self.assertEqual(made.headline.text, "On rain in 2D b keeps sixty steps a second with 400 bodies, a with 200.")
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(bodies_at_rate, synthetic_store.resolvers), [bodies_at_rate.ABSENT])
+        self.assertEqual(self.made(bodies_at_rate.bodies_at_rate, synthetic_store.resolvers), [bodies_at_rate.bodies_at_rate.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

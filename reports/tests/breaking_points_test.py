@@ -44,7 +44,7 @@ class Ladders(undrawn.Undrawn):
                     if (label, n) in fallbacks:
                         maker.leave_rows(100)
         maker.close()
-        found = chart.made(breaking_points, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        found = chart.made(breaking_points.breaking_points, chart.Context(load.Store(Path(folder.name) / "store.db")))
         self.assertEqual(len(found), 1)
         if self.draws:
             self.assertEqual(overlap.overlaps(found[0].figure), ([], []))

@@ -204,8 +204,8 @@ class Choosing(undrawn.Undrawn):
             synthetic_store.write(Path(folder) / "empty.db", themes=())
             context = chart.Context(load.Store(Path(folder) / "empty.db"))
         for needs in (chart.Needs("world", metrics=("ms_per_setp_median",)), chart.Needs("world", series=("max_sped",))):
-            bad = type("bad", (), {"NEEDS": needs, "ABSENT": None, "of_sweep": None, "__file__": "charts/planted.py"})
-            with self.assertRaisesRegex(load.UserError, "planted.py: no (metric|series) .*; valid: .*max_"):
+            bad = chart.of_sweeps("planted", 1, "", needs, "", "", "")(self.test_a_chart_that_needs_what_nobody_has_is_refused)
+            with self.assertRaisesRegex(load.UserError, "choosing_test.py: no (metric|series) .*; valid: .*max_"):
                 chart.made(bad, context)
 
 

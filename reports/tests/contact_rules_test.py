@@ -49,7 +49,7 @@ class Rules(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(contact_rules, self.stack(**about))
+        found = self.made(contact_rules.contact_rules, self.stack(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -76,10 +76,10 @@ class Rules(with_store.WithStore):
             self.assertIn("sag end: 1.7 times with sat_clip+area", self.one(of=of).finding)
 
     def test_a_chart_for_each_scene_and_none_of_other_methods(self):
-        self.assertEqual([c.id for c in self.made(contact_rules, self.stack(scenes=("pyramid", "tower")))],
+        self.assertEqual([c.id for c in self.made(contact_rules.contact_rules, self.stack(scenes=("pyramid", "tower")))],
                          ["mine_contact_rules_pyramid__3d", "mine_contact_rules_tower__3d"])
-        self.assertEqual(self.made(contact_rules, self.stack(axis="resolver", report=())), [contact_rules.ABSENT])
-        self.assertEqual(self.made(contact_rules, synthetic_store.resolvers), [contact_rules.ABSENT])
+        self.assertEqual(self.made(contact_rules.contact_rules, self.stack(axis="resolver", report=())), [contact_rules.contact_rules.absent])
+        self.assertEqual(self.made(contact_rules.contact_rules, synthetic_store.resolvers), [contact_rules.contact_rules.absent])
 
     def test_without_the_baseline_it_says_so(self):
         self.assertIn("it has no result", self.one(of={m: RULES[m] for m in ("deepest_point", "sat_clip+deepest")}).finding)

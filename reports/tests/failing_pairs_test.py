@@ -90,7 +90,7 @@ class Gallery(undrawn.Undrawn):
                                 (error, json.dumps(case("fcl_libccd", "wrong_distance", error, 0.5 + error)), kinds))
             made.close()
             context = chart.Context(load.Store(Path(folder) / "s.db"))
-            charts = failing_pairs.of_store(context)
+            charts = failing_pairs.failing_pairs.make(context)
             self.assertEqual([c.id for c in charts], ["failing_pairs_2d_f64"])
             shown = charts[0].table.set_index("which")
             self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")

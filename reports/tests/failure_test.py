@@ -52,7 +52,7 @@ class Synthetic(undrawn.Undrawn):
 
 class Failure(Synthetic):
     def charts(self):
-        return [c for c in chart.made(pair_queries, self.context)]
+        return [c for c in chart.made(pair_queries.pair_queries, self.context)]
 
     def test_the_manual_defines_it_in_the_same_words(self):
         manual = " ".join(MANUAL.read_text(encoding="utf-8").split())
@@ -88,7 +88,7 @@ class Failure(Synthetic):
 
     def test_a_store_that_does_not_count_wrong_answers_is_told(self):
         cells = self.store.cells("pair_queries").drop(columns="wrong")
-        made = pair_queries.of_sweep(self.context, cells)
+        made = pair_queries.pair_queries.make(self.context, cells)
         self.assertEqual(len(made), 1)
         self.assertIn("do not count wrong answers", made[0].finding)
 

@@ -52,7 +52,7 @@ class Hulls(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(hull_sizes, self.sizes(**about))
+        found = self.made(hull_sizes.hull_sizes, self.sizes(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -108,12 +108,12 @@ class Hulls(with_store.WithStore):
         self.assertIsNone(self.one(of={"sat": METHODS["sat"]}).headline)
 
     def test_a_chart_for_each_dimension(self):
-        found = self.made(hull_sizes, self.sizes(dimensions=(2, 3)))
+        found = self.made(hull_sizes.hull_sizes, self.sizes(dimensions=(2, 3)))
         self.assertEqual([c.id for c in found], ["hull_sizes_2d", "hull_sizes_3d"])
 
     def test_without_sizes_or_counts_there_is_no_chart(self):
-        self.assertEqual(self.made(hull_sizes, synthetic_store.queries), [hull_sizes.ABSENT])
-        asked = self.made(hull_sizes, self.sizes(counted=False))
+        self.assertEqual(self.made(hull_sizes.hull_sizes, synthetic_store.queries), [hull_sizes.hull_sizes.absent])
+        asked = self.made(hull_sizes.hull_sizes, self.sizes(counted=False))
         self.assertIn("hull_sizes asks for this chart and has not what it needs", asked[0].finding)
 
 

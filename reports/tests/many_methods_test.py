@@ -56,7 +56,7 @@ class ManyMethods(with_store.WithStore):
     @undrawn.drawn
     def test_limits_that_change_after_the_letters_are_seen(self):
         with unittest.mock.patch("over_steps.fallen", before_the_limits):
-            figures = [made.figure for made in chart.made(steadiness, self.context(sweep_of_twenty))]
+            figures = [made.figure for made in chart.made(steadiness.steadiness, self.context(sweep_of_twenty))]
         self.assertTrue(any(overlap.overlaps(figure)[0] for figure in figures), "the planted bug was not seen")
 
 

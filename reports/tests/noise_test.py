@@ -86,7 +86,7 @@ class OfStores(with_store.WithStore):
 
     def test_identical_work_is_never_a_finding(self):
         """A scene without joints cannot be 0.81 times with joints."""
-        found = self.made(unneeded, self.features(1.0))[0]
+        found = self.made(unneeded.unneeded, self.features(1.0))[0]
         self.assertIn("+cache 1.3", found.finding)
         self.assertIn("identical work with +joints", found.finding)
         self.assertIn("within the noise +friction", found.finding)
@@ -96,7 +96,7 @@ class OfStores(with_store.WithStore):
         self.assertEqual(told.loc["+joints", "time per step: why no ratio"], "identical work")
         self.assertIn("+cache", found.headline.text)
         with unittest.mock.patch.object(noise, "same_work", lambda a, b: False):
-            bad = self.made(unneeded, self.features(1.0))[0]
+            bad = self.made(unneeded.unneeded, self.features(1.0))[0]
         self.assertRegex(bad.finding, r"\+joints 0\.8\d", "the planted bug was not seen")
 
     def test_all_repeats_are_kept(self):
@@ -116,7 +116,7 @@ class OfStores(with_store.WithStore):
         self.assertAlmostEqual(noise.floor(context.store.cells("noisy"), COST), 1.2)
         few = context.store.cells("noisy").assign(**{f"{COST} runs": [[1.0, 1.1, 1.0]]})
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
-        row = chart.made(noise_floor, context)[0]
+        row = chart.made(noise_floor.noise_floor, context)[0]
         self.assertIn("a method differs by at most 20 % in noisy (95 of 100 cells of each)", row.finding)
         drawn = [x for line in row.figure.axes[0].lines for x in line.get_xdata()]
         self.assertAlmostEqual(max(drawn), 20.0, msg="percent of the ratio, as in the finding")
@@ -127,8 +127,8 @@ class OfStores(with_store.WithStore):
             for name in ("f64", "f32"):
                 maker.world("precision", {"scene": "stack", "dimension": 2, "resolver": "catto", "precision": name},
                             1.0 if name == "f64" else ratio, 1e-3)
-        self.assertIn("the same time within the noise", self.made(precision, fill)[0].finding)
-        found = self.made(precision, lambda maker: fill(maker, 0.5))[0]
+        self.assertIn("the same time within the noise", self.made(precision.precision, fill)[0].finding)
+        found = self.made(precision.precision, lambda maker: fill(maker, 0.5))[0]
         self.assertRegex(found.finding, "f32 takes 0.[45]")
 
     def test_a_median_over_precisions_takes_all_pairs(self):
@@ -140,7 +140,7 @@ class OfStores(with_store.WithStore):
                                 "timed": True, "repeat": repeat}
                         ms = (ratio if name == "f32" else 1.0) * (1 + 0.01 * (repeat % 2))
                         maker.trial("precision", axes, {COST: ms, "lean": 1e-3})
-        found = self.made(precision, fill)[0]
+        found = self.made(precision.precision, fill)[0]
         for text in (found.finding, found.headline.text):
             self.assertIn("0.54 times", text)
             self.assertRegex(text, "5 pairs.* 3 (of them )?differ beyond the noise")
@@ -159,7 +159,7 @@ class OfStores(with_store.WithStore):
                         ns = ns * (1 + 0.02 * (repeat % 2))
                         maker.trial("boxes", axes, {"ns_per_frame_median": ns, "ns_per_frame_p25": ns, "ns_per_frame_p75": ns,
                                                     "box_tests_mean": 5.0, "load": 0.1})
-        found = self.made(broadphase, fill)[0]
+        found = self.made(broadphase.broadphase, fill)[0]
         for text in (found.finding, found.headline.text):
             self.assertIn("other and third, alike within the noise,", text)
             self.assertIn("other overtakes naive at about 91 (between 64 and 128)", text)
@@ -177,11 +177,11 @@ class OfStores(with_store.WithStore):
                             "precision": "f64", "timed": True, "repeat": 0}
                     maker.trial("boxes", axes, {"ns_per_frame_median": time, "ns_per_frame_p25": time, "ns_per_frame_p75": time,
                                                 "box_tests_mean": 5.0 if method == "naive" else 7.0})
-        found = self.made(broadphase, fill)[0]
+        found = self.made(broadphase.broadphase, fill)[0]
         self.assertEqual(found.finding, f"In 2D on uniform boxes no time was taken ({broadphase.WHY_UNTIMED}).")
         self.assertEqual(found.holes, [f"no time of naive and widest: {broadphase.WHY_UNTIMED}"])
         self.assertNotIn("one line", found.note)
-        found = self.made(broadphase, lambda maker: fill(maker, 1.0))[0]
+        found = self.made(broadphase.broadphase, lambda maker: fill(maker, 1.0))[0]
         self.assertNotIn("no time", found.finding + " ".join(found.holes))
 
     def test_a_broadphase_within_the_noise_crosses_nothing(self):
@@ -195,7 +195,7 @@ class OfStores(with_store.WithStore):
                         ns = (1.02 if method == "other" else 1.0) * n**power * (1 + 0.05 * (repeat % 2))
                         maker.trial("boxes", axes, {"ns_per_frame_median": ns, "ns_per_frame_p25": ns, "ns_per_frame_p75": ns,
                                                     "box_tests_mean": 5.0, "load": 0.1})
-        found = self.made(broadphase, fill)[0]
+        found = self.made(broadphase.broadphase, fill)[0]
         self.assertIn("other is as fast as it at the largest size, within the noise", found.finding)
         self.assertNotIn("times faster", found.finding)
 
@@ -218,8 +218,9 @@ class OfStores(with_store.WithStore):
             with maker.db:
                 maker.db.execute("DELETE FROM planned WHERE sweep='features' AND axes GLOB '*repeat\": [34]*'")
         context, said = self.context(fill), ""
-        for module in (unneeded, cost_against_error, precision, broadphase, step_times):
-            for made in chart.made(module, context):
+        for kind in (unneeded.unneeded, cost_against_error.cost_against_error, precision.precision, broadphase.broadphase,
+                     step_times.step_times):
+            for made in chart.made(kind, context):
                 self.assertNotIn("within the noise", made.finding + (made.headline.text if made.headline else ""), made.id)
                 self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
                 said += made.finding
@@ -240,13 +241,13 @@ class OfStores(with_store.WithStore):
     def test_the_floor_of_every_chart_is_that_of_its_sweep(self):
         context, everywhere = self.context(self.two_scenes), "up to 20 % in 95 of 100 cells"
         self.assertAlmostEqual(noise.floor_of(context, "costs", COST), 1.2)
-        for found in chart.made(cost_against_error, context):
+        for found in chart.made(cost_against_error.cost_against_error, context):
             self.assertIn(everywhere, found.note, found.id)
             self.assertNotRegex(found.finding, r"catto takes [\d.]+ times the time of naive")
         of_shown = lambda context, sweep, metric: noise.floor(  # noqa: E731
             context.store.cells(sweep).query("scene == 'calm'"), metric)
         with unittest.mock.patch.object(noise, "floor_of", of_shown):
-            bad = chart.made(cost_against_error, context)
+            bad = chart.made(cost_against_error.cost_against_error, context)
         self.assertFalse(all(everywhere in found.note for found in bad), "the planted bug was not seen")
         for path in (HERE.parent / "charts").glob("*.py"):
             if path.stem not in ("noise_floor", "choose"):  # choose compares whole pipelines of several sweeps
@@ -269,12 +270,12 @@ class OfStores(with_store.WithStore):
         self.assertEqual(noise.said(sat, fcl, "ns_per_query", least), "noise")
         self.assertIn("2 % (competitor), 90 % (witness) in 95", noise.rule(least))
         self.assertEqual([noise.percent(v) for v in (1.0234, 1.9, 2.6)], ["2.3", "90", "160"])
-        found = chart.made(noise_floor, context)[0]
+        found = chart.made(noise_floor.noise_floor, context)[0]
         self.assertIn("2 % in pairs", found.finding)
         self.assertIn("in pairs (witness)", found.finding)
         self.assertIn("drawn at it: marks of pairs (witness) (a factor of up to 1.9)", found.note)
         with unittest.mock.patch.object(noise_floor, "WIDEST", 200.0):
-            self.assertNotIn("drawn at it", chart.made(noise_floor, context)[0].note)
+            self.assertNotIn("drawn at it", chart.made(noise_floor.noise_floor, context)[0].note)
 
     def test_a_cell_of_few_repeats_is_not_judged_as_if_it_had_many(self):
         many = cell([1.0, 1.01, 1.02, 1.01, 1.0])
@@ -307,18 +308,18 @@ class OfStores(with_store.WithStore):
         self.assertAlmostEqual(cells.loc["catto", "max_penetration"], 1e-3 * 1.055)
 
     def test_ranks_over_seeds(self):
-        found = self.made(ensembles, self.ensemble(failing=(3, 4)))[0]
+        found = self.made(ensembles.ensembles, self.ensemble(failing=(3, 4)))[0]
         self.assertIn("catto has the smallest penetration over 10 seeds", found.finding)
         self.assertIn("; naive fails under 2 of 10 seeds (of all, 6 to 51 %)", found.finding)
         self.assertIn(", worst 1.1 mm)", found.finding)
         self.assertIn("catto", found.headline.text)
         chances = [list(found.table[f"chance of a failure, {end} [1]"].round(3)) for end in ("low end", "high end")]
         self.assertEqual(chances, [[0, 0.057], [0.278, 0.510]], "of catto and naive")
-        found = self.made(ensembles, self.ensemble(turned=True))[0]
+        found = self.made(ensembles.ensembles, self.ensemble(turned=True))[0]
         self.assertIn("catto and naive tie", found.finding)
         self.assertIsNone(found.headline, "a tie is no headline")
         with unittest.mock.patch.object(ranking, "better", lambda a, b, metric, zero, many: a[metric] < b[metric]):
-            bad = self.made(ensembles, self.ensemble(turned=True))[0]
+            bad = self.made(ensembles.ensembles, self.ensemble(turned=True))[0]
         self.assertNotIn("tie", bad.finding, "a rank by medians was not seen")
 
     def test_the_interval_of_a_chance_of_failure_is_wilsons(self):
@@ -339,7 +340,7 @@ class OfStores(with_store.WithStore):
                     for label, error in zip(("catto+linear", "catto+split_impulse", "soft_step"), errors):
                         axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
                         maker.world("ensemble", axes, 1.0, error * (1 + seed / 100), repeats=0, hash=f"{error}{seed:02x}")
-        found = self.made(ensembles, fill)[0]
+        found = self.made(ensembles.ensembles, fill)[0]
         self.assertEqual(found.headline.text,
                          "On stack, 2D, started in 10 places, catto+linear and catto+split_impulse tie for the smallest "
                          "penetration at perturb=1e-06, soft_step at perturb=0.001 (the numbers: medians at perturb=0.001).")
@@ -350,9 +351,9 @@ class OfStores(with_store.WithStore):
             self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), alike)
 
     def test_seeds_that_change_nothing_are_told(self):
-        found = self.made(ensembles, self.ensemble(idle=True))[0]
+        found = self.made(ensembles.ensembles, self.ensemble(idle=True))[0]
         self.assertIn("seeds change nothing here: all 10 end in the same state", " ".join(found.holes))
-        found = self.made(ensembles, self.ensemble())[0]
+        found = self.made(ensembles.ensembles, self.ensemble())[0]
         self.assertNotIn("seeds change nothing", " ".join(found.holes))
 
     def test_a_rank_that_flips_is_a_tie_in_cost_against_error(self):
@@ -365,7 +366,7 @@ class OfStores(with_store.WithStore):
                         worse = 5 if turned and seed in (4, 7) and label == "catto" else 1
                         axes = {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}
                         maker.world("costs", axes, 1.0, error * worse)
-            found = self.made(cost_against_error, fill)
+            found = self.made(cost_against_error.cost_against_error, fill)
             self.assertEqual(len(found), 1, "not one chart for each seed")
             self.assertIn(words, found[0].finding)
 
@@ -377,7 +378,7 @@ class OfStores(with_store.WithStore):
                 for iterations, error in zip((4, 10, 30), errors):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, each * iterations / 4, error)
-        found = self.made(cost_against_error, fill)[0]
+        found = self.made(cost_against_error.cost_against_error, fill)[0]
         self.assertIn("weld has the smallest penetration (3 mm at iterations=4) and 3 of 4, hinge, pivot and rod, the same "
                       "largest (8 mm at iterations=10, 2.7 times as much).", found.finding)
         self.assertIn("weld has the smallest penetration, 3 mm at iterations=4; hinge, pivot and rod have 8 mm at iterations=10.",
@@ -393,7 +394,7 @@ class OfStores(with_store.WithStore):
                                 "precision": "f64", "timed": True, "repeat": repeat}
                         maker.trial("costs", axes, {COST: 1.0, "ms_per_step_p99": 1.2,
                                                     "ms_per_step_worst": worst * (1 + 0.1 * (repeat % 2))})
-        found = self.made(step_times, fill)[0]
+        found = self.made(step_times.step_times, fill)[0]
         self.assertEqual(found.finding, "In 2D at iterations=10 on stack the slowest step takes 4.1 times the median with c (4.1 "
                          "ms, 3 of 4 alike over their repeats) and 1.5 times with a (1.5 ms).")
 
@@ -402,7 +403,7 @@ class OfStores(with_store.WithStore):
             maker.sweep("costs", "world", resolver="label")
             for label, ms in (("catto", 1.0), ("naive", 0.9), ("box2d", 0.3)):
                 maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label}, ms, 1e-3)
-        found = self.made(step_times, fill)[0]
+        found = self.made(step_times.step_times, fill)[0]
         self.assertRegex(found.finding, r"the slowest step takes 2\.\d times the median")
         self.assertRegex(found.finding, r"a step of box2d takes 0\.3\d times the time of our fastest, naive")
 

@@ -36,7 +36,7 @@ class OverTime(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(over_time, self.piles(**about))
+        found = self.made(over_time.over_time, self.piles(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -73,7 +73,7 @@ class OverTime(with_store.WithStore):
     @undrawn.drawn
     def test_the_planted_bug_curves_apart_are_no_one_line(self):
         def drawn(apart):
-            made = self.made(over_time, self.piles(falls={"catto+linear": None, "catto+ngs": None}, apart=apart))[0]
+            made = self.made(over_time.over_time, self.piles(falls={"catto+linear": None, "catto+ngs": None}, apart=apart))[0]
             return len([line for line in made.figure.axes[0].lines])
         self.assertEqual([drawn(1e-5), drawn(1.0)], [1, 2])
         real, over_time.SEEN = over_time.SEEN, 1.0
@@ -86,7 +86,7 @@ class OverTime(with_store.WithStore):
         self.assertIsNone(self.one(falls={"catto+linear": None, "catto+ngs": None}).headline)
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(over_time, synthetic_store.resolvers), [over_time.ABSENT])
+        self.assertEqual(self.made(over_time.over_time, synthetic_store.resolvers), [over_time.over_time.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

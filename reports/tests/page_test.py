@@ -261,7 +261,7 @@ class Words(undrawn.Undrawn):
                 maker.trial("s", {"kind": "world", "n": i}, {}, outcome, "why", 1)
             maker.plan("s", kind="world", n=9)
             maker.close()
-            made = coverage_chart.of_store(chart.Context(load.Store(Path(folder) / "s.db")))[0]
+            made = coverage_chart.coverage_of_plan.make(chart.Context(load.Store(Path(folder) / "s.db")))[0]
         self.assertIn("2 of 4 planned trials ran, 1 of them ok; not ok: 1 unsupported, 1 collapsed and 1 not run.", made.finding)
         self.assertIn("2 of 4", [text.get_text() for text in made.figure.axes[0].texts])
         style.plt.close(made.figure)

@@ -34,7 +34,7 @@ class Parameters(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(parameters, self.boxes(**about))
+        found = self.made(parameters.parameters, self.boxes(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -71,7 +71,7 @@ class Parameters(with_store.WithStore):
         self.assertNotIn("cell=8", made.finding)
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(parameters, synthetic_store.broadphase), [parameters.ABSENT])
+        self.assertEqual(self.made(parameters.parameters, synthetic_store.broadphase), [parameters.parameters.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

@@ -39,7 +39,7 @@ def fill(maker, precisions=("f64",), asked=96):
 
 class Peers(with_store.WithStore):
     def one(self, **kwargs):
-        found = self.made(peers, lambda maker: fill(maker, **kwargs))
+        found = self.made(peers.peers, lambda maker: fill(maker, **kwargs))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -67,7 +67,7 @@ class Peers(with_store.WithStore):
                          self.one().finding.split(":")[0], "who is fast in f32 would be ours, and libraries answer in f64")
 
     def test_who_was_asked_nothing_is_no_row(self):
-        self.assertEqual([chart.figure for chart in self.made(peers, lambda maker: fill(maker, asked=0))], [None])
+        self.assertEqual([chart.figure for chart in self.made(peers.peers, lambda maker: fill(maker, asked=0))], [None])
 
 
 if __name__ == "__main__":

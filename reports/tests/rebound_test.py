@@ -40,7 +40,7 @@ class Rebound(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(rebound, self.drops(**about))
+        found = self.made(rebound.rebound, self.drops(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -78,7 +78,7 @@ class Rebound(with_store.WithStore):
         self.assertAlmostEqual(made.table["speed [m/s]"].max(), 20.0, msg="the planted bug: who sinks fell faster")
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(rebound, synthetic_store.resolvers), [rebound.ABSENT])
+        self.assertEqual(self.made(rebound.rebound, synthetic_store.resolvers), [rebound.rebound.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

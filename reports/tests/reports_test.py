@@ -240,7 +240,7 @@ class Loading(WithStore):
             store = load.Store(Path(folder) / "again.db")
             self.assertEqual(store.superseded, 1)
             self.assertEqual(list(store.cells("resolvers")["max_penetration"]), [2.0])
-            made = coverage_chart.of_store(chart.Context(store))[0]
+            made = coverage_chart.coverage_of_plan.make(chart.Context(store))[0]
             self.assertIn("1 older plan of the same cells", made.finding)
             style.plt.close(made.figure)
 
@@ -316,7 +316,7 @@ class Findings(WithStore):
         self.assertIn("at 1e-12 of the size, ", ledger.finding("pair_query", 3, "f64", rows))
 
     def test_who_fails_is_named_with_the_share(self):
-        made = {c.id: c for c in ledger.of_store(self.context)}
+        made = {c.id: c for c in ledger.ledger.make(self.context)}
         solid = made["ledger_pair_query_3d_f64"]
         self.assertNotIn("ledger_pair_query_2d_f64", made, "what never failed has no heat map")
         self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
@@ -342,7 +342,7 @@ class Findings(WithStore):
         questions = self.store.ledger()
         self.assertEqual(check_clean(questions, ledger_clean.clean), "")
         self.assertNotEqual(check_clean(questions, with_failures), "", "the planted bug was not seen")
-        made = ledger_clean.of_store(self.context)[0]
+        made = ledger_clean.ledger_clean.make(self.context)[0]
         failing = (questions["stage"] == "pair_query") & (questions["dimension"] == 3)
         everything = questions[(questions["axis"] == "all") & ~failing]
         asked = everything["asked"].sum()
@@ -354,7 +354,7 @@ class Findings(WithStore):
         style.plt.close(made.figure)
 
     def test_what_falls_first_and_what_has_no_result_beyond(self):
-        made = chart.made(breaking_points, self.context)
+        made = chart.made(breaking_points.breaking_points, self.context)
         text = " ".join(c.finding for c in made)
         self.assertIn("vertical_stack naive fails first, at n = 6 (collapsed)", text)
         self.assertIn("soft_step held to 33.3 ms with no result beyond", text)
@@ -368,7 +368,7 @@ class Findings(WithStore):
         self.assertEqual(len(table), len(self.store.planned))
 
     def test_micro_benchmarks_use_their_own_clock_and_show_failures(self):
-        made = micro.of_store(self.context)[0]
+        made = micro.micro.make(self.context)[0]
         self.assertIn("broken on uniform/100: did not start", made.holes)
         row = made.table.set_index("algorithm").loc["naive"]
         self.assertAlmostEqual(row["uniform/1000 [s]"], 0.9e-9 * 1e6, delta=1e-18)

@@ -47,7 +47,7 @@ class ScriptProfile(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(script_profile, self.scripts(**about))
+        found = self.made(script_profile.script_profile, self.scripts(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -108,7 +108,7 @@ class ScriptProfile(with_store.WithStore):
         self.assertIn("exploded at step 999", " ".join(made.holes))
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual([c.id for c in self.made(script_profile, synthetic_store.stages)], [script_profile.ABSENT.id])
+        self.assertEqual([c.id for c in self.made(script_profile.script_profile, synthetic_store.stages)], [script_profile.script_profile.absent.id])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

@@ -44,7 +44,7 @@ class SleepScenes(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = [c for c in self.made(sleeping, self.scenes(**about)) if c.id == "sleeping_scenes_2d"]
+        found = [c for c in self.made(sleeping.sleeping, self.scenes(**about)) if c.id == "sleeping_scenes_2d"]
         self.assertEqual(len(found), 1)
         return found[0]
 

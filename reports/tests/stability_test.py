@@ -39,7 +39,7 @@ class Stability(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(stability, self.presets(**about))
+        found = self.made(stability.stability, self.presets(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -70,7 +70,7 @@ class Stability(with_store.WithStore):
         self.assertIsNone(self.one(falls={}).headline)
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(stability, synthetic_store.resolvers), [stability.ABSENT])
+        self.assertEqual(self.made(stability.stability, synthetic_store.resolvers), [stability.stability.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

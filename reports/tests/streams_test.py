@@ -50,7 +50,7 @@ class Streams(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(streams, self.asked(**about))
+        found = self.made(streams.streams, self.asked(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -92,8 +92,8 @@ class Streams(with_store.WithStore):
         self.assertEqual(rings(made), 2, "beside its time and its axis tests")
 
     def test_a_chart_for_each_dimension_and_none_without_streams(self):
-        self.assertEqual([c.id for c in self.made(streams, self.asked(dimensions=(2, 3)))], ["streams_2d", "streams_3d"])
-        self.assertEqual(self.made(streams, synthetic_store.queries), [streams.ABSENT])
+        self.assertEqual([c.id for c in self.made(streams.streams, self.asked(dimensions=(2, 3)))], ["streams_2d", "streams_3d"])
+        self.assertEqual(self.made(streams.streams, synthetic_store.queries), [streams.streams.absent])
 
     def test_one_method_has_no_rank(self):
         made = self.one(of={"pile": {"sat": (105, 90, None)}})

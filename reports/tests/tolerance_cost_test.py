@@ -49,7 +49,7 @@ class Tolerance(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(tolerance_cost, self.loosened(**about))
+        found = self.made(tolerance_cost.tolerance_cost, self.loosened(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -109,10 +109,10 @@ class Tolerance(with_store.WithStore):
         self.assertTrue(math.isnan(tolerance_cost.parted("sat")[1]))
 
     def test_no_chart_without_a_curve(self):
-        asked = self.made(tolerance_cost, self.loosened(values=(0, 1e-3)))
+        asked = self.made(tolerance_cost.tolerance_cost, self.loosened(values=(0, 1e-3)))
         self.assertIn("tolerance_cost asks for this chart and has not what it needs: a method with 3 values of its tolerance",
                       asked[0].finding)
-        self.assertEqual(self.made(tolerance_cost, synthetic_store.queries), [tolerance_cost.ABSENT])
+        self.assertEqual(self.made(tolerance_cost.tolerance_cost, synthetic_store.queries), [tolerance_cost.tolerance_cost.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
