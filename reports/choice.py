@@ -17,7 +17,6 @@ import metrics
 import noise
 import ranking
 from chart import describe, plural
-from charts.cost_against_error import errors_of
 from load import axes_of, split, varying
 from style import si, times
 
@@ -87,7 +86,7 @@ def errors_judged(context, parts):
     shared = [name for name in (LEFT, "penetration_poses", JITTER) if name in finished and len(finished) and
               finished[name].notna().all() and (finished[name] > 0).any()]
     meant = {context.metric(name).smaller for name in shared}
-    others = [name for name in errors_of(context, cells) if context.metric(name).smaller not in meant]
+    others = [name for name in metrics.errors_of(context, cells) if context.metric(name).smaller not in meant]
     return shared + [name for name in others if context.metric(name).compute is None][:1] or others[:1]
 
 

@@ -223,3 +223,16 @@ def crossover(n, a, b):
     i = before[-1]
     share = -gap[i] / (gap[i + 1] - gap[i])
     return float(math.exp(math.log(n[i]) + share * (math.log(n[i + 1]) - math.log(n[i]))))
+
+
+def errors_of(context, cells):
+    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has.
+    An error that none of them makes (no contacts, no penetration) is no panel."""
+    finished = cells[cells["outcome"] == "ok"]
+    names, kept = context.metrics("world", "error"), {}
+    for name in names:
+        values = column(finished, name)
+        has = finished["method"][np.isfinite(values)]
+        if np.nansum(np.abs(values)) > 0 and set(has) == set(finished["method"]):
+            kept.setdefault(context.metric(name).smaller, name)
+    return list(kept.values())[:3] or names[:1]

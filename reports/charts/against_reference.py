@@ -16,8 +16,8 @@ from matplotlib.lines import Line2D
 import metrics
 import over_steps
 import ranking
+from budget import marks, within
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
-from charts.budgets import marks, within
 from load import split, varying
 from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si, times
 from table import quantity

@@ -11,8 +11,8 @@ import metrics
 import noise
 import over_steps
 import ranking
+from budget import marks, within
 from chart import Chart, Needs, describe, holes, identifier, listing, methods, of_sweeps
-from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
 from matplotlib.lines import Line2D
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si
@@ -20,7 +20,6 @@ from table import quantity
 
 SECTION = "Which method is right within a budget?"
 TIME = "ms_per_step_median"
-BUDGETS = 4  # that the finding names, evenly on a log axis from where two methods have finished to the dearest
 
 
 @of_sweeps("budgets", 21, SECTION,
@@ -41,26 +40,6 @@ def budgets(context, cells):
             chart = _chart(context, equal, describe(equal.iloc[0], groups + inner), setting, refused)
             made += [chart] if chart else []
     return made
-
-
-def within(cells, cost, error, budget, least=1.0):
-    """{method: its cell with the least error at that budget}; whoever has none at that cost is not in it. A time above the budget
-    by no more than the noise, `least`, or whose interval holds it, is within it: a cut through noise would be a rank by noise."""
-    above = np.array([noise.above(cell, cost, budget, least) for _, cell in cells.iterrows()])
-    good = cells[(cells["outcome"] == "ok").to_numpy() & ~above & np.isfinite(metrics.column(cells, cost)) &
-                 np.isfinite(metrics.column(cells, error))]
-    return {method: part.loc[part[error].idxmin()] for method, part in good.groupby("method", sort=True)}
-
-
-def marks(cells, cost, error):
-    """The budgets that are named."""
-    good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
-                 np.isfinite(metrics.column(cells, error))]
-    firsts = sorted(good.groupby("method")[cost].min())
-    if len(firsts) < 2 or good[cost].max() <= 0:
-        return []
-    lowest = next(v for v in sorted(good[cost]) if v >= firsts[1] and v > 0)  # what costs nothing is within every budget
-    return list(np.geomspace(lowest, good[cost].max(), BUDGETS)) if good[cost].max() > lowest else [lowest]
 
 
 def least_of(context, cells, cost):
@@ -93,7 +72,7 @@ def finding(context, cells, cost, error):
 
 
 def _chart(context, cells, where, setting, refused):
-    error = errors_of(context, cells)[0]
+    error = metrics.errors_of(context, cells)[0]
     costs = [name for name in context.metrics("world", "cost") if marks(cells, name, error)][:2]
     if not costs:
         return None

@@ -37,19 +37,6 @@ def cost_against_error(context, cells):
     return made
 
 
-def errors_of(context, cells):
-    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has.
-    An error that none of them makes (no contacts, no penetration) is no panel."""
-    finished = cells[cells["outcome"] == "ok"]
-    names, kept = context.metrics("world", "error"), {}
-    for name in names:
-        values = metrics.column(finished, name)
-        has = finished["method"][np.isfinite(values)]
-        if np.nansum(np.abs(values)) > 0 and set(has) == set(finished["method"]):
-            kept.setdefault(context.metric(name).smaller, name)
-    return list(kept.values())[:3] or names[:1]
-
-
 def engine_notes(context, cells):
     """What whole engines do otherwise whatever is set; it stands where they are ranked."""
     said = {}
@@ -207,7 +194,7 @@ def against_baseline(context, cells, cost_name, error_name):
 
 def _cost_chart(context, cells, groups, refused):
     where = describe(cells.iloc[0], groups)
-    errors, looks = errors_of(context, cells), context.looks(cells)
+    errors, looks = metrics.errors_of(context, cells), context.looks(cells)
     costs = context.metrics("world", "cost")
     costs = [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
     labels = sorted(cells["method"].unique())

@@ -11,7 +11,6 @@ import metrics
 import noise
 import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
-from charts.cost_against_error import errors_of
 from load import split, varying
 from style import ZeroLog, grid_of_axes, legend_right, si
 from table import quantity
@@ -165,7 +164,7 @@ def headline(context, where, groups, error, everyone):
 
 
 def _chart(context, cells, where, inner):
-    errors, looks = errors_of(context, cells)[:ERRORS], context.looks(cells)
+    errors, looks = metrics.errors_of(context, cells)[:ERRORS], context.looks(cells)
     everyone = sorted(cells["method"].unique())
     groups = [(describe(part.iloc[0], inner) or where, part.sort_values("method")) for part in split(cells, inner, sort=True)]
     lines = sum(len(part) + 1 for _, part in groups)

@@ -12,7 +12,6 @@ import metrics
 import noise
 import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps, plural
-from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
 from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
 from table import quantity
@@ -41,7 +40,7 @@ def equal_cost(context, cells):
 def ranked_metrics(context, cells, about):
     """What methods are ranked by: errors where the cost is equal, costs where the error is."""
     if about["equal"] == "cost":
-        return errors_of(context, cells)[:PANELS]
+        return metrics.errors_of(context, cells)[:PANELS]
     costs = context.metrics("world", "cost")
     return [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
 
