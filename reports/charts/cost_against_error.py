@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
-"""What a step costs against how wrong it is, method by method, on one scene."""
+"""What a step costs against how wrong it is, method by method, on one scene; and whose error is smallest within a budget."""
 
+import itertools
 import math
 
 import numpy as np
@@ -11,18 +12,19 @@ import metrics
 import noise
 import over_steps
 import ranking
+from budget import marks, within
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
 from load import one_machine, split, varying
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of,
                    si, times)
 from table import quantity
 
-SECTION = "Which method is right for its cost?"
+RIGHT_FOR_COST = "Which method is right for its cost?"
 # Which errors a scene can show, its trials say; features and precisions are compared by charts of their own.
 WHOSE = 6  # so many methods that failed are named in the legend
 
 
-@of_sweeps("cost_against_error", 20, SECTION,
+@of_sweeps("cost_against_error", 20, RIGHT_FOR_COST,
            Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",)),
            "Cost against error", "No timed sweep of several methods is in this store.", "resolvers")
 def cost_against_error(context, cells):
@@ -48,7 +50,7 @@ def engine_notes(context, cells):
     return "".join(said[method] for method in sorted(said))
 
 
-def budgets(cells, cost_name, error_name):
+def at_equal_cost(cells, cost_name, error_name):
     """What each method reaches at equal cost (`at`: in which cell), and pays at equal error; the budgets are those that every
     method meets."""
     good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost_name)) &
@@ -79,7 +81,7 @@ def finding(context, cells, where, cost_name, error_name):
     tail = f" Not ok ({kinds}): {listing(fails)} {unit_of_fails}." if fails else " Every cell finished."
     tail += ranking.tail(context, cells)
     everyone, cells = sorted(cells["method"].unique()), ranking.eligible(context, cells)
-    result = budgets(cells, cost_name, error_name)
+    result = at_equal_cost(cells, cost_name, error_name)
     if result is None:
         return f"On {where} no method finished with a cost and an error.{tail}"
     cost_budget, _, table = result
@@ -128,7 +130,7 @@ def at_setting(cell, named, setting):
 def headline(context, cells, where, cost_name, error_name):
     """The errors that methods reach at equal cost."""
     cells = ranking.eligible(context, cells)
-    result = budgets(cells, cost_name, error_name)
+    result = at_equal_cost(cells, cost_name, error_name)
     if result is None:
         return None
     cost_budget, _, table = result
@@ -247,10 +249,10 @@ def _cost_chart(context, cells, groups, refused):
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
     table = _table(context, cells, setting, costs, errors)
-    reached = budgets(ranking.eligible(context, cells), costs[0], errors[0])
+    reached = at_equal_cost(ranking.eligible(context, cells), costs[0], errors[0])
     compared = 0 if reached is None else int(reached[2]["error"].notna().sum())
     order = f"Along a line {setting} grows with the marker. " if setting else ""
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), RIGHT_FOR_COST, f"Cost against error: {where}",
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
                  order + "A letter in the top band is a run that failed. The front joins the ranked runs that no other "
@@ -299,7 +301,7 @@ def _table(context, cells, setting, costs, errors):
                     columns |= quantity(f"{context.title(name)}, {end} end over {numbers[len(name) + 1:]}", context.unit(name),
                                         [pair[place] for pair in ends])
     first, second = costs[0], errors[0]
-    result = budgets(cells, first, second)
+    result = at_equal_cost(cells, first, second)
     if result is not None:
         cost_budget, error_budget, table = result
         by = table.set_index("method")
@@ -308,3 +310,100 @@ def _table(context, cells, setting, costs, errors):
         columns |= quantity(f"least {context.title(first)} for {si(error_budget, context.unit(second))}", context.unit(first),
                           by["cost"][cells["method"]])
     return pd.DataFrame(columns).sort_values(list(columns)[:2] if setting else ["method"])
+
+
+WITHIN_BUDGET = "Which method is right within a budget?"
+TIME = "ms_per_step_median"
+
+
+@of_sweeps("budgets", 21, WITHIN_BUDGET,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(TIME,),
+                 also="several values of a setting at several costs"),
+           "Error within a budget", "No timed sweep of several methods at several costs is in this store.", "resolvers")
+def error_within_budgets(context, cells):
+    cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error")))
+    groups = [c for c in ("scene", "dimension") if c in cells]
+    made = []
+    for part in split(cells, groups):
+        setting = next(iter(context.settings(part)), None)
+        if not setting:
+            continue
+        part = over_steps.own_setting(part, setting)
+        inner = varying(context.store, part, (*groups, setting))
+        for equal in split(part, inner, sort=True):
+            chart = _chart(context, equal, describe(equal.iloc[0], groups + inner), setting, refused)
+            made += [chart] if chart else []
+    return made
+
+
+def least_of(context, cells, cost):
+    """The noise of a cost: counts have none."""
+    return noise.floor_of(context, cells["sweep"].iloc[0], cost) if context.store.is_time(cost) else 1.0
+
+
+def compared(context, cells, cost, error):
+    """How many methods have a rank at each budget."""
+    cells, least = ranking.eligible(context, cells), least_of(context, cells, cost)
+    return [len(within(cells, cost, error, budget, least)) for budget in marks(cells, cost, error)]
+
+
+def finding_of_budgets(context, cells, cost, error):
+    """Whose error is smallest within each budget: `within 1 ms and 2 ms per step that of a (4 mm), within 4 ms that of ...`."""
+    unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
+    cells = ranking.eligible(context, cells)
+    for budget in marks(cells, cost, error):
+        reached = within(cells, cost, error, budget, least_of(context, cells, cost))
+        best, many = min(reached.values(), key=lambda cell: cell[error]), ranking.comparisons(len(reached))
+        equals = [m for m, cell in reached.items() if not ranking.better(best, cell, error, context.floor(error), many)]
+        value = best[error] if best[error] > context.floor(error) else 0.0
+        unit_of_cost = context.unit(cost)
+        text = f"{budget:,.0f}" if unit_of_cost == "1" and budget >= 100 else si(budget, unit_of_cost)
+        said.append((text, f"that of {methods(equals, everyone)} ({si(value, unit)})"))
+    # Budgets one after another with one answer are told together: they are lines drawn beforehand, not where ranks change.
+    told = [(listing(budget for budget, _ in group), text) for text, group in itertools.groupby(said, lambda one: one[1])]
+    of = "per step" if context.unit(cost) != "1" else context.title(cost)
+    return ", ".join(f"within {budgets} {of + ' ' if i == 0 else ''}{text}" for i, (budgets, text) in enumerate(told))
+
+
+def _chart(context, cells, where, setting, refused):
+    error = metrics.errors_of(context, cells)[0]
+    costs = [name for name in context.metrics("world", "cost") if marks(cells, name, error)][:2]
+    if not costs:
+        return None
+    labels, looks = sorted(cells["method"].unique()), context.looks(cells)
+    names = ranking.names(context, cells)
+    width = legend_room(names.values(), 2.0)
+    figure, axes = grid_of_axes(1, len(costs), 2.6, width, left=0.9, gap_x=0.9)
+    rows, ranked = [], []
+    for column, cost in enumerate(costs):
+        ax = axes[0][column]
+        ranked += compared(context, cells, cost, error)
+        good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
+                     np.isfinite(metrics.column(cells, error))]
+        across = ZeroLog(ax, "x", list(good[cost]), context.unit(cost), failures=False)
+        up = ZeroLog(ax, "y", list(good[error]), context.unit(error), failures=False, floor=context.floor(error))
+        for method, part in good.groupby("method", sort=True):
+            part = part.sort_values(cost)
+            reached = np.minimum.accumulate(part[error].to_numpy(dtype=float))
+            ends = [*part[cost], max(good[cost])]
+            ax.step([across.place(v) for v in ends], [up.place(v) for v in (*reached, reached[-1])], where="post",
+                    **{**looks(method), "lw": 1.3}, markevery=list(range(len(part))))
+        for budget in marks(cells, cost, error):
+            ax.axvline(budget, color="#999999", lw=0.8, ls=":", zorder=0.5)
+            for method, cell in within(cells, cost, error, budget, least_of(context, cells, cost)).items():
+                numbers = quantity(f"{context.title(cost)}, at most", context.unit(cost), [budget])
+                numbers |= quantity(context.title(error), context.unit(error), [cell[error]])
+                rows.append({"method": method, setting: cell[setting], **{name: v[0] for name, v in numbers.items()}})
+        ax.set_xlabel(context.title(cost))
+        ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
+    legend_right(figure, [Line2D([], [], label=names[m], **looks(m)) for m in labels], width)
+    said = [finding_of_budgets(context, cells, cost, error) for cost in costs]
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), WITHIN_BUDGET, f"Least error within a budget: {where}",
+                 f"On {where} the smallest {context.title(error).removeprefix('largest ')} is, " + "; ".join(said) + "."
+                 + ranking.tail(context, cells),
+                 cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
+                 f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
+                 "are the budgets that the finding compares. What is not named at a budget errs more, or has no run that "
+                 "cheap: a time above the budget by no more than the noise is within it. "
+                 + ranking.rule(max(map(len, cells["seeds"])), *ranked) + " " + noise.rule(
+                     noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

@@ -18,7 +18,7 @@ import ranking  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import breaking_points  # noqa: E402
+from charts.breaking_points import breaking_points  # noqa: E402
 
 EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations", "most": 256}
 
@@ -44,7 +44,7 @@ class Ladders(undrawn.Undrawn):
                     if (label, n) in fallbacks:
                         maker.leave_rows(100)
         maker.close()
-        found = chart.made(breaking_points.breaking_points, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        found = chart.made(breaking_points, chart.Context(load.Store(Path(folder.name) / "store.db")))
         self.assertEqual(len(found), 1)
         if self.draws:
             self.assertEqual(overlap.overlaps(found[0].figure), ([], []))

@@ -15,7 +15,8 @@ import chart  # noqa: E402
 import load  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import cost_against_error, step_times  # noqa: E402
+from charts import cost_against_error  # noqa: E402
+from charts.step_times import step_times  # noqa: E402
 
 COST = "ms_per_step_median"
 ENGINE = {"precision": "f32", "engine": {"name": "box2d", "differs": "a skin of 1 cm"}, "pipeline": "engine=box2d{iterations=10}"}
@@ -46,14 +47,15 @@ class Cells(unittest.TestCase):
                                synthetic_store.registered("velocity", ["catto"]) +
                                synthetic_store.registered("engine", ["box2d"], "engine"))
         self.assertEqual([context.store.role(label) for label in ("catto", "erin", "mine")], ["competitor", "engine", "witness"])
-        self.assertIn("erin is a whole engine, here in f32: a skin of 1 cm", chart.made(cost_against_error.cost_against_error, context)[0].note)
-        self.assertRegex(chart.made(step_times.step_times, context)[0].finding, r"a step of erin takes 30\d µs in f32")
+        self.assertIn("erin is a whole engine, here in f32: a skin of 1 cm", 
+                      chart.made(cost_against_error.cost_against_error, context)[0].note)
+        self.assertRegex(chart.made(step_times, context)[0].finding, r"a step of erin takes 30\d µs in f32")
         with unittest.mock.patch.object(cost_against_error.metrics, "pareto", wraps=cost_against_error.metrics.pareto) as front:
             chart.made(cost_against_error.cost_against_error, context)
         ranked = [sum(error == error for error in call.args[1]) for call in front.call_args_list]
         self.assertEqual(set(ranked), {2}, "the front is of catto and mine; erin is f32 among f64")
         with unittest.mock.patch.object(load.Store, "role", by_label):
-            self.assertNotIn("a step of erin", chart.made(step_times.step_times, context)[0].finding, "the bug was not seen")
+            self.assertNotIn("a step of erin", chart.made(step_times, context)[0].finding, "the bug was not seen")
 
     def test_a_label_of_several_stages_has_all_their_roles(self):
         context = self.context(lambda maker: None)

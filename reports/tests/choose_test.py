@@ -24,6 +24,7 @@ import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 from charts import choose  # noqa: E402
+from charts.choose import what_to_take  # noqa: E402
 
 SEEDS = tuple(range(1, 11))
 FLAT = (1.0,) * len(SEEDS)
@@ -80,7 +81,7 @@ class Choose(undrawn.Undrawn):
                                 left=2e-3, extra={"pipeline": text})
         maker.close()
         context = chart.Context(load.Store(self.path))
-        made = choose.what_to_take.make(context)
+        made = what_to_take.make(context)
         self.addCleanup(style.plt.close, "all")
         for c in made:
             if c.figure is not None and self.draws:
@@ -144,7 +145,7 @@ class Choose(undrawn.Undrawn):
                                      "mean_penetration_poses_end": depth / 2, "jitter": speed * (1 + seed / 100)},
                                     extra={"pipeline": text})
             maker.close()
-            made, = choose.what_to_take.make(chart.Context(load.Store(path)))
+            made, = what_to_take.make(chart.Context(load.Store(path)))
             self.addCleanup(style.plt.close, "all")
             return (next(m for m, word in self.verdicts(made.table, "resolver").items() if word == "take"),
                     self.column(made.table, "resolver", "reason"), made)

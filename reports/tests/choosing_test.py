@@ -220,7 +220,8 @@ class Engines(undrawn.Undrawn):
             made.close()
             store = load.Store(Path(folder) / "engines.db")
             context = chart.Context(store)
-            return next(c for c in make.all_charts(context) if c.figure is not None and c.section == cost_against_error.SECTION)
+            return next(c for c in make.all_charts(context)
+                        if c.figure is not None and c.section == cost_against_error.RIGHT_FOR_COST)
 
     @undrawn.drawn
     def test_an_engine_is_marked_kept_in_its_precision_and_told_apart(self):

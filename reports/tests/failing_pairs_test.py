@@ -20,7 +20,8 @@ import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import failing_pairs  # noqa: E402
+from charts import corpus  # noqa: E402
+from charts.corpus import failing_pairs  # noqa: E402
 
 STILL = {2: {"t": [0, 0], "cos_sin": [1, 0]}, 3: {"t": [0, 0, 0], "q_wxyz": [1, 0, 0, 0]}}
 
@@ -63,17 +64,17 @@ class Gallery(undrawn.Undrawn):
         self.assertNotEqual(check_outlines(without_rounding), "", "the planted bug was not seen")
 
     def test_every_panel_says_what_is_wrong(self):
-        told = lambda failure, error=1e-9: failing_pairs.told(case("m", failure, error, 1.0))[2:]  # noqa: E731
+        told = lambda failure, error=1e-9: corpus.told(case("m", failure, error, 1.0))[2:]  # noqa: E731
         self.assertEqual(told("wrong_distance"), ["wrong distance", "500 mm for 1 m", "off by 1.0e-09"])
         self.assertEqual(told("wrong_normal"), ["wrong normal", "off by 1.0e-09 along it"], "its distance is right")
         self.assertEqual(told("wrong_side"), ["wrong side", "500 mm for 1 m", "off by 1.0e-09"])
         self.assertEqual(told("wrong_side", None), ["wrong side", "true: 1 m"], "a witness that knows the side alone")
         self.assertEqual(told("not_finite", None), ["no answer: not finite", "true: 1 m"])
-        wrong = {name: {"worst": (0, case(name, name, 0.1 * i, 1.0))} for i, name in enumerate(failing_pairs.WRONG)}
+        wrong = {name: {"worst": (0, case(name, name, 0.1 * i, 1.0))} for i, name in enumerate(corpus.WRONG)}
         self.assertIn("are wrong, 1 in distance, 1 in normal and 1 in side; the worst of all is wrong_side's on sphere–sphere "
-                      "(ties), a wrong side, off by 0.2", failing_pairs.finding(wrong, 2, "f64"))
+                      "(ties), a wrong side, off by 0.2", corpus.finding_of_pairs(wrong, 2, "f64"))
         del wrong["wrong_side"]
-        self.assertIn("off by 0.1 of the size along its normal alone", failing_pairs.finding(wrong, 2, "f64"))
+        self.assertIn("off by 0.1 of the size along its normal alone", corpus.finding_of_pairs(wrong, 2, "f64"))
 
     @undrawn.drawn
     def test_the_simplest_and_the_worst_pair_stand_beside_each_other(self):
@@ -90,7 +91,7 @@ class Gallery(undrawn.Undrawn):
                                 (error, json.dumps(case("fcl_libccd", "wrong_distance", error, 0.5 + error)), kinds))
             made.close()
             context = chart.Context(load.Store(Path(folder) / "s.db"))
-            charts = failing_pairs.failing_pairs.make(context)
+            charts = failing_pairs.make(context)
             self.assertEqual([c.id for c in charts], ["failing_pairs_2d_f64"])
             shown = charts[0].table.set_index("which")
             self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")

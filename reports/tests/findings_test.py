@@ -22,8 +22,14 @@ import over_steps  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import (broadphase, budgets, cost_against_error, distinctness, energy, ensembles, residual, stages,  # noqa: E402
-                    steadiness)
+from charts import broadphase, standing  # noqa: E402
+from charts.conserved import energy  # noqa: E402
+from charts.cost_against_error import cost_against_error, error_within_budgets  # noqa: E402
+from charts.ensembles import ensembles  # noqa: E402
+from charts.measurements import distinctness  # noqa: E402
+from charts.problems import residual  # noqa: E402
+from charts.stages import stages  # noqa: E402
+from charts.standing import steadiness  # noqa: E402
 
 COST = "ms_per_step_median"
 
@@ -54,7 +60,7 @@ class Findings(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 0.1 * iterations, error * 4 / iterations)
         def told():
-            return self.made(cost_against_error.cost_against_error, fill)[0]
+            return self.made(cost_against_error, fill)[0]
         made = told()
         self.assertRegex(made.headline.text, r"box2d has the smallest penetration, 100 µm; naive has 6 mm at iterations=4\.$")
         self.assertIn("Beside catto at iterations = 30, and without iterations, box2d takes", made.finding)
@@ -64,7 +70,7 @@ class Findings(with_store.WithStore):
 
     def test_the_ends_of_two_runs_of_a_script_are_numbers_and_no_ratio(self):
         """The last tenth of one run has no repeats here: that no floor of whole runs judges it."""
-        found = self.made(stages.stages, synthetic_store.stages)[0]
+        found = self.made(stages, synthetic_store.stages)[0]
         self.assertRegex(found.finding, r"none: peak [\d.]+ ms, last tenth [\d.]+ ms a step and split_average: peak")
         self.assertNotIn("as dear as", found.finding)
         self.assertIn("no ratio of two runs is told", found.note)
@@ -76,7 +82,7 @@ class Findings(with_store.WithStore):
                 for seed, error in enumerate(errors):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}
                     maker.world("ensemble", axes, 1.0, error, repeats=0)
-        found = self.made(ensembles.ensembles, fill)[0]  # in the order of names catto would be the first
+        found = self.made(ensembles, fill)[0]  # in the order of names catto would be the first
         self.assertIn("naive and catto tie for the smallest penetration over 3 seeds (naive: median 2 mm, worst 3 mm)",
                       found.finding)
 
@@ -89,10 +95,10 @@ class Findings(with_store.WithStore):
                         axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
                         maker.world("ensemble", axes, 1.0, 1e-3, repeats=0,
                                     hash=f"{perturb} {seed}" + ("" if seed in alike else label))
-        found = chart.made(distinctness.distinctness, self.context(fill))[0]
+        found = chart.made(distinctness, self.context(fill))[0]
         self.assertIn("No two methods end in the same bits in most of the runs", found.finding)
         self.assertEqual(found.table[["cells", "equal"]].to_numpy().tolist(), [[20, 2]])
-        found = chart.made(distinctness.distinctness, self.context(lambda maker: fill(maker, range(1, 9))))[0]
+        found = chart.made(distinctness, self.context(lambda maker: fill(maker, range(1, 9))))[0]
         self.assertIn("catto and naive are one path (16 of 20 comparisons", found.finding)
 
     @staticmethod
@@ -120,7 +126,7 @@ class Findings(with_store.WithStore):
         self.assertEqual(sorted(budget.within(cells, COST, "penetration_poses", 1.02, least)), ["naive"])
         cells = self.context(self.cut([1.01, 1.2, 1.21, 1.23, 1.24])).store.cells("costs")
         self.assertEqual(sorted(budget.within(cells, COST, "penetration_poses", 1.02, least)), ["catto", "naive"], "whiskers")
-        found = chart.made(budgets.budgets, context)[0]
+        found = chart.made(error_within_budgets, context)[0]
         self.assertRegex(found.finding, r"within 1\.02 ms, .*per step that of catto \(1 mm\)\.")
         self.assertIn("a time above the budget by no more than the noise is within it", found.note)
 
@@ -132,7 +138,7 @@ class Findings(with_store.WithStore):
                 for label, work in zip(("catto", "naive"), works):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, iterations / 10, 1e-2 / iterations, work=work)
-        found = self.made(budgets.budgets, fill)[0]
+        found = self.made(error_within_budgets, fill)[0]
         self.assertEqual(len(found.figure.axes), 2, "a panel for each cost")
         drawn = found.figure.axes[1].lines
         self.assertTrue(all(x > 0 for line in drawn for x in line.get_xdata()), "0 has no place on a log axis")
@@ -145,20 +151,20 @@ class Findings(with_store.WithStore):
                 for label, error in zip(("catto", "naive"), errors):
                     maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
                                 iterations / 10, error)
-        found = self.made(budgets.budgets, fill)[0]
+        found = self.made(error_within_budgets, fill)[0]
         self.assertRegex(found.finding, r"^On stack, 2D the smallest penetration is, within 4\d\d µs and 8\d\d µs per step "
                          r"that of catto \(4 mm\), within \S+ ms that of naive \(2 mm\), within \S+ ms that of naive "
                          r"\(1 mm\); within \S+ .*multiply-adds per step that of catto \(4 mm\), .* naive \(1 mm\)\.$")
 
     def test_what_is_below_rounding_has_no_rank_in_rest(self):
-        said = steadiness.finding("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
+        said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
                                   ["catto", "soft_step", "millington", "naive"])
         self.assertEqual(said, "on pyramid catto and soft_step come to rest (below 1 nm/s in the last quarter); it is most "
                          "restless with millington (100 mm/s); naive fails")
-        said = steadiness.finding("pyramid", {"catto": 6.6e-13, "soft_step": 0.0}, [], ["catto", "soft_step"])
+        said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 0.0}, [], ["catto", "soft_step"])
         self.assertEqual(said, "on pyramid catto and soft_step come to rest (below 1 nm/s in the last quarter)")
-        with unittest.mock.patch.object(steadiness, "at_rest", lambda speeds: speeds):
-            bad = steadiness.finding("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13}, [], ["catto", "soft_step"])
+        with unittest.mock.patch.object(standing, "at_rest", lambda speeds: speeds):
+            bad = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13}, [], ["catto", "soft_step"])
         self.assertIn("calmest with soft_step", bad, "the planted bug was not seen")
 
     def test_who_fails_is_told_beside_the_speeds_of_the_others(self):
@@ -169,7 +175,7 @@ class Findings(with_store.WithStore):
                     failed = ("collapsed", "far", 50) if label == "naive" else ()
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 1.0, 1e-3, *failed, restless=restless)
-        found = self.made(steadiness.steadiness, fill)[0]
+        found = self.made(steadiness, fill)[0]
         self.assertRegex(found.headline.text, r"^On stack in 2D at iterations=10, by the RMS of .* in the last quarter, .*; of "
                          r"those that finish, the fastest goes at .* with catto; naive fails\.$")
         self.assertTrue(math.isnan(found.headline.values["naive"]))
@@ -183,7 +189,7 @@ class Findings(with_store.WithStore):
                 for iterations, error in zip((4, 30), errors):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 1.0, error)
-        found = self.made(residual.residual, fill)[0]
+        found = self.made(residual, fill)[0]
         self.assertEqual(found.finding, "In 2D on stack the residual of catto and naive falls from 4 to 30 iterations "
                          "below 1e-12, from 4e-07 to 1e-06; that of 1 of 4 methods is below 1e-12 from the first.")
 
@@ -198,11 +204,11 @@ class Findings(with_store.WithStore):
                             axes = {"scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
                             maker.world("costs", axes, 1.0, errors[iterations] * contacts)
             return into
-        found = self.made(residual.residual, fill(1))[0]
+        found = self.made(residual, fill(1))[0]
         self.assertEqual(found.finding, "In 2D on stack the residual of soft_step falls most of 3 methods from 10 to 30 "
                          "iterations, from 0.0004 to 0.0001; that of 1 of 3 methods does not fall; on pyramid only "
                          "iterations=10 was run.")
-        self.assertIsNone(self.made(residual.residual, fill(0))[0].figure, "no contacts, no residual, no chart")
+        self.assertIsNone(self.made(residual, fill(0))[0].figure, "no contacts, no residual, no chart")
 
     @staticmethod
     def boxes(runs_of, sizes=(64, 128, 256, 512), frames=(40,)):
@@ -232,8 +238,8 @@ class Findings(with_store.WithStore):
         self.assertIn("other overtakes naive", bad.finding, "a rule without whiskers was not seen")
 
     def test_boxes_over_another_axis_are_two_charts(self):
-        found = self.made(broadphase.broadphase, self.boxes(lambda method, n, frames: [n * frames * (1 + 0.01 * i) for i in range(5)],
-                                                 frames=(10, 40)))
+        runs = lambda method, n, frames: [n * frames * (1 + 0.01 * i) for i in range(5)]  # noqa: E731
+        found = self.made(broadphase.broadphase, self.boxes(runs, frames=(10, 40)))
         self.assertEqual([c.id for c in found], ["boxes_2d_frames_10", "boxes_2d_frames_40"])
         for c in found:
             self.assertEqual(len(c.table), 8)
@@ -249,9 +255,9 @@ class Findings(with_store.WithStore):
                     axes = {"kind": "world", "scene": "fall", "dimension": 2, "resolver": label, "timed": False, "repeat": 0}
                     maker.trial("costs", axes, {}, outcome, step=3 if outcome != "ok" else None, series=series)
             return into
-        found = self.made(energy.energy, fill(1e9, True))[0]
+        found = self.made(energy, fill(1e9, True))[0]
         self.assertEqual(found.finding, "In 2D on fall box2d gains energy, 50 % of what is exchanged.")
-        found = self.made(energy.energy, fill(0.0, False))[0]
+        found = self.made(energy, fill(0.0, False))[0]
         self.assertEqual(found.finding, "In 2D on fall box2d gains energy, 50 J, more than is exchanged.")
 
     def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
@@ -264,7 +270,7 @@ class Findings(with_store.WithStore):
                                   "bodies": np.array([2.0, 2.0, bodies])}
                         axes = {"kind": "world", "scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
                         maker.trial("costs", {**axes, "timed": False, "repeat": 0}, {}, series=series)
-        found = self.made(energy.energy, fill)[0]
+        found = self.made(energy, fill)[0]
         self.assertEqual(found.finding, "In 2D at iterations=10 on fall box2d gains energy, 50 % of what is exchanged; on rest "
                          "box2d gains energy, 0.0005 J, where next to nothing is exchanged; on script the script adds bodies and "
                          "with them energy: no gain is told.")

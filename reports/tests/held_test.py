@@ -13,7 +13,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import ranking  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import held  # noqa: E402
+from charts import falls  # noqa: E402
+from charts.falls import held  # noqa: E402
 
 # (method, n) -> milliseconds, sideways drift in m; none: it falls
 RUNS = {("catto", 10): (1.0, 1e-3), ("catto", 100): (2.0, None), ("newton", 10): (2.0, 1e-6), ("newton", 100): (3.0, 1e-5)}
@@ -41,7 +42,7 @@ class Held(with_store.WithStore):
 
     @undrawn.drawn
     def test_who_holds_and_at_what_cost(self):
-        chart, = self.made(held.held, self.fill())
+        chart, = self.made(held, self.fill())
         self.assertRegex(chart.finding, r"^In 2D tower, n=10: Each method holds it\. The cheapest but catto is newton, at "
                          r"(1\.9|2|2\.\d+) times the time of catto\. tower, n=100: newton holds it\. The cheapest is newton, at "
                          r"1\.\d+ times the time of catto\.$")
@@ -64,7 +65,7 @@ class Held(with_store.WithStore):
                             {"sunk": SUNK.get(method, 0.0), "lateral_max": 0.0, "sag_end": SUNK.get(method, 0.0)},
                             "sank" if method in SUNK else "ok", "sagged" if method in SUNK else "",
                             600 if method in SUNK else None)
-        chart, = self.made(held.held, fill)
+        chart, = self.made(held, fill)
         self.assertEqual(chart.finding, "In 2D mass_ratio: catto holds it. soft sinks by 5 % of the smallest body.")
         texts = [text.get_text() for text in chart.figure.axes[0].texts]
         for words in ("S by 5 %", "held to 10 % alone", "S by 99 %", "beyond 50 %"):
@@ -74,30 +75,30 @@ class Held(with_store.WithStore):
 
     @undrawn.drawn
     def test_what_left_its_rows_to_gauss_seidel_holds_nothing(self):
-        chart, = self.made(held.held, self.fill(fallbacks="newton"))
+        chart, = self.made(held, self.fill(fallbacks="newton"))
         self.assertEqual(chart.finding, "In 2D tower, n=10: catto holds it. Not ranked: newton (62 % Gauss-Seidel). tower, "
                          "n=100: No method holds it. Not ranked: newton (62 % Gauss-Seidel).")
         self.assertIsNone(chart.headline)
         self.assertIn("62 % Gauss-Seidel", [text.get_text() for text in chart.figure.axes[0].texts])
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
-            bug, = self.made(held.held, self.fill(fallbacks="newton"))
+            bug, = self.made(held, self.fill(fallbacks="newton"))
         self.assertIn("newton holds it", bug.finding, "the planted bug was not seen")
 
     def test_methods_whose_times_are_noise_are_cheapest_together(self):
         near = {**RUNS, ("other", 10): (2.01, 1e-6), ("other", 100): (2.99, 1e-5)}
         with unittest.mock.patch.dict(RUNS, near):
-            chart, = self.made(held.held, self.fill())
+            chart, = self.made(held, self.fill())
         self.assertIn("The cheapest but catto are newton and other (not told apart), at", chart.finding)
 
     def test_a_chart_that_counts_what_fell_as_held_is_seen(self):
-        chart, = self.made(held.held, self.fill())
-        right, held.holders = held.holders, lambda column, limit=0.01: sorted(column.index)
-        self.addCleanup(setattr, held, "holders", right)
-        wrong, = self.made(held.held, self.fill())
+        chart, = self.made(held, self.fill())
+        right, falls.holders = falls.holders, lambda column, limit=0.01: sorted(column.index)
+        self.addCleanup(setattr, falls, "holders", right)
+        wrong, = self.made(held, self.fill())
         self.assertNotEqual(wrong.finding, chart.finding)
 
     def test_it_is_made_where_a_sweep_asks_for_it(self):
-        self.assertEqual(self.made(held.held, self.fill(asks=False)), [held.held.absent])
+        self.assertEqual(self.made(held, self.fill(asks=False)), [held.absent])
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import overlap  # noqa: E402
 import style  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import steadiness  # noqa: E402
+from charts.standing import steadiness  # noqa: E402
 
 LABELS = ["admm", "avbd", "catto+baumgarte", "catto+linear", "catto+ngs", "catto+none", "catto+nonlinear", "catto+split_impulse",
           "direct_lcp", "jacobi", "millington", "naive", "nncg", "pgs_soft", "proximal_newton", "shock_propagation", "soft_step",
@@ -56,7 +56,7 @@ class ManyMethods(with_store.WithStore):
     @undrawn.drawn
     def test_limits_that_change_after_the_letters_are_seen(self):
         with unittest.mock.patch("over_steps.fallen", before_the_limits):
-            figures = [made.figure for made in chart.made(steadiness.steadiness, self.context(sweep_of_twenty))]
+            figures = [made.figure for made in chart.made(steadiness, self.context(sweep_of_twenty))]
         self.assertTrue(any(overlap.overlaps(figure)[0] for figure in figures), "the planted bug was not seen")
 
 

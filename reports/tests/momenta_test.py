@@ -14,7 +14,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import momenta  # noqa: E402
+from charts import conserved  # noqa: E402
+from charts.conserved import momenta  # noqa: E402
 
 # (of p, of L) that a method changes; p is 50 kg m/s and L 5 kg m^2/s.
 CHANGED = {"catto": (0.0, 1e-15), "naive": (1e-16, 0.0), "soft_step": (2e-14, 0.25), "avbd": (0.03, 0.05)}
@@ -41,7 +42,7 @@ class Momenta(with_store.WithStore):
         return fill
 
     def test_who_changes_momenta_by_how_much_and_who_declares_it(self):
-        made = self.made(momenta.momenta, self.free())
+        made = self.made(momenta, self.free())
         self.assertEqual(len(made), 1)
         self.assertEqual(made[0].finding, f"In 2D {KEPT}; 1 method changes linear momentum: avbd (3 %); 2 methods change angular "
                          "momentum: most soft_step (25 %) and avbd (5 %); all of these declare it.")
@@ -54,20 +55,20 @@ class Momenta(with_store.WithStore):
 
     def test_who_changes_about_as_much_as_the_worst_is_named_beside_it(self):
         many = {**CHANGED, "avbd": (0.03, 0.68), "soft_step": (0.0, 0.45)}
-        made = self.made(momenta.momenta, self.free(many))[0]
+        made = self.made(momenta, self.free(many))[0]
         self.assertIn("avbd (68 %) and soft_step (45 %) change most.", made.headline.text)
-        with unittest.mock.patch.object(momenta, "ALIKE", 1.0):
-            self.assertNotIn("soft_step (", self.made(momenta.momenta, self.free(many))[0].headline.text, "the planted bug was not seen")
+        with unittest.mock.patch.object(conserved, "ALIKE", 1.0):
+            self.assertNotIn("soft_step (", self.made(momenta, self.free(many))[0].headline.text, "the planted bug was not seen")
 
     @undrawn.drawn
     def test_rings_are_around_what_is_declared(self):
-        made = self.made(momenta.momenta, self.free())[0]
+        made = self.made(momenta, self.free())[0]
         rings = [sum(line.get_markerfacecolor() == "none" for line in ax.get_lines()) for ax in made.figure.axes]
         self.assertEqual(rings, [1, 2], "avbd; soft_step and avbd")
 
     def test_the_planted_bug_a_method_that_is_silent_is_seen(self):
         said = {**DECLARED, "soft_step": ["Symmetry.HeavyIsFixed"]}
-        made = self.made(momenta.momenta, self.free(declared=said))[0]
+        made = self.made(momenta, self.free(declared=said))[0]
         self.assertIn("soft_step does not declare it", made.finding)
         self.assertNotIn("all of these declare it", made.finding)
 
@@ -92,7 +93,7 @@ class Momenta(with_store.WithStore):
         self.assertEqual(context.store.declared(key), {failures[0]["test"]})
 
     def test_what_failed_has_no_momentum_and_is_told(self):
-        made = self.made(momenta.momenta, self.free(fell=("avbd",)))[0]
+        made = self.made(momenta, self.free(fell=("avbd",)))[0]
         self.assertIn("no method changes linear momentum", made.finding)
         self.assertTrue(made.finding.endswith("all of these declare it; avbd fails."), made.finding)
         self.assertNotIn("avbd", made.headline.values)
@@ -100,18 +101,18 @@ class Momenta(with_store.WithStore):
 
     def test_rounding_is_that_of_the_arithmetic(self):
         small = {"catto": (0.0, 1e-6), "naive": (0.0, 1e-7), "soft_step": (0.0, 0.25), "avbd": (0.03, 0.05)}
-        self.assertIn("0 of 4 methods", self.made(momenta.momenta, self.free({m: (p, max(v, 1e-6)) for m, (p, v) in small.items()}))[0]
+        self.assertIn("0 of 4 methods", self.made(momenta, self.free({m: (p, max(v, 1e-6)) for m, (p, v) in small.items()}))[0]
                       .finding)
         self.assertIn("2 of 4 methods keep both momenta to rounding (0.0001 of what there is)",
-                      self.made(momenta.momenta, self.free(small, precision="f32"))[0].finding)
+                      self.made(momenta, self.free(small, precision="f32"))[0].finding)
 
     def test_where_all_keep_them_nothing_is_ranked_and_without_a_total_there_is_no_chart(self):
-        made = self.made(momenta.momenta, self.free(dict.fromkeys(CHANGED, (0.0, 0.0))))[0]
+        made = self.made(momenta, self.free(dict.fromkeys(CHANGED, (0.0, 0.0))))[0]
         self.assertEqual(made.finding, "In 2D 4 of 4 methods keep both momenta to rounding (1e-12 of what there is); no "
                          "method changes linear momentum; no method changes angular momentum.")
         self.assertIsNone(made.headline)
-        self.assertEqual(self.made(momenta.momenta, self.free(momentum=0)), [momenta.momenta.absent])
-        self.assertTrue(math.isnan(self.context(self.free(momentum=0)).cells("mine", momenta.SHARES)["momentum_share"].iloc[0]))
+        self.assertEqual(self.made(momenta, self.free(momentum=0)), [momenta.absent])
+        self.assertTrue(math.isnan(self.context(self.free(momentum=0)).cells("mine", conserved.SHARES)["momentum_share"].iloc[0]))
 
 
 if __name__ == "__main__":

@@ -21,8 +21,11 @@ import overlap  # noqa: E402
 import style  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import (broadphase, cost_against_error, ensembles, noise_floor, precision, step_times,  # noqa: E402
-                    unneeded)
+from charts import broadphase, ensembles, measurements  # noqa: E402
+from charts.cost_against_error import cost_against_error  # noqa: E402
+from charts.measurements import noise_floor  # noqa: E402
+from charts.one_change import precision, unneeded  # noqa: E402
+from charts.step_times import step_times  # noqa: E402
 
 COST = "ms_per_step_median"
 
@@ -86,7 +89,7 @@ class OfStores(with_store.WithStore):
 
     def test_identical_work_is_never_a_finding(self):
         """A scene without joints cannot be 0.81 times with joints."""
-        found = self.made(unneeded.unneeded, self.features(1.0))[0]
+        found = self.made(unneeded, self.features(1.0))[0]
         self.assertIn("+cache 1.3", found.finding)
         self.assertIn("identical work with +joints", found.finding)
         self.assertIn("within the noise +friction", found.finding)
@@ -96,7 +99,7 @@ class OfStores(with_store.WithStore):
         self.assertEqual(told.loc["+joints", "time per step: why no ratio"], "identical work")
         self.assertIn("+cache", found.headline.text)
         with unittest.mock.patch.object(noise, "same_work", lambda a, b: False):
-            bad = self.made(unneeded.unneeded, self.features(1.0))[0]
+            bad = self.made(unneeded, self.features(1.0))[0]
         self.assertRegex(bad.finding, r"\+joints 0\.8\d", "the planted bug was not seen")
 
     def test_all_repeats_are_kept(self):
@@ -116,7 +119,7 @@ class OfStores(with_store.WithStore):
         self.assertAlmostEqual(noise.floor(context.store.cells("noisy"), COST), 1.2)
         few = context.store.cells("noisy").assign(**{f"{COST} runs": [[1.0, 1.1, 1.0]]})
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
-        row = chart.made(noise_floor.noise_floor, context)[0]
+        row = chart.made(noise_floor, context)[0]
         self.assertIn("a method differs by at most 20 % in noisy (95 of 100 cells of each)", row.finding)
         drawn = [x for line in row.figure.axes[0].lines for x in line.get_xdata()]
         self.assertAlmostEqual(max(drawn), 20.0, msg="percent of the ratio, as in the finding")
@@ -127,8 +130,8 @@ class OfStores(with_store.WithStore):
             for name in ("f64", "f32"):
                 maker.world("precision", {"scene": "stack", "dimension": 2, "resolver": "catto", "precision": name},
                             1.0 if name == "f64" else ratio, 1e-3)
-        self.assertIn("the same time within the noise", self.made(precision.precision, fill)[0].finding)
-        found = self.made(precision.precision, lambda maker: fill(maker, 0.5))[0]
+        self.assertIn("the same time within the noise", self.made(precision, fill)[0].finding)
+        found = self.made(precision, lambda maker: fill(maker, 0.5))[0]
         self.assertRegex(found.finding, "f32 takes 0.[45]")
 
     def test_a_median_over_precisions_takes_all_pairs(self):
@@ -140,7 +143,7 @@ class OfStores(with_store.WithStore):
                                 "timed": True, "repeat": repeat}
                         ms = (ratio if name == "f32" else 1.0) * (1 + 0.01 * (repeat % 2))
                         maker.trial("precision", axes, {COST: ms, "lean": 1e-3})
-        found = self.made(precision.precision, fill)[0]
+        found = self.made(precision, fill)[0]
         for text in (found.finding, found.headline.text):
             self.assertIn("0.54 times", text)
             self.assertRegex(text, "5 pairs.* 3 (of them )?differ beyond the noise")
@@ -218,8 +221,8 @@ class OfStores(with_store.WithStore):
             with maker.db:
                 maker.db.execute("DELETE FROM planned WHERE sweep='features' AND axes GLOB '*repeat\": [34]*'")
         context, said = self.context(fill), ""
-        for kind in (unneeded.unneeded, cost_against_error.cost_against_error, precision.precision, broadphase.broadphase,
-                     step_times.step_times):
+        for kind in (unneeded, cost_against_error, precision, broadphase.broadphase,
+                     step_times):
             for made in chart.made(kind, context):
                 self.assertNotIn("within the noise", made.finding + (made.headline.text if made.headline else ""), made.id)
                 self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
@@ -241,16 +244,16 @@ class OfStores(with_store.WithStore):
     def test_the_floor_of_every_chart_is_that_of_its_sweep(self):
         context, everywhere = self.context(self.two_scenes), "up to 20 % in 95 of 100 cells"
         self.assertAlmostEqual(noise.floor_of(context, "costs", COST), 1.2)
-        for found in chart.made(cost_against_error.cost_against_error, context):
+        for found in chart.made(cost_against_error, context):
             self.assertIn(everywhere, found.note, found.id)
             self.assertNotRegex(found.finding, r"catto takes [\d.]+ times the time of naive")
         of_shown = lambda context, sweep, metric: noise.floor(  # noqa: E731
             context.store.cells(sweep).query("scene == 'calm'"), metric)
         with unittest.mock.patch.object(noise, "floor_of", of_shown):
-            bad = chart.made(cost_against_error.cost_against_error, context)
+            bad = chart.made(cost_against_error, context)
         self.assertFalse(all(everywhere in found.note for found in bad), "the planted bug was not seen")
         for path in (HERE.parent / "charts").glob("*.py"):
-            if path.stem not in ("noise_floor", "choose"):  # choose compares whole pipelines of several sweeps
+            if path.stem not in ("measurements", "choose"):  # choose compares whole pipelines of several sweeps
                 self.assertNotRegex(path.read_text(encoding="utf-8"), r"noise\.floor\(", "a floor of a chart's own cells")
 
     def test_each_role_has_a_floor_of_its_own(self):
@@ -270,12 +273,12 @@ class OfStores(with_store.WithStore):
         self.assertEqual(noise.said(sat, fcl, "ns_per_query", least), "noise")
         self.assertIn("2 % (competitor), 90 % (witness) in 95", noise.rule(least))
         self.assertEqual([noise.percent(v) for v in (1.0234, 1.9, 2.6)], ["2.3", "90", "160"])
-        found = chart.made(noise_floor.noise_floor, context)[0]
+        found = chart.made(noise_floor, context)[0]
         self.assertIn("2 % in pairs", found.finding)
         self.assertIn("in pairs (witness)", found.finding)
         self.assertIn("drawn at it: marks of pairs (witness) (a factor of up to 1.9)", found.note)
-        with unittest.mock.patch.object(noise_floor, "WIDEST", 200.0):
-            self.assertNotIn("drawn at it", chart.made(noise_floor.noise_floor, context)[0].note)
+        with unittest.mock.patch.object(measurements, "WIDEST", 200.0):
+            self.assertNotIn("drawn at it", chart.made(noise_floor, context)[0].note)
 
     def test_a_cell_of_few_repeats_is_not_judged_as_if_it_had_many(self):
         many = cell([1.0, 1.01, 1.02, 1.01, 1.0])
@@ -366,7 +369,7 @@ class OfStores(with_store.WithStore):
                         worse = 5 if turned and seed in (4, 7) and label == "catto" else 1
                         axes = {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}
                         maker.world("costs", axes, 1.0, error * worse)
-            found = self.made(cost_against_error.cost_against_error, fill)
+            found = self.made(cost_against_error, fill)
             self.assertEqual(len(found), 1, "not one chart for each seed")
             self.assertIn(words, found[0].finding)
 
@@ -378,7 +381,7 @@ class OfStores(with_store.WithStore):
                 for iterations, error in zip((4, 10, 30), errors):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, each * iterations / 4, error)
-        found = self.made(cost_against_error.cost_against_error, fill)[0]
+        found = self.made(cost_against_error, fill)[0]
         self.assertIn("weld has the smallest penetration (3 mm at iterations=4) and 3 of 4, hinge, pivot and rod, the same "
                       "largest (8 mm at iterations=10, 2.7 times as much).", found.finding)
         self.assertIn("weld has the smallest penetration, 3 mm at iterations=4; hinge, pivot and rod have 8 mm at iterations=10.",
@@ -394,7 +397,7 @@ class OfStores(with_store.WithStore):
                                 "precision": "f64", "timed": True, "repeat": repeat}
                         maker.trial("costs", axes, {COST: 1.0, "ms_per_step_p99": 1.2,
                                                     "ms_per_step_worst": worst * (1 + 0.1 * (repeat % 2))})
-        found = self.made(step_times.step_times, fill)[0]
+        found = self.made(step_times, fill)[0]
         self.assertEqual(found.finding, "In 2D at iterations=10 on stack the slowest step takes 4.1 times the median with c (4.1 "
                          "ms, 3 of 4 alike over their repeats) and 1.5 times with a (1.5 ms).")
 
@@ -403,7 +406,7 @@ class OfStores(with_store.WithStore):
             maker.sweep("costs", "world", resolver="label")
             for label, ms in (("catto", 1.0), ("naive", 0.9), ("box2d", 0.3)):
                 maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label}, ms, 1e-3)
-        found = self.made(step_times.step_times, fill)[0]
+        found = self.made(step_times, fill)[0]
         self.assertRegex(found.finding, r"the slowest step takes 2\.\d times the median")
         self.assertRegex(found.finding, r"a step of box2d takes 0\.3\d times the time of our fastest, naive")
 

@@ -16,7 +16,12 @@ import overlap  # noqa: E402
 import style  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import broadphase, energy, ensembles, residual, steadiness, step_times  # noqa: E402
+from charts.broadphase import broadphase  # noqa: E402
+from charts.conserved import energy  # noqa: E402
+from charts.ensembles import ensembles  # noqa: E402
+from charts.problems import residual  # noqa: E402
+from charts.standing import steadiness  # noqa: E402
+from charts.step_times import step_times  # noqa: E402
 
 
 def letters_one_by_one(ax, spots, **kwargs):
@@ -39,13 +44,13 @@ class OverSteps(with_store.WithStore):
 
     @undrawn.drawn
     def test_runs_that_fail_at_one_place_are_one_letter_with_their_number(self):
-        for kind in (energy.energy, residual.residual, steadiness.steadiness):
+        for kind in (energy, residual, steadiness):
             figure = self.made(kind, self.two_that_fail_alike)[0].figure
             self.assertEqual(overlap.overlaps(figure), ([], []), kind.name)
-        figure = self.made(energy.energy, self.two_that_fail_alike)[0].figure
+        figure = self.made(energy, self.two_that_fail_alike)[0].figure
         self.assertIn("E×2", [text.get_text() for ax in figure.axes for text in ax.texts])
         with unittest.mock.patch.object(over_steps, "fallen", letters_one_by_one):
-            figure = self.made(energy.energy, self.two_that_fail_alike)[0].figure
+            figure = self.made(energy, self.two_that_fail_alike)[0].figure
         self.assertNotEqual(overlap.overlaps(figure)[0], [], "the planted bug was not seen")
 
     def test_a_chart_that_is_asked_for_says_what_is_missing_and_not_what_is_there(self):
@@ -58,13 +63,13 @@ class OverSteps(with_store.WithStore):
                         axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations, "seed": seed}
                         maker.world("mine", axes, 1.0, 1e-3)
         asks = "mine asks for this chart and has not what it needs: one seed"
-        for kind in (steadiness.steadiness, residual.residual, energy.energy):
+        for kind in (steadiness, residual, energy):
             found = self.made(kind, fill)
             self.assertEqual([c.figure for c in found], [None])
             self.assertTrue(found[0].finding.startswith(asks), found[0].finding)
             self.assertNotIn("trials of kind world", found[0].finding, "it has these")
-        self.assertIn("trials of kind boxes", self.made(broadphase.broadphase, fill)[0].finding)
-        self.assertIsNotNone(self.made(ensembles.ensembles, fill)[0].figure)
+        self.assertIn("trials of kind boxes", self.made(broadphase, fill)[0].finding)
+        self.assertIsNotNone(self.made(ensembles, fill)[0].figure)
 
     @undrawn.drawn
     def test_each_scene_is_drawn_at_the_middle_of_its_own_setting(self):
@@ -75,7 +80,7 @@ class OverSteps(with_store.WithStore):
                     for iterations in settings:
                         axes = {"scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
                         maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2}[label])
-        found = self.made(steadiness.steadiness, fill)[0]
+        found = self.made(steadiness, fill)[0]
         self.assertEqual(set(found.table["scene"]), {"A", "B"}, "B has no 30 iterations and vanished")
         self.assertIn("; on B the last quarter", found.finding)
         self.assertEqual(overlap.overlaps(found.figure), ([], []))
@@ -88,11 +93,11 @@ class OverSteps(with_store.WithStore):
                 for iterations in settings:
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2, "direct_lcp": 0.05}[label])
-        for kind in (steadiness.steadiness, energy.energy, step_times.step_times):
+        for kind in (steadiness, energy, step_times):
             found = self.made(kind, fill)[0]
             self.assertEqual(set(found.table["method"]), {"catto", "direct_lcp", "naive"}, kind.name)
             self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", found.finding)
-        self.assertIn("calmest with direct_lcp", self.made(steadiness.steadiness, fill)[0].finding)
+        self.assertIn("calmest with direct_lcp", self.made(steadiness, fill)[0].finding)
 
 
 if __name__ == "__main__":

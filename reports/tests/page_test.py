@@ -34,7 +34,7 @@ import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import table  # noqa: E402
 import undrawn  # noqa: E402
-from charts import coverage as coverage_chart  # noqa: E402
+from charts.measurements import coverage_of_plan  # noqa: E402
 
 CASES = 60 if undrawn.ALL else 20  # of pictures that are drawn at random
 PREFIXED = re.compile(r"^-?[\d.]+(e[-+]?\d+)? ?([pnµmk]?(m|s|J|m/s)|%)$")  # a number that was rounded for eyes
@@ -261,7 +261,7 @@ class Words(undrawn.Undrawn):
                 maker.trial("s", {"kind": "world", "n": i}, {}, outcome, "why", 1)
             maker.plan("s", kind="world", n=9)
             maker.close()
-            made = coverage_chart.coverage_of_plan.make(chart.Context(load.Store(Path(folder) / "s.db")))[0]
+            made = coverage_of_plan.make(chart.Context(load.Store(Path(folder) / "s.db")))[0]
         self.assertIn("2 of 4 planned trials ran, 1 of them ok; not ok: 1 unsupported, 1 collapsed and 1 not run.", made.finding)
         self.assertIn("2 of 4", [text.get_text() for text in made.figure.axes[0].texts])
         style.plt.close(made.figure)

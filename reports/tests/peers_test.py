@@ -13,7 +13,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import noise  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import peers  # noqa: E402
+from charts import pair_queries  # noqa: E402
+from charts.pair_queries import peers  # noqa: E402
 
 # Of each pair: {method: (ns a query, failures of 96)}.
 CALLS = {("box", "box"): {"sat": (100, 0), "closed_form": (50, 3), "libccd_mpr": (210, 0), "fcl": (40, 5)},
@@ -39,7 +40,7 @@ def fill(maker, precisions=("f64",), asked=96):
 
 class Peers(with_store.WithStore):
     def one(self, **kwargs):
-        found = self.made(peers.peers, lambda maker: fill(maker, **kwargs))
+        found = self.made(peers, lambda maker: fill(maker, **kwargs))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -55,7 +56,7 @@ class Peers(with_store.WithStore):
         self.assertAlmostEqual(row["ratio [1]"], 0.4, places=1)
         hollow = [line for line in made.figure.axes[0].lines if line.get_markerfacecolor() == "none"]
         self.assertEqual(len(hollow), 2)
-        with unittest.mock.patch.object(peers, "right", lambda row: row["peers"][0]):
+        with unittest.mock.patch.object(pair_queries, "right", lambda row: row["peers"][0]):
             self.assertIn("slower on 2", self.one().finding, "the planted bug: whoever is fastest is right")
 
     def test_no_lead_within_the_noise(self):
@@ -67,7 +68,7 @@ class Peers(with_store.WithStore):
                          self.one().finding.split(":")[0], "who is fast in f32 would be ours, and libraries answer in f64")
 
     def test_who_was_asked_nothing_is_no_row(self):
-        self.assertEqual([chart.figure for chart in self.made(peers.peers, lambda maker: fill(maker, asked=0))], [None])
+        self.assertEqual([chart.figure for chart in self.made(peers, lambda maker: fill(maker, asked=0))], [None])
 
 
 if __name__ == "__main__":

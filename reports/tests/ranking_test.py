@@ -19,7 +19,9 @@ import pandas as pd  # noqa: E402
 import noise  # noqa: E402
 import ranking  # noqa: E402
 import with_store  # noqa: E402
-from charts import budgets, cost_against_error, ensembles, equal_cost  # noqa: E402
+from charts import ensembles  # noqa: E402
+from charts.cost_against_error import cost_against_error, error_within_budgets  # noqa: E402
+from charts.equal_cost import equal_cost  # noqa: E402
 
 
 def cell(*values):
@@ -123,8 +125,8 @@ class WithoutRank(with_store.WithStore):
 
     def all_charts(self, **more):
         found = {kind: self.made(kind, self.sweep(**more)) for kind in (
-            cost_against_error.cost_against_error, budgets.budgets, ensembles.ensembles)}
-        found[equal_cost.equal_cost] = self.made(equal_cost.equal_cost, self.sweep(about=self.CALIBRATED, **more))
+            cost_against_error, error_within_budgets, ensembles.ensembles)}
+        found[equal_cost] = self.made(equal_cost, self.sweep(about=self.CALIBRATED, **more))
         return {kind.name: made for kind, (made, *_) in found.items()}
 
     def test_what_others_have_computed_and_what_has_other_digits_has_no_rank(self):
@@ -166,10 +168,11 @@ class WithoutRank(with_store.WithStore):
             made = self.made(ensembles.ensembles, self.sweep(start=start))[0]
             self.assertIn(words, made.finding)
             self.assertEqual(made.headline is None, start > 1e-6)
-            made = self.made(equal_cost.equal_cost, self.sweep(start=start, about=self.CALIBRATED))[0]
+            made = self.made(equal_cost, self.sweep(start=start, about=self.CALIBRATED))[0]
             self.assertEqual("Bodies overlap by up to 1.5 mm at the start" in made.finding, start > 1e-6)
         with unittest.mock.patch.object(ranking, "overlapping", lambda cells: 0.0):
-            self.assertIn("catto has", self.made(ensembles.ensembles, self.sweep(start=1.5e-3))[0].finding, "the planted bug was not seen")
+            self.assertIn("catto has", self.made(ensembles.ensembles, self.sweep(start=1.5e-3))[0].finding,
+                          "the planted bug was not seen")
 
     def test_what_a_method_keeps_on_purpose_is_told_apart(self):
         """The raw depth ranks; beyond the slop another may be first."""

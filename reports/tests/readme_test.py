@@ -16,7 +16,7 @@ import readme  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import cost_against_error  # noqa: E402
+from charts.cost_against_error import cost_against_error  # noqa: E402
 
 ROOT = HERE.parent.parent
 
@@ -48,7 +48,7 @@ class Readme(undrawn.Undrawn):
             page.write_text(f"# Title\n\n{readme.BEGIN}\n{readme.END}\n\nthe rest\n", encoding="utf-8")
             synthetic_store.write(Path(folder) / "s.db", themes=(synthetic_store.resolvers,))
             context = chart.Context(load.Store(Path(folder) / "s.db"))
-            charts = chart.made(cost_against_error.cost_against_error, context)
+            charts = chart.made(cost_against_error, context)
             told = readme.write(context, charts, page)
             for made in charts:
                 style.plt.close(made.figure)

@@ -26,8 +26,11 @@ import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import breaking_points, broadphase, ledger, ledger_clean, micro  # noqa: E402
-from charts import coverage as coverage_chart  # noqa: E402
+from charts import broadphase, ledger  # noqa: E402
+from charts.breaking_points import breaking_points  # noqa: E402
+from charts.ledger import ledger_clean  # noqa: E402
+from charts.measurements import coverage_of_plan  # noqa: E402
+from charts.stages import micro  # noqa: E402
 
 
 class WithStore(undrawn.Undrawn):
@@ -240,7 +243,7 @@ class Loading(WithStore):
             store = load.Store(Path(folder) / "again.db")
             self.assertEqual(store.superseded, 1)
             self.assertEqual(list(store.cells("resolvers")["max_penetration"]), [2.0])
-            made = coverage_chart.coverage_of_plan.make(chart.Context(store))[0]
+            made = coverage_of_plan.make(chart.Context(store))[0]
             self.assertIn("1 older plan of the same cells", made.finding)
             style.plt.close(made.figure)
 
@@ -340,9 +343,9 @@ class Findings(WithStore):
 
     def test_ledgers_without_a_failure_share_a_matrix_and_lose_no_question(self):
         questions = self.store.ledger()
-        self.assertEqual(check_clean(questions, ledger_clean.clean), "")
+        self.assertEqual(check_clean(questions, ledger.clean), "")
         self.assertNotEqual(check_clean(questions, with_failures), "", "the planted bug was not seen")
-        made = ledger_clean.ledger_clean.make(self.context)[0]
+        made = ledger_clean.make(self.context)[0]
         failing = (questions["stage"] == "pair_query") & (questions["dimension"] == 3)
         everything = questions[(questions["axis"] == "all") & ~failing]
         asked = everything["asked"].sum()
@@ -354,7 +357,7 @@ class Findings(WithStore):
         style.plt.close(made.figure)
 
     def test_what_falls_first_and_what_has_no_result_beyond(self):
-        made = chart.made(breaking_points.breaking_points, self.context)
+        made = chart.made(breaking_points, self.context)
         text = " ".join(c.finding for c in made)
         self.assertIn("vertical_stack naive fails first, at n = 6 (collapsed)", text)
         self.assertIn("soft_step held to 33.3 ms with no result beyond", text)
@@ -368,7 +371,7 @@ class Findings(WithStore):
         self.assertEqual(len(table), len(self.store.planned))
 
     def test_micro_benchmarks_use_their_own_clock_and_show_failures(self):
-        made = micro.micro.make(self.context)[0]
+        made = micro.make(self.context)[0]
         self.assertIn("broken on uniform/100: did not start", made.holes)
         row = made.table.set_index("algorithm").loc["naive"]
         self.assertAlmostEqual(row["uniform/1000 [s]"], 0.9e-9 * 1e6, delta=1e-18)

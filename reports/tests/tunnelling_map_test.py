@@ -14,7 +14,7 @@ import noise  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import tunnelling_map  # noqa: E402
+from charts.tunnelling_map import tunnelling_map  # noqa: E402
 
 SPEEDS, WALLS = (25, 100, 400), (0.001, 0.01)
 # Method: us of a step, and of 20 bullets those that pass, walls from the thinnest on, speeds from the slowest on.
@@ -58,7 +58,7 @@ class Map(with_store.WithStore):
         return fill
 
     def one(self, **about):
-        found = self.made(tunnelling_map.tunnelling_map, self.bullets(**about))
+        found = self.made(tunnelling_map, self.bullets(**about))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -153,7 +153,7 @@ class Map(with_store.WithStore):
         self.assertIsNone(self.one(of={m: (us, ((0, 0, 0), (0, 0, 0))) for m, (us, _) in METHODS.items()}).headline)
 
     def test_a_chart_for_each_dimension(self):
-        found = self.made(tunnelling_map.tunnelling_map, self.bullets(dimensions=(2, 3)))
+        found = self.made(tunnelling_map, self.bullets(dimensions=(2, 3)))
         self.assertEqual([c.id for c in found], ["mine_tunnelling_map_bullet_wall__2d", "mine_tunnelling_map_bullet_wall__3d"])
 
     @undrawn.drawn
@@ -163,14 +163,14 @@ class Map(with_store.WithStore):
         self.assertEqual(sum(ax.get_visible() for ax in made.figure.axes), 24)
 
     def test_without_counts_or_without_a_number_of_bullets_there_is_no_chart(self):
-        self.assertEqual(self.made(tunnelling_map.tunnelling_map, self.bullets(counted=False, report=())), [tunnelling_map.tunnelling_map.absent])
-        self.assertEqual(self.made(tunnelling_map.tunnelling_map, self.bullets(n=None, report=())), [tunnelling_map.tunnelling_map.absent])
-        asked = self.made(tunnelling_map.tunnelling_map, self.bullets(counted=False))
+        self.assertEqual(self.made(tunnelling_map, self.bullets(counted=False, report=())), [tunnelling_map.absent])
+        self.assertEqual(self.made(tunnelling_map, self.bullets(n=None, report=())), [tunnelling_map.absent])
+        asked = self.made(tunnelling_map, self.bullets(counted=False))
         self.assertIn("mine asks for this chart and has not what it needs", asked[0].finding)
 
     def test_made_of_whatever_has_the_axes(self):
-        self.assertEqual(len(self.made(tunnelling_map.tunnelling_map, self.bullets(report=()))), 1)
-        self.assertEqual(self.made(tunnelling_map.tunnelling_map, synthetic_store.resolvers), [tunnelling_map.tunnelling_map.absent])
+        self.assertEqual(len(self.made(tunnelling_map, self.bullets(report=()))), 1)
+        self.assertEqual(self.made(tunnelling_map, synthetic_store.resolvers), [tunnelling_map.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""What each method changes of the momenta of bodies that nothing pushes from outside, and whether it says so."""
+"""What a run must not gain: energy from nowhere, and momenta."""
 
 import math
 
@@ -15,10 +15,108 @@ from load import split
 from style import ZeroLog, grid_of_axes, si
 from table import quantity
 
-SECTION = "Do momenta stay?"
+FROM_NOWHERE = "Does energy come from nowhere?"
+ROUNDING = 1e-9  # of the energy exchanged: no energy from nowhere
+LITTLE = 1e-2  # of the largest energy that a run of the chart exchanged: a gain over less is told in J
+
+
+@of_sweeps("energy", 36, FROM_NOWHERE,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("energy_gain",),
+                 series=("kinetic", "potential"), also=over_steps.ONE_COURSE),
+           "Energy", "No sweep of several methods with energies is in this store.", "resolvers")
+def energy(context, cells):
+    if over_steps.elsewhere(context, cells):
+        return []
+    made = []
+    for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        shown, left_out, setting = over_steps.scenes(context, part)
+        at_one = [(where, over_steps.at_middle(mine, setting)) for where, mine in shown]
+        made.append(_energy_chart(context, part, at_one, left_out, setting))
+    return made
+
+
+def exchanged(context, cell):
+    """The largest energy that a run exchanged (J), or NaN."""
+    kinetic, potential = (None if cell["key"] is None else context.store.series(cell["key"], name)
+                          for name in ("kinetic", "potential"))
+    if kinetic is None or potential is None or not len(kinetic):
+        return math.nan
+    finite = np.isfinite(kinetic) & np.isfinite(potential)
+    return metrics.exchanged(kinetic[finite], potential[finite]) if finite.any() else math.nan
+
+
+def over_start(context, cell):
+    """(E - E of the start) over the largest energy that the run exchanged, per step."""
+    kinetic, potential = (context.store.series(cell["key"], name) for name in ("kinetic", "potential"))
+    if kinetic is None or potential is None or not len(kinetic):
+        return None
+    if not (np.isfinite(kinetic[0]) and np.isfinite(potential[0])):
+        return None
+    scale = exchanged(context, cell)
+    return (kinetic + potential - kinetic[0] - potential[0]) / scale if scale > 0 else None
+
+
+def adds_bodies(context, cells):
+    """Whether the number of bodies changes in a run: the scene's script then puts energy in, and takes it out."""
+    tracks = [context.store.series(key, "bodies") for key in cells["key"] if key is not None]
+    return any(track is not None and len(track) and np.ptp(track[np.isfinite(track)]) > 0 for track in tracks)
+
+
+def finding_of_energy(where, cells, largest, scripted=False):
+    """`largest`: J, that any finished run of the chart exchanged; a column `exchanged` has what each did."""
+    if scripted:
+        return f"on {where} the script adds bodies and with them energy: no gain is told"
+    good = cells[(cells["outcome"] == "ok") & np.isfinite(cells["energy_gain"].astype(float))]
+    if not len(good):
+        return f"on {where} no run that has a rank finished"
+    gains = good[good["energy_gain"] > ROUNDING]
+    if not len(gains):
+        return f"on {where} no method that finishes gains energy"
+    worst = gains.loc[gains["energy_gain"].idxmax()]
+    gain = (f"{si(worst['energy_gain'] * worst['exchanged'], 'J')}, where next to nothing is exchanged"
+            if worst["exchanged"] < LITTLE * largest else
+            f"{si(worst['energy_gain'] * worst['exchanged'], 'J')}, more than is exchanged" if worst["energy_gain"] > 1 else
+            f"{si(100 * worst['energy_gain'])} % of what is exchanged")
+    if gains["method"].nunique() == 1:
+        return f"on {where} {worst['method']} gains energy, {gain}"
+    return (f"on {where} {methods(sorted(gains['method'].unique()), sorted(cells['method'].unique()))} gain energy, "
+            f"{worst['method']} most, {gain}")
+
+
+def _energy_chart(context, cells, shown, left_out, setting):
+    dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
+    figure, axes, width = over_steps.grid(context, cells, 1, len(shown))
+    for column, (where, part) in enumerate(shown):
+        ax = axes[0][column]
+        ax.axhline(0, color="#999999", lw=0.8, ls=(0, (4, 3)), zorder=0.5)
+        ax.update_datalim([(0, -0.02), (0, 0.02)])  # what is next to nothing does not fill the panel
+        over_steps.lines(context, ax, part, lambda cell: over_start(context, cell), lambda v: min(1.1, max(-1.1, v)))
+        ax.set_title(f"{where}, {dimension}D")
+    axes[0][0].set_ylabel("energy above the start")
+    over_steps.legend(context, figure, cells, width)
+    drawn = pd.concat([part.assign(where=where) for where, part in shown])
+    table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], "outcome": drawn["outcome"],
+                          **quantity(context.title("energy_gain"), "1", metrics.column(drawn, "energy_gain"))})
+    shown = [(where, part.assign(exchanged=[exchanged(context, cell) for _, cell in part.iterrows()])) for where, part in shown]
+    # Of those that finished: beside the energy of one explosion nothing that the others exchange would be much.
+    largest = max([v for _, part in shown for v in part[part["outcome"] == "ok"]["exchanged"] if math.isfinite(v)], default=0.0)
+    said = [finding_of_energy(where, ranking.eligible(context, part), largest, adds_bodies(context, part))
+            for where, part in shown]
+    at = over_steps.setting_of(drawn, setting)
+    return Chart(f"{cells['sweep'].iloc[0]}_energy_{dimension}d", FROM_NOWHERE, f"Energy over the steps, {dimension}D",
+                 f"In {dimension}D{at} " + "; ".join(said) + "." + ranking.tail_of(context, shown), cells["sweep"].iloc[0],
+                 figure, table,
+                 left_out + holes(drawn, ["scene", "method"]),
+                 "Kinetic and of gravity, above the start, over the largest energy that the run exchanged: 1 is as much again, "
+                 "and what is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere, unless a "
+                 f"script adds bodies. Of a run that exchanged less than {100 * LITTLE:g} % of the most in this chart, the gain "
+                 "is told in J.")
+
+
+STAY = "Do momenta stay?"
 SHARES = ("momentum_share", "angular_momentum_share")
 # Of what there is, by the arithmetic: some roundings in each of some hundred steps.
-ROUNDING = {"f64": 1e-12, "f32": 1e-4}
+ROUNDINGS = {"f64": 1e-12, "f32": 1e-4}
 # What a method declares that it fails, by the share that shows it; the properties are of whole steps of free bodies, and of what
 # moves them apart.
 PROPERTIES = {"momentum_share": ("Solver.KeepsLinearMomentum",),
@@ -29,7 +127,7 @@ ALIKE = 0.5  # of the largest share: what changes as much is named beside what c
 SHORT = {"momentum_share": "linear", "angular_momentum_share": "angular"}
 
 
-@of_sweeps("momenta", 37, SECTION,
+@of_sweeps("momenta", 37, STAY,
            Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
                  metrics=("momentum_error", "angular_momentum_error", *SHARES), also="a scene that says what momenta it has"),
            "Momenta", "No sweep of several methods on a scene that says what momenta it has is in this store.", "momenta")
@@ -40,7 +138,8 @@ def momenta(context, cells):
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         shown, left_out, setting = over_steps.scenes(context, part)
-        made.append(_chart(context, [(where, over_steps.at_middle(mine, setting)) for where, mine in shown], left_out, setting))
+        at_one = [(where, over_steps.at_middle(mine, setting)) for where, mine in shown]
+        made.append(_momenta_chart(context, at_one, left_out, setting))
     return made
 
 
@@ -56,7 +155,7 @@ def lost(cells, share, rounding):
     return most[most > rounding].sort_values(ascending=False).to_dict()
 
 
-def finding(cells, said, rounding, at):
+def finding_of_momenta(cells, said, rounding, at):
     """`said`: {share: methods that declare that they do not keep it}."""
     everyone = sorted(cells["method"].unique())
     if not everyone:
@@ -96,12 +195,12 @@ def headline(cells, rounding, at):
                     "share of angular momentum that changes")
 
 
-def _chart(context, shown, left_out, setting):
+def _momenta_chart(context, shown, left_out, setting):
     shown = [(where, part.drop_duplicates("method")) for where, part in shown]
     cells = pd.concat([part.assign(where=where) for where, part in shown])
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     known = [found for found in cells.get("arithmetic", pd.Series(dtype=object)) if isinstance(found, tuple)]
-    rounding = ROUNDING.get(known[0][1] if known else "f64", ROUNDING["f32"])
+    rounding = ROUNDINGS.get(known[0][1] if known else "f64", ROUNDINGS["f32"])
     said = {share: {cell["method"] for _, cell in cells.iterrows() if declares(context, cell, share)} for share in SHARES}
     good = cells[cells["outcome"] == "ok"]
     worst = good.groupby("method")[list(SHARES)].max().max(axis=1)
@@ -138,9 +237,9 @@ def _chart(context, shown, left_out, setting):
                                                                           metrics.column(cells, share)).items()},
                           **{f"declares that it changes {SHORT[share]} momentum": cells["method"].isin(said[share])
                              for share in SHARES}})
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} momenta {dimension}d"), SECTION, f"Momenta of what is free, {dimension}D",
-                 finding(ranked, said, rounding, at) + ranking.tail(context, cells), cells["sweep"].iloc[0], figure, table,
-                 left_out + holes(cells, ["where", "method"]),
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} momenta {dimension}d"), STAY, f"Momenta of what is free, {dimension}D",
+                 finding_of_momenta(ranked, said, rounding, at) + ranking.tail(context, cells), cells["sweep"].iloc[0],
+                 figure, table, left_out + holes(cells, ["where", "method"]),
                  "How far the momentum at the end of the run is from that at its start, over that of the start; the angular one "
                  f"about the world's origin. Up to {rounding:g} is rounding, and stands at the left. A ring is around what a "
                  "method says of itself (info().failures): that it fails a property of this momentum, which is tested.",

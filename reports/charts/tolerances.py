@@ -1,30 +1,158 @@
 # SPDX-License-Identifier: Zlib
-"""Who is right within which tolerance: the ledger's errors by decade say for every tolerance what they say for one."""
+"""Tolerances of pair queries: what a tighter one costs, and who is right within which."""
 
 import math
+import re
 
+import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
 import failure
-from chart import Chart, Headline, listing, of_store
-from load import family
-from style import grid_of_axes, legend_right, legend_room
+import metrics
+import noise
+from chart import Chart, Headline, Needs, dimension_of, holes, identifier, listing, of_store, of_sweeps
+from load import family, one_machine
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, times
+from table import quantity
 
-SECTION = "Which method is right, and which fails where?"
+FAST = "Which pair query is fast and right?"
+SETTING, TIME, ERROR = "tolerance", "ns_per_query", "max_error"
+WORK = "support_calls"
+FEWEST = 3  # values of the tolerance that make a curve
+
+
+@of_sweeps("tolerance_cost", 74, FAST,
+           Needs("pairs", metrics=(TIME, ERROR), also=f"a method with {FEWEST} values of its {SETTING}"),
+           "What a tolerance costs", "No timed sweep of pair queries over a tolerance is in this store.", "tolerance_cost")
+def tolerance_cost(context, cells):
+    if WORK not in cells:
+        return []
+    cells, refused = one_machine(context.store, cells)
+    read = [parted(method) for method in cells["method"]]
+    cells = cells.assign(who=[who for who, _ in read], at=[at for _, at in read])
+    cells = cells[np.isfinite(cells["at"].astype(float))]
+    cells = cells.groupby("who").filter(lambda mine: mine["at"].nunique() >= FEWEST) if len(cells) else cells
+    if not len(cells):
+        return []
+    cells["pair"] = ["–".join(sorted((str(a), str(b)))) for a, b in zip(cells["kind_a"], cells["kind_b"])]
+    return [_cost_chart(context, cells[dimension_of(cells) == dimension], dimension, refused)
+            for dimension in sorted(set(dimension_of(cells)))]
+
+
+def parted(method):
+    """(the method without its tolerance, the tolerance): NaN where its label says none."""
+    found = re.search(rf"\b{SETTING}=([0-9.eE+-]+),?", method)
+    if not found:
+        return method, math.nan
+    return (method[:found.start()] + method[found.end():]).replace(",}", "}").replace("{}", ""), float(found[1])
+
+
+def ends(cells):
+    """(the cell of the tightest tolerance, that of the loosest) of one curve; None where fewer than two have a time."""
+    good = cells[cells["outcome"].isin(["ok", "wrong"]) & np.isfinite(metrics.column(cells, TIME))].sort_values("at")
+    return (good.iloc[0], good.iloc[-1]) if len(good) > 1 else None
+
+
+def told(cells, least):
+    """[(pair, method, tightest, loosest)] where both have a time."""
+    found = [(pair, who, ends(part)) for (pair, who), part in cells.groupby(["pair", "who"], sort=True)]
+    return [(pair, who, *both) for pair, who, both in found if both]
+
+
+def finding_of_cost(cells, dimension, least):
+    rows, said = told(cells, least), []
+    for who in sorted({row[1] for row in rows}):
+        parts = []
+        for pair, _, tight, loose in (row for row in rows if row[1] == who):
+            word = noise.said(tight, loose, TIME, least)
+            time = noise.IN_WORDS.get(word) or f"{times(noise.ratio(tight, loose, TIME))} times the time"
+            parts.append(f"on {pair} {time}, {tight[WORK]:.3g} support points become {loose[WORK]:.3g}, the worst error goes "
+                         "from "
+                         f"{tight[ERROR]:.2g} to {loose[ERROR]:.2g} of the size")
+        first = next(row for row in rows if row[1] == who)
+        said.append(f"{who} at {first[3]['at']:g} instead of {first[2]['at']:g}: {'; '.join(parts)}")
+    return f"In {dimension}D " + (". ".join(said) if said else "no method has times at two tolerances") + "."
+
+
+def headline_of_cost(cells, dimension, least):
+    """Where the loosest tolerance saves most time, beyond the noise."""
+    rows = [row for row in told(cells, least) if noise.tells(row[2], row[3], TIME, least) and row[3][TIME] < row[2][TIME]]
+    if not rows:
+        return None
+    pair, who, tight, loose = max(rows, key=lambda row: row[2][TIME] / row[3][TIME])
+    return Headline(f"{pair}, {dimension}D: a tolerance of {loose['at']:g} saves {who} "
+                    f"{100 * (1 - loose[TIME] / tight[TIME]):.0f} % "
+                    f"of its time, for a worst error of {loose[ERROR]:.2g} of the size instead of {tight[ERROR]:.2g}.",
+                    {f"{SETTING} {cell['at']:g}": float(cell[TIME]) for cell in (tight, loose)}, "ns", "time per query")
+
+
+def _cost_chart(context, cells, dimension, refused):
+    pairs, methods, sweep = sorted(cells["pair"].unique()), sorted(cells["who"].unique()), cells["sweep"].iloc[0]
+    looks, least = context.looks(cells), noise.floor_of(context, sweep, TIME)
+    look_of = {who: looks(cells[cells["who"] == who]["method"].iloc[0]) for who in methods}
+    legend_width = legend_room(methods, 1.5)
+    figure, axes = grid_of_axes(3, len(pairs), 1.75, legend_width, left=0.85, gap_x=0.65, gap_y=0.3, bottom=0.6)
+    bad = ~cells["outcome"].isin(["ok", "wrong"]).to_numpy()
+    for column, pair in enumerate(pairs):
+        for row, metric in enumerate((TIME, WORK, ERROR)):
+            ax, part = axes[row][column], cells[(cells["pair"] == pair) & ~bad]
+            across = ZeroLog(ax, "x", cells["at"].astype(float), "1", failures=False)
+            values = metrics.column(part, metric)
+            up = ZeroLog(ax, "y", values[np.isfinite(values)], context.unit(metric), failures=False,
+                         floor=1e-17 if metric == ERROR else 0.0)
+            for who in methods:
+                mine = part[(part["who"] == who) & np.isfinite(values)].sort_values("at")
+                ax.plot([across.place(v) for v in mine["at"]], [up.place(v) for v in metrics.column(mine, metric)],
+                        **look_of[who])
+            if metric == ERROR:
+                known = sorted(v for v in set(cells["at"]) if v > 0)
+                limits = ax.get_ylim()
+                ax.plot(known, known, color="#999999", lw=1, ls=(0, (4, 3)), zorder=0.6)
+                ax.set_ylim(limits)
+                ax.set_xlabel(SETTING)
+            else:
+                ax.tick_params(labelbottom=False)
+            if row == 0:
+                ax.set_title(pair)
+            if column == 0:
+                ax.set_ylabel(context.title(metric))
+    handles = [Line2D([], [], label=who, **look_of[who]) for who in methods]
+    handles.append(Line2D([], [], color="#999999", lw=1, ls=(0, (4, 3)), label="error = tolerance"))
+    legend_right(figure, handles, legend_width)
+    return Chart(identifier(f"{sweep} {dimension}d"), FAST, f"What a tolerance costs, {dimension}D",
+                 finding_of_cost(cells, dimension, least), sweep, figure, _table(context, cells),
+                 refused + holes(cells[bad].assign(step=math.nan), ["pair", "method"]),
+                 "What a tolerance is compared with is the method's own affair (`lpc list --stage pair_query`); errors are "
+                 "over the "
+                 "size of the query: largest extent + distance + largest coordinate. An outcome is judged by the tolerance that "
+                 f"was asked for. {noise.rule(least)}",
+                 headline=headline_of_cost(cells, dimension, least))
+
+
+def _table(context, cells):
+    table = cells.sort_values(["pair", "who", "at"])
+    numbers = quantity(SETTING, "1", table["at"])
+    for name in (TIME, WORK, ERROR, "median_error"):
+        numbers |= quantity(context.title(name), context.unit(name), metrics.column(table, name))
+    return pd.DataFrame({"pair": table["pair"], "method": table["who"], "outcome": table["outcome"], **numbers})
+
+
+FAILS_WHERE = "Which method is right, and which fails where?"
 DECADES = range(-16, 1)  # tolerances: from a rounding to the size itself
 LOOSE = -3  # a thousandth of the size: what a game would not see
 EVERYTHING = "all that it was asked"
 
 
-@of_store("within_tolerance", 75, SECTION,
+@of_store("within_tolerance", 75, FAILS_WHERE,
           "Right within which tolerance?", "No pair query that fails somewhere is in this store.",
           made_by="verify --stage pair_query --pairs 200")
 def within_tolerance(context):
     ledger = context.store.ledger()
     rows = ledger[(ledger["stage"] == "pair_query") & (ledger["axis"] == "all") & (ledger["asked"] > 0)]
     groups = rows.groupby(["dimension", "precision"], sort=True)
-    return [_chart(context, part, *of) for of, part in groups if failure.in_ledger(part)]  # others are right within all of these
+    # Others are right within all of these.
+    return [_right_chart(context, part, *of) for of, part in groups if failure.in_ledger(part)]
 
 
 def outside(rows, decade):
@@ -68,7 +196,7 @@ def turned(whole, tight, loose, kinds):
     return found
 
 
-def finding(rows, dimension, precision):
+def finding_of_right(rows, dimension, precision):
     table = shares(rows)
     whole = table[table["pair"] == EVERYTHING].set_index("method")
     kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
@@ -99,7 +227,7 @@ def finding(rows, dimension, precision):
     return text + "."
 
 
-def headline(rows, dimension, precision):
+def headline_of_right(rows, dimension, precision):
     """Two witnesses whose ranks turn round."""
     table = shares(rows)
     whole = table[table["pair"] == EVERYTHING].set_index("method")
@@ -116,7 +244,7 @@ def headline(rows, dimension, precision):
                     quantity="share of the questions that failed")
 
 
-def _chart(context, rows, dimension, precision):
+def _right_chart(context, rows, dimension, precision):
     table = shares(rows)
     methods = list(dict.fromkeys(table.sort_values(["role", "method"], kind="stable")["method"]))
     tight = round(math.log10(failure.TOLERANCE[precision]))
@@ -151,15 +279,15 @@ def _chart(context, rows, dimension, precision):
     handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="the ledger's"))
     legend_right(figure, handles, legend_width)
     numbers = table.drop(columns=["role", "own"]).rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
-    return Chart(f"within_tolerance_{dimension}d_{precision}", SECTION,
+    return Chart(f"within_tolerance_{dimension}d_{precision}", FAILS_WHERE,
                  f"Right within which tolerance, {dimension}D, {precision}",
-                 finding(rows, dimension, precision), "", figure, numbers,
+                 finding_of_right(rows, dimension, precision), "", figure, numbers,
                  [f"No method fails on {listing(easy)}: not drawn"] if easy else [],
                  "The share of the questions that would not be failures, had the referee allowed that tolerance, over the "
                  "tolerance. The dashed line is the one that the ledger takes. A right side without a value (some witnesses "
                  f"give depths alone) is no failure at any. Settings in braces are the tightest that a library offers. "
                  f"{failure.DEFINITION}",
-                 headline=headline(rows, dimension, precision),
+                 headline=headline_of_right(rows, dimension, precision),
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
