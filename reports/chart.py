@@ -102,7 +102,8 @@ def of_asked(*words):
 def kinds():
     """All kinds of charts, in the order of the page."""
     files = sorted(path.stem for path in (Path(__file__).parent / "charts").glob("*.py"))
-    found = [kind for file in files for kind in vars(importlib.import_module(f"charts.{file}")).values() if isinstance(kind, Kind)]
+    modules = [importlib.import_module(f"charts.{file}") for file in files]
+    found = [kind for module in modules for kind in vars(module).values() if isinstance(kind, Kind)]
     return sorted(found, key=lambda kind: (kind.place, kind.name))
 
 

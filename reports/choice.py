@@ -13,11 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+import measured
 import metrics
 import noise
 import ranking
 from chart import describe, plural
 from load import axes_of, split, varying
+from measured import Measured
 from style import si, times
 
 COST = "ms_per_step_median"
@@ -192,11 +194,9 @@ def _costs(context, sweep, cells):
         return cells, COST
     cells = cells.copy()
     cells[ALONE] = sum(cells[name].astype(float) for name in names) / 1e3
-    for kind in ("runs", "seeds"):
-        columns = [f"{name} {kind}" for name in names]
-        if all(column in cells for column in columns):
-            cells[f"{ALONE} {kind}"] = [[sum(parts) / 1e3 for parts in zip(*lists)] if all(isinstance(x, list) for x in lists)
-                                        else np.nan for lists in zip(*(cells[column] for column in columns))]
+    found = [[measured.of(cell, name) for name in names] for _, cell in cells.iterrows()]
+    sums = lambda lists: tuple(sum(parts) / 1e3 for parts in zip(*lists))  # noqa: E731
+    measured.add(cells, ALONE, [Measured(sums(m.runs for m in mine), sums(m.seeds for m in mine)) for mine in found])
     return cells, ALONE
 
 
@@ -221,13 +221,13 @@ def wrong(context, cell, ours, least):
     said, many = [], ranking.comparisons(len(ours))
     for error, zero in least.items():
         unit = context.unit(error)
-        known = [other for other in ours if np.isfinite(noise.of_seeds(other, error)).all()]
+        known = [other for other in ours if np.isfinite(measured.of_seeds(other, error)).all()]
         if not known:
             continue
-        best = min(known, key=lambda other: float(np.median(noise.of_seeds(other, error))))
+        best = min(known, key=lambda other: float(np.median(measured.of_seeds(other, error))))
         if not ranking.better(best, cell, error, zero, many, AS_RIGHT):
             continue
-        a, b = (float(np.median(noise.of_seeds(found, error))) for found in (cell, best))
+        a, b = (float(np.median(measured.of_seeds(found, error))) for found in (cell, best))
         none = "none" if zero == context.floor(error) else f"no more than {si(zero, unit)}, which counts as none"
         more = f"{ratio(a / b)} times that of {best['name']}" if b > zero else f"{si(a, unit)} where {best['name']} has {none}"
         said.append(f"{context.title(error)} {more}, above {AS_RIGHT:g} times over {_seeds(cell)}")

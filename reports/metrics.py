@@ -10,7 +10,9 @@ import re
 
 import numpy as np
 
+import measured
 from load import Metric, UserError, described, middle
+from measured import Measured
 
 DERIVED = {}
 
@@ -183,8 +185,8 @@ def add(store, cells, names):
             ok = [[key in store.by_key and store.by_key[key].outcome == "ok" for key in keys] for keys in cells["keys"]]
             cells[name] = [middle([v for v, good in zip(mine, fine) if good] or mine) for mine, fine in zip(values, ok)]
             if any(len(mine) > 1 for mine in values):
-                cells[name + " seeds"] = [[v if good else math.nan for v, good in zip(mine, fine)]
-                                          for mine, fine in zip(values, ok)]
+                measured.add(cells, name, [Measured(seeds=tuple(v if good else math.nan for v, good in zip(mine, fine)))
+                                           for mine, fine in zip(values, ok)])
     return cells
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
+import measured
 import noise
 import ranking
 import rest
@@ -73,8 +74,8 @@ def failed_seeds(cell, limit):
     if not limit:
         return int(cell["failed_seeds"])
     metric, below, bound = limited(limit)
-    values = cell[f"{metric} seeds"] if len(cell["seeds"]) > 1 else [cell.get(metric)]
-    if not isinstance(values, (list, tuple)):  # every seed failed, so that none has a value
+    values = measured.of(cell, metric).seeds if len(cell["seeds"]) > 1 else [cell.get(metric)]
+    if not values:  # every seed failed, so that none has a value
         return len(cell["seeds"])
     return max(int(cell["failed_seeds"]), sum(v is None or not (v < bound if below else v > bound) for v in values))
 

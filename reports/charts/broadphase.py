@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps
@@ -221,7 +222,7 @@ def _broadphase_chart(context, cells, dimension, where, refused):
                                     mine["ns_per_frame_p75"].astype(float).to_numpy()[good], color=look["color"],
                                     alpha=0.15, lw=0)
                     for at, (_, cell) in zip(n[good], mine[good].iterrows()):
-                        low, high = noise.interval(noise.runs(cell, TIME))
+                        low, high = noise.interval(measured.runs(cell, TIME))
                         if high > low:
                             ax.plot([at, at], [scale.place(low), scale.place(high)], color=look["color"], lw=1.2)
             fallen(ax, spots)
@@ -342,7 +343,7 @@ def _parameters_chart(context, cells, refused):
                 spots.append((scale.failed, y, cell["outcome"], colour))
                 continue
             plain = method == family(method)
-            low, high = noise.interval(noise.runs(cell, TIME))
+            low, high = noise.interval(measured.runs(cell, TIME))
             ax.plot([low, high], [y, y], color=colour, lw=1.2)
             ax.plot([cell[TIME]], [y], ls="none", marker="o", ms=6, color=colour, mfc=colour if plain else "white")
             if plain:

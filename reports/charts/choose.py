@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 from chart import Chart, Headline, holes, identifier, listing, of_asked, plural
@@ -116,13 +117,13 @@ def _together(context, advice):
     pasted = f"--pipeline '{short(advice.pipeline, context.store.algorithms)}'"
     if advice.run is None:
         return f" Not yet run as a whole: {pasted}."
-    text = f" As a whole this takes {span(noise.runs(advice.run, COST) or [advice.run[COST]], 'ms')} a step"
+    text = f" As a whole this takes {span(measured.runs(advice.run, COST) or [advice.run[COST]], 'ms')} a step"
     if advice.given is not None:
         why, given = tie(advice.run, advice.given, COST, _floor(advice)), "what every stage was judged with, timed before it"
         found = noise.ratio(advice.given, advice.run, COST)
         text += f", as fast as {given}, {why}" if why else f", {ratio(found)} times the time of {given}" * math.isfinite(found)
     for error in advice.errors:
-        text += f"; {context.title(error)} {span(noise.of_seeds(advice.run, error), context.unit(error))}"
+        text += f"; {context.title(error)} {span(measured.of_seeds(advice.run, error), context.unit(error))}"
     seeds = len(advice.run["seeds"])
     return text + f" (times over repeats, errors over {plural(seeds, 'seed')}). To paste: {pasted}."
 
@@ -253,8 +254,8 @@ def _values(cell, measure):
     """(one value of each seed, ends of the interval of the median, the median); NaN where the cell has none."""
     if cell["outcome"] != "ok" or measure not in cell or not math.isfinite(cell[measure]):
         return [], (), math.nan
-    seeds = noise.of_seeds(cell, measure)
-    times_of = noise.runs(cell, measure)
+    seeds = measured.of_seeds(cell, measure)
+    times_of = measured.runs(cell, measure)
     return seeds if len(seeds) > 1 else [], noise.interval(times_of or seeds), float(cell[measure])
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 import ranking
@@ -227,7 +228,7 @@ def _rules_chart(context, cells, where, refused):
 def _panel(ax, context, cells, name, names, looks):
     rows = {row["method"]: row for _, row in cells.iterrows()}
     good = {m: row for m, row in rows.items() if row["outcome"] == "ok" and math.isfinite(float(row[name]))}
-    spans = {m: noise.interval(noise.runs(row, name)) if name == TIME else _span(noise.values(row, f"{name} seeds"))
+    spans = {m: noise.interval(measured.runs(row, name)) if name == TIME else _span(measured.seeds(row, name))
              for m, row in good.items()}
     values = [v for m, row in good.items() for v in (float(row[name]), *spans[m]) if math.isfinite(v)]
     scale = ZeroLog(ax, "x", np.array(values), context.unit(name), failures=len(good) < len(rows))

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 import over_steps
@@ -275,8 +276,8 @@ def whiskers(ax, cell, cost_name, error_name, across, up, colour):
     cost, error = cell[cost_name], cell[error_name]
     if cell["outcome"] != "ok" or not (math.isfinite(cost) and math.isfinite(error)):
         return
-    for numbers, scale, along_x in ((noise.runs(cell, cost_name), across, True),
-                                    (noise.values(cell, f"{error_name} seeds"), up, False)):
+    for numbers, scale, along_x in ((measured.runs(cell, cost_name), across, True),
+                                    (measured.seeds(cell, error_name), up, False)):
         if len(numbers) > 1:
             ends = [scale.place(v) for v in noise.interval(numbers)]
             x, y = (ends, [up.place(error)] * 2) if along_x else ([across.place(cost)] * 2, ends)
@@ -294,12 +295,12 @@ def _table(context, cells, setting, costs, errors):
     details = [name for name in context.metrics("world", "detail") if context.metric(name).compute]
     for name in [*costs, *errors, *(n for n in details if np.isfinite(metrics.column(cells, n)).any())]:
         columns |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
-        for numbers in (f"{name} runs", f"{name} seeds"):
-            if numbers in cells and any(len(noise.values(cell, numbers)) > 1 for _, cell in cells.iterrows()):
-                ends = [noise.interval(noise.values(cell, numbers)) for _, cell in cells.iterrows()]
+        for over, values in (("runs", measured.runs), ("seeds", measured.seeds)):
+            found = [values(cell, name) for _, cell in cells.iterrows()]
+            if any(len(mine) > 1 for mine in found):
                 for end, place in (("low", 0), ("high", 1)):
-                    columns |= quantity(f"{context.title(name)}, {end} end over {numbers[len(name) + 1:]}", context.unit(name),
-                                        [pair[place] for pair in ends])
+                    columns |= quantity(f"{context.title(name)}, {end} end over {over}", context.unit(name),
+                                        [noise.interval(mine)[place] for mine in found])
     first, second = costs[0], errors[0]
     result = at_equal_cost(cells, first, second)
     if result is not None:

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 import ranking
@@ -43,7 +44,7 @@ def telling(cells, axes):
 
 def candidates(part, error):
     """The cells of one ensemble that may have a rank: most of their seeds finish."""
-    return part[np.isfinite([np.median(noise.of_seeds(cell, error)) for _, cell in part.iterrows()])]
+    return part[np.isfinite([np.median(measured.of_seeds(cell, error)) for _, cell in part.iterrows()])]
 
 
 def ranks(part, error, zero):
@@ -54,7 +55,7 @@ def ranks(part, error, zero):
     cells = [cell for _, cell in known.iterrows()]
     # Where most seeds end alike medians are equal: then whoever errs less than the others under more seeds stands first.
     wins = [sum((v > 0) - (v < 0) for other in cells for v in ranking.log_ratios(mine, other, error, zero)) for mine in cells]
-    order = sorted(range(len(cells)), key=lambda i: (max(float(np.median(noise.of_seeds(cells[i], error))), zero), -wins[i]))
+    order = sorted(range(len(cells)), key=lambda i: (max(float(np.median(measured.of_seeds(cells[i], error))), zero), -wins[i]))
     best, many = cells[order[0]], ranking.comparisons(len(cells))
     return best, [cells[i]["method"] for i in order if not ranking.better(best, cells[i], error, zero, many)]
 
@@ -109,8 +110,8 @@ def finding(context, where, groups, error, everyone):
         if deep := ranking.overlapping(part):
             said.append(f"{place}: no method has a rank, since bodies overlap by up to {si(deep, 'm')} at the start")
             continue
-        worst = max(noise.of_seeds(best, error))
-        value = (f"{above(float(np.median(noise.of_seeds(best, error))), zero, unit)}, worst "
+        worst = max(measured.of_seeds(best, error))
+        value = (f"{above(float(np.median(measured.of_seeds(best, error))), zero, unit)}, worst "
                  f"{above(worst, zero, unit) if math.isfinite(worst) else 'a failure'}")
         text = f"{place}: {standing(ranked, best, equals, everyone, error, zero, what, value)}"
         text += beyond(context, ranked, error, everyone)
@@ -133,7 +134,7 @@ def beyond(context, part, error, everyone):
     best, equals = ranks(part, other, context.floor(other))
     if best is None:
         return ""
-    value = float(np.median(noise.of_seeds(best, other)))
+    value = float(np.median(measured.of_seeds(best, other)))
     return (f"; beyond the slop that each keeps on purpose {methods(equals, everyone)} {'is' if len(equals) == 1 else 'tie'} "
             f"first ({si(value if value > context.floor(other) else 0.0, context.unit(other))})")
 
@@ -147,7 +148,7 @@ def headline(context, where, groups, error, everyone):
     part = groups[-1][1]
     if not won[-1][1] or noise.idle_seeds(part):
         return None
-    medians = {cell["method"]: float(np.median(noise.of_seeds(cell, error))) for _, cell in part.iterrows()}
+    medians = {cell["method"]: float(np.median(measured.of_seeds(cell, error))) for _, cell in part.iterrows()}
     places = {}  # who -> where; that nobody wins comes last
     for place, found in sorted(won, key=lambda one: not one[1]):
         places.setdefault(tuple(found), []).append(place)
@@ -178,7 +179,7 @@ def _chart(context, cells, where, inner):
             ax.set_xlim(-4, 104)
             ax.set_title("seeds that failed (%)")
         else:
-            all_values = [v for _, cell in cells.iterrows() for v in noise.of_seeds(cell, error)]
+            all_values = [v for _, cell in cells.iterrows() for v in measured.of_seeds(cell, error)]
             scale = ZeroLog(ax, "x", all_values, context.unit(error), floor=context.floor(error))
             ax.set_title(context.title(error))
         y, ticks = 0, []
@@ -194,7 +195,7 @@ def _chart(context, cells, where, inner):
                     ax.plot([100 * end for end in ends], [y, y], color=look["color"], lw=1.4, alpha=0.8)
                     ax.plot([100 * cell["failed_seeds"] / len(cell["seeds"])], [y], **look, zorder=3)
                 else:
-                    of_seeds = noise.of_seeds(cell, error)
+                    of_seeds = measured.of_seeds(cell, error)
                     ax.plot([scale.place(v) for v in of_seeds], [y] * len(of_seeds), ls="none", marker="|", ms=9,
                             color=look["color"], alpha=0.5, mew=0.8)
                     ax.plot([scale.place(v) for v in noise.interval(of_seeds)], [y, y], color=look["color"], lw=1.4, alpha=0.8)
@@ -230,7 +231,7 @@ def _table(context, cells, inner, errors):
     for end, values in (("low end", [low for low, _ in chances]), ("high end", [high for _, high in chances])):
         columns |= quantity(f"chance of a failure, {end}", "1", values)
     for error in errors:
-        of_seeds = [noise.of_seeds(cell, error) for _, cell in cells.iterrows()]
+        of_seeds = [measured.of_seeds(cell, error) for _, cell in cells.iterrows()]
         ends = [noise.interval(v) for v in of_seeds]
         for name, values in (("median", [float(np.median(v)) for v in of_seeds]), ("low end", [low for low, _ in ends]),
                              ("high end", [high for _, high in ends]), ("worst", [max(v) for v in of_seeds])):

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 import ranking
@@ -61,7 +62,7 @@ def spread(part, name):
     if not len(part) or len(ok) < len(part) or not np.isfinite(values).all():
         return math.nan, math.nan, math.nan
     every = [v for (_, cell), value in zip(ok.iterrows(), values)
-             for v in (value, *noise.runs(cell, name), *noise.values(cell, f"{name} seeds"))]
+             for v in (value, *measured.runs(cell, name), *measured.seeds(cell, name))]
     return float(np.median(values)), min(every), max(every)
 
 

@@ -10,6 +10,7 @@ from matplotlib.patches import Patch
 
 import coverage
 import load
+import measured
 import noise
 import ranking
 from chart import Chart, listing, of_store, plural
@@ -197,7 +198,7 @@ def _rows(context, sweep):
         if len(timed):
             found.append({"sweep": sweep if role == "competitor" else f"{sweep} ({role})", "cells": len(timed),
                           "ratios": noise.with_itself(timed, time), "floor": noise.floor(timed, time),
-                          "loads": [v for _, cell in timed.iterrows() for v in noise.runs(cell, "load")]})
+                          "loads": [v for _, cell in timed.iterrows() for v in measured.runs(cell, "load")]})
     return found
 
 

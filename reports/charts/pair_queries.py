@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 import failure
+import measured
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps, plural
@@ -373,7 +374,7 @@ def right(row):
 
 def _silence(*cells):
     """Why times are not told apart."""
-    return noise.FEW if any(0 < len(noise.runs(cell, TIME)) < noise.FEWEST for cell in cells) else noise.NOISE
+    return noise.FEW if any(0 < len(measured.runs(cell, TIME)) < noise.FEWEST for cell in cells) else noise.NOISE
 
 
 def finding_of_peers(rows):

@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import failure
+import measured
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps
@@ -174,7 +175,7 @@ def _sizes_chart(context, cells, dimension, where, refused):
                 good = np.isfinite(values)
                 ax.plot(n[good], [scale.place(v) for v in values[good]], **looks(method))
                 for at, (_, cell) in zip(n, part[part["method"] == method].sort_values(SIZE).iterrows()):
-                    low, high = noise.interval(noise.runs(cell, metric))
+                    low, high = noise.interval(measured.runs(cell, metric))
                     if high > low:
                         ax.plot([at, at], [scale.place(low), scale.place(high)], color=looks(method)["color"], lw=1.2)
             if metric == TIME:

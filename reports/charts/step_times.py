@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+import measured
 import metrics
 import noise
 import over_steps
@@ -81,7 +82,7 @@ def _named(cell, alike, good):
 
 def _spread(cell):
     """The interval of the slowest step over the repeats, as a multiple of the median."""
-    low, high = noise.interval(noise.runs(cell, WORST) or [cell[WORST]])
+    low, high = noise.interval(measured.runs(cell, WORST) or [cell[WORST]])
     return low / cell[MEDIAN], high / cell[MEDIAN]
 
 

@@ -8,6 +8,7 @@ import textwrap
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
+import measured
 import noise
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
 from load import one_machine, split, varying
@@ -53,7 +54,7 @@ def share(cell):
     """Of the bullets, those that tunnelled; under several seeds the most."""
     if cell["outcome"] != "ok":
         return math.nan
-    through = noise.values(cell, "tunnelled seeds") or [float(cell["tunnelled"])]
+    through = measured.seeds(cell, "tunnelled") or [float(cell["tunnelled"])]
     return max(through) / cell["bullets"]
 
 

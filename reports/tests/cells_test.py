@@ -13,6 +13,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import chart  # noqa: E402
 import load  # noqa: E402
+import measured  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 from charts import cost_against_error  # noqa: E402
@@ -91,7 +92,7 @@ class Cells(unittest.TestCase):
                 maker.trial("costs", axes, {COST: 1.0}, machine=1 if repeat < 3 else 2)
         context = self.context(fill)
         cells, said = load.one_machine(context.store, context.store.cells("costs"))
-        self.assertEqual(len(cells.iloc[0][f"{COST} runs"]), 3)
+        self.assertEqual(len(measured.runs(cells.iloc[0], COST)), 3)
         self.assertEqual(said, ["a: 2 timed trials on another machine are left out"])
 
 

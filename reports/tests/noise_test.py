@@ -15,6 +15,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
+import measured  # noqa: E402
 import noise  # noqa: E402
 import ranking  # noqa: E402
 import overlap  # noqa: E402
@@ -26,12 +27,14 @@ from charts.cost_against_error import cost_against_error  # noqa: E402
 from charts.measurements import noise_floor  # noqa: E402
 from charts.one_change import precision, unneeded  # noqa: E402
 from charts.step_times import step_times  # noqa: E402
+from measured import Measured  # noqa: E402
 
 COST = "ms_per_step_median"
 
 
 def cell(runs, **more):
-    return {COST: float(np.median(runs)), f"{COST} runs": runs, "outcome": "ok", "arithmetic": (2, "f64"), **more}
+    return {COST: float(np.median(runs)), measured.MEASURED: {COST: Measured(tuple(runs))}, "outcome": "ok",
+            "arithmetic": (2, "f64"), **more}
 
 
 def check_interval(interval_of):
@@ -105,8 +108,8 @@ class OfStores(with_store.WithStore):
     def test_all_repeats_are_kept(self):
         context = self.context(self.features(1.0))
         cells = context.store.cells("features")
-        self.assertEqual({len(runs) for runs in cells[f"{COST} runs"]}, {5})
-        self.assertEqual(float(np.median(cells[f"{COST} runs"].iloc[0])), cells[COST].iloc[0])
+        self.assertEqual({len(measured.runs(cell, COST)) for _, cell in cells.iterrows()}, {5})
+        self.assertEqual(float(np.median(measured.runs(cells.iloc[0], COST))), cells[COST].iloc[0])
         self.assertEqual(cells["load"].iloc[0], 0.4)
 
     @undrawn.drawn
@@ -117,7 +120,7 @@ class OfStores(with_store.WithStore):
                 maker.trial("noisy", axes, {COST: 1 + spread * (repeat % 2)})
         context = self.context(fill)
         self.assertAlmostEqual(noise.floor(context.store.cells("noisy"), COST), 1.2)
-        few = context.store.cells("noisy").assign(**{f"{COST} runs": [[1.0, 1.1, 1.0]]})
+        few = context.store.cells("noisy").assign(measured=[{COST: Measured((1.0, 1.1, 1.0))}])
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
         row = chart.made(noise_floor, context)[0]
         self.assertIn("a method differs by at most 20 % in noisy (95 of 100 cells of each)", row.finding)
@@ -305,7 +308,7 @@ class OfStores(with_store.WithStore):
         context = self.context(self.ensemble(failing=(3, 4)))
         cells = context.store.cells("ensemble").set_index("method")
         self.assertEqual(len(cells), 2)
-        self.assertEqual(len(cells.loc["catto", "max_penetration seeds"]), 10)
+        self.assertEqual(len(measured.seeds(cells.loc["catto"], "max_penetration")), 10)
         self.assertEqual(cells.loc["naive", "failed_seeds"], 2)
         self.assertEqual(cells.loc["naive", "outcome"], "collapsed", "one seed that fails is not hidden by nine that do not")
         self.assertAlmostEqual(cells.loc["catto", "max_penetration"], 1e-3 * 1.055)
@@ -348,8 +351,8 @@ class OfStores(with_store.WithStore):
                          "On stack, 2D, started in 10 places, catto+linear and catto+split_impulse tie for the smallest "
                          "penetration at perturb=1e-06, soft_step at perturb=0.001 (the numbers: medians at perturb=0.001).")
         self.assertIn("catto+split_impulse ends in the same state as catto+linear under 10 of 10 seeds", found.finding)
-        cell = lambda name, errors: {"method": name, "e": 1.0, "e seeds": errors, "outcome": "ok",  # noqa: E731
-                                     "seeds": [1, 2], "hashes": [f"{v}" for v in errors]}
+        cell = lambda name, errors: {"method": name, "e": 1.0, "measured": {"e": Measured(seeds=errors)},  # noqa: E731
+                                     "outcome": "ok", "seeds": [1, 2], "hashes": [f"{v}" for v in errors]}
         for errors, alike in (([1.0, 1.0], (2, 2)), ([1.0, 2.0], (1, 1)), ([0.5, 2.0], (0, 0))):
             self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), alike)
 

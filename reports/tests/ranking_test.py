@@ -16,17 +16,19 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import pandas as pd  # noqa: E402
 
-import noise  # noqa: E402
+import measured  # noqa: E402
 import ranking  # noqa: E402
 import with_store  # noqa: E402
 from charts import ensembles  # noqa: E402
 from charts.cost_against_error import cost_against_error, error_within_budgets  # noqa: E402
 from charts.equal_cost import equal_cost  # noqa: E402
+from measured import Measured  # noqa: E402
 
 
 def cell(*values):
     """One method under seeds 1, 2, ...; a NaN failed."""
-    return {"e": values[0], "e seeds": list(values), "seeds": list(range(1, len(values) + 1)), "outcome": "ok"}
+    return {"e": values[0], measured.MEASURED: {"e": Measured(seeds=tuple(values))}, "seeds": list(range(1, len(values) + 1)),
+            "outcome": "ok"}
 
 
 def false_ranks(better, methods=5, seeds=20, trials=400):
@@ -86,7 +88,7 @@ class Intervals(unittest.TestCase):
         self.assertLessEqual(false_ranks(ranking.better), 0.05)
         # The planted bugs: pairs as if each were alone, and medians without an interval.
         self.assertGreater(false_ranks(lambda a, b, metric, many: ranking.better(a, b, metric)), 0.1)
-        self.assertGreater(false_ranks(lambda a, b, metric, many: noise.values(a, "e seeds")[0] < b["e"], trials=20), 0.5)
+        self.assertGreater(false_ranks(lambda a, b, metric, many: measured.seeds(a, "e")[0] < b["e"], trials=20), 0.5)
 
 
 METHODS = {"catto": 3e-3, "admm": 1e-3, "naive": 4e-3, "box2d": 5e-4}
