@@ -83,7 +83,7 @@ def run(options):
     store = Store(options.store)
     context = Context(store)
     if options.taken:
-        from charts.choose import to_run
+        from choice import to_run
         print(to_run(context))
         return 0
     only = [name for name in options.only.split(",") if name]

@@ -5,41 +5,19 @@ that is taken as one pipeline."""
 import math
 import re
 import textwrap
-from dataclasses import dataclass
 
 import pandas as pd
 from matplotlib.lines import Line2D
 
 import measured
-import metrics
 import noise
 from chart import Chart, Headline, holes, identifier, listing, of_asked, plural
-from choice import (ALONE, AS_RIGHT, COST, JITTER, TOGETHER, by_place, choose, combination, errors_judged, given_of,
-                    pipeline_of, ratio, short, span, tie, zeros)
-from load import one_machine
+from choice import ALONE, AS_RIGHT, COST, JITTER, advices, pipeline_of, ratio, short, span, tie, zeros
 from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
 
 SECTION = "What should one take for this scene?"
-KIND = "world"
 WORDS = 2.75  # inches for the verdicts
-
-
-@dataclass
-class Advice:
-    """All that is known of one scene."""
-    where: str
-    choices: list  # of Choice
-    errors: list  # names of the metrics by which methods are excluded
-    whole: list  # cells of whole pipelines that were run as such: (name, cell)
-    pipeline: str  # what is taken, canonical; empty where a stage takes nothing
-    run: object  # the cell that ran it, or None
-    refused: list
-
-    @property
-    def given(self):
-        """What every stage was judged with. It ran before, with the stages: what is taken was not known in those rounds."""
-        return next((cell for name, cell in self.whole if self.run is not None and cell["key"] != self.run["key"]), None)
 
 
 @of_asked("choose", 5, SECTION,
@@ -47,42 +25,6 @@ class Advice:
 def what_to_take(context):
     """One chart per scene, of all sweeps that name this chart."""
     return [_chart(context, advice) for advice in advices(context)]
-
-
-def places_of(context, cells):
-    """[(place, cells that may be compared, refused)]: one for each scene and size."""
-    cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics(KIND, "error")))
-    return [(place, part, refused) for place, part in by_place(context, cells)]
-
-
-def advices(context):
-    places = {}
-    for sweep in [name for name in context.store.sweeps() if "choose" in context.store.sweep(name).report]:
-        for place, cells, refused in places_of(context, context.cells(sweep)):
-            places.setdefault(place, []).append((sweep, cells, refused))
-    return [made for made in (_advice(context, place, found) for place, found in places.items()) if made.choices]
-
-
-def _advice(context, where, found):
-    errors = errors_judged(context, [cells for _, cells, _ in found])
-    whole = [(sweep, cells) for sweep, cells, _ in found if context.store.method_axes(sweep)[0] == TOGETHER]
-    competing = [(sweep, cells) for sweep, cells, _ in found if sweep not in dict(whole)]
-    given = given_of(context, [cells for _, cells in competing]) if competing else ""
-    choices = [choose(context, sweep, cells, errors, given) for sweep, cells in competing]
-    pipeline = combination(context.store, choices)
-    pool = [cell for _, cells in whole for _, cell in cells.iterrows()] + [v.cell for c in choices for v in c.verdicts]
-    run = next((cell for cell in pool if pipeline and cell["outcome"] == "ok" and math.isfinite(cell[COST]) and
-                pipeline_of(context.store, cell) == pipeline), None)
-    rows = [(cell["name"], cell) for _, cells in whole for _, cell in cells.iterrows()]
-    if run is not None and all(cell["key"] != run["key"] for _, cell in rows):
-        rows.append(("taken", run))
-    return Advice(where, choices, errors, rows, pipeline, run, sorted({said for *_, part in found for said in part}))
-
-
-def to_run(context):
-    """The pipeline that is taken for the first scene where nothing has run it; empty where there is none."""
-    found = [advice for advice in advices(context) if advice.pipeline and advice.run is None]
-    return short(found[0].pipeline, context.store.algorithms) if found else ""
 
 
 def _sentence(choice):
