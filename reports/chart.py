@@ -16,6 +16,7 @@ import pandas as pd
 
 import load
 import metrics
+from sentences import listing
 from style import Looks
 
 
@@ -307,26 +308,3 @@ def identifier(text):
 
 def dimension_of(cells):
     return cells["dimension"].astype(int) if "dimension" in cells else pd.Series(2, index=cells.index)
-
-
-def plural(count, one, many=None):
-    return f"{count} {one if count == 1 else many or one + 's'}"
-
-
-def listing(names):
-    names = list(names)
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1] if names else "none"
-
-
-def methods(names, everyone):
-    """Method labels in a sentence; a whole family of three or more (`catto+...`) is named once."""
-    names, said, done = list(names), [], set()
-    for name in names:
-        alike = [m for m in everyone if load.family(m) == load.family(name)]
-        if len(alike) >= 3 and all(m in names for m in alike):
-            if alike[0] not in done:
-                said.append(f"all {len(alike)} {load.family(name)} variants")
-            done |= set(alike)
-        else:
-            said.append(name)
-    return listing(said)

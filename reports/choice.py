@@ -18,9 +18,10 @@ import measured
 import metrics
 import noise
 import ranking
-from chart import describe, plural
+from chart import describe
 from load import axes_of, one_machine, split, varying
 from measured import Measured
+from sentences import plural
 from style import si, times
 
 COST = "ms_per_step_median"

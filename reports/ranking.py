@@ -15,7 +15,8 @@ from collections import Counter
 
 import measured
 import metrics
-from chart import listing, plural
+from sentences import listing, plural
+
 
 LEVEL = 0.05  # chance that one interval or more of a rank does not hold its median
 START, TOUCHING = "penetration_start", 1e-6  # m

@@ -17,8 +17,9 @@ import metrics
 import over_steps
 import ranking
 from budget import marks, within
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import split, varying
+from sentences import does, listing, methods
 from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si, times
 from table import quantity
 
@@ -194,13 +195,13 @@ def finding(context, others, runs, where):
             known.groupby("method")[FAR].min().astype(float).to_dict())
         firsts, best, lasts, most = nearest(reached, runs.doubt)
         cost = f"Within {budget:,.0f} {cost_title(context, others)} " if budget < math.inf else ""
-        text_of = f"{cost}{methods(firsts, everyone)} {'is' if len(firsts) == 1 else 'are'} nearest ({si(best, 'm')})"
+        text_of = f"{cost}{does(firsts, 'are', everyone)} nearest ({si(best, 'm')})"
         said.append(text_of + (f", {some(lasts, everyone)} farthest ({si(most, 'm')})" if lasts else ""))
     none = sorted(set(everyone) - set(finished["method"]))
     # The cheapest and the dearest budget: what is between is in the table.
     said = [*dict.fromkeys((said[0], said[-1]))] if said else ["No method has a rank"]
     said = [*(["Beyond that no method is ranked"] if runs.horizon else []), *said]
-    said += [f"{methods(none, everyone)} {'does' if len(none) == 1 else 'do'} not run so far"] if none else []
+    said += [f"{does(none, 'do', everyone)} not run so far"] if none else []
     return f"{text}. {'. '.join(said)}.{ranking.tail(context, finished)}"
 
 

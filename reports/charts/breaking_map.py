@@ -16,8 +16,9 @@ import measured
 import noise
 import ranking
 import rest
-from chart import Chart, Headline, Needs, identifier, listing, methods, of_sweeps, plural
+from chart import Chart, Headline, Needs, identifier, of_sweeps
 from load import split
+from sentences import does, listing, methods, plural
 from style import WIDTH, figures, plt, si
 from table import quantity
 
@@ -226,7 +227,7 @@ def finding(title, column, about, labels):
         said.append(f"{_doing(none, 'holds', labels)} at no value that was tried")
     for word in sorted({f.dear for m, f in left.items() if m not in none}):
         dear = [m for m, f in left.items() if m not in none and f.dear == word]
-        said.append(f"{methods(dear, labels)} {'is' if len(dear) == 1 else 'are'} {word} from the first")
+        said.append(f"{does(dear, 'are', labels)} {word} from the first")
     odd = [m for m, f in known.items() if f.beyond]
     said += [plural(len(odd), "ladder is", "ladders are") + " not monotone"] if odd else []
     return f"{title}: {'. '.join(said)}.{out}"

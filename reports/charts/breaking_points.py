@@ -10,8 +10,9 @@ from matplotlib.patches import Patch, Rectangle
 
 import metrics
 import ranking
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, of_sweeps
+from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
 from load import JOINED, one_machine, split
+from sentences import clauses, does, listing, methods
 from style import OUTCOMES, WIDTH, grid_of_axes, plt, si
 from table import quantity
 
@@ -88,30 +89,22 @@ def _value(name, value):
 
 def finding(scene, name, table, spent=""):
     known, everyone = ranked(table), list(table["method"])
-    scene = f"{scene}{f' with {spent}' if spent else ''}"
-    fallen = known[known["fell"].notna()]
+    scene, at = f"{scene}{f' with {spent}' if spent else ''}", lambda value: _value(name, value)
     if not len(known):
         return f"{scene}: nothing was run" if table["hole"].all() else f"on {scene} no method has a rank"
+    fallen, stood, top = known[known["fell"].notna()], known[known["fell"].isna()], known["held"].max()
     if not len(fallen):
-        return f"on {scene} nothing fails up to {name} = {_value(name, known['held'].min())}"
-    first = fallen[fallen["fell"] == fallen["fell"].min()]
-    text = (f"on {scene} {methods(first['method'], everyone)} {'fails' if len(first) == 1 else 'fail'} first, at {name} = "
-            f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))})")
-    stood = known[known["fell"].isna()]
-    top = known["held"].max()
+        return f"on {scene} nothing fails up to {name} = {at(known['held'].min())}"
+    first, last = (fallen[fallen["fell"] == end] for end in (fallen["fell"].min(), fallen["fell"].max()))
+    where = f"at {name} = {at(first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))})"
     if len(first) == len(known):  # one rung tells no methods apart
-        rung = "already at the smallest tried" if math.isnan(top) else "each after it held below"
-        return (f"on {scene} {'all' if len(known) > 1 else 'the only one of the'} {len(known)} methods fail at {name} = "
-                f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))}), {rung}")
-    whole, partly = stood[stood["held"] == top], stood[stood["held"] < top]
-    if len(whole):
-        text += f", while {methods(whole['method'], everyone)} held to the largest tried ({_value(name, top)})"
-    for row in partly.itertuples():
-        text += f", and {row.method} held to {_value(name, row.held)} with no result beyond"
-    if len(stood):
-        return text
-    last = fallen[fallen["fell"] == fallen["fell"].max()]
-    return text + f" and {methods(last['method'], everyone)} last, at {_value(name, last['fell'].iloc[0])}"
+        return (f"on {scene} {'all' if len(known) > 1 else 'the only one of the'} {len(known)} methods fail {where}, "
+                f"{'already at the smallest tried' if math.isnan(top) else 'each after it held below'}")
+    whole, partly = stood[stood["held"] == top]["method"], stood[stood["held"] < top]
+    ends = [len(whole) and f"while {methods(whole, everyone)} held to the largest tried ({at(top)})",
+            *(f"and {row.method} held to {at(row.held)} with no result beyond" for row in partly.itertuples())]
+    text = clauses(f"on {scene} {does(first['method'], 'fail', everyone)} first, {where}", *ends, between=", ")
+    return text if len(stood) else f"{text} and {methods(last['method'], everyone)} last, at {at(last['fell'].iloc[0])}"
 
 
 def headline(scene, name, table, dimension, spent=""):
@@ -126,7 +119,7 @@ def headline(scene, name, table, dimension, spent=""):
     if not len(last) or set(last) & set(first):
         return None
     scene = f"{scene} in {dimension}D{f' with {spent}' if spent else ''}"
-    return Headline(f"On {scene} {methods(first, everyone)} {'fails' if len(first) == 1 else 'fail'} first when "
+    return Headline(f"On {scene} {does(first, 'fail', everyone)} first when "
                     f"{name} is raised, at {_value(name, fallen['fell'].min())}; {methods(last, everyone)} "
                     f"{'holds' if len(last) == 1 else 'hold'} to {_value(name, top)}.", held, "s" if name == "dt" else "1",
                     f"largest {name} that holds", larger=True)

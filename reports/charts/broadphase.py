@@ -10,8 +10,9 @@ from matplotlib.lines import Line2D
 import measured
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
 from load import family, one_machine, split, varying
+from sentences import does, listing
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same,
                    times)
 from table import quantity
@@ -154,7 +155,7 @@ def finding(cross, base, dimension, ahead, least, asked=""):
         if (part["kind"] == UNTIMED).all():
             said.append(f"on {distribution} boxes no time was taken ({WHY_UNTIMED})")
             continue
-        kinds = [f"{listing(rows['method'])} {'is' if len(rows) == 1 else 'are'} {kind}" if kind != "unknown" else
+        kinds = [f"{does(rows['method'], 'are')} {kind}" if kind != "unknown" else
                  f"{listing(rows['method'])} and {base} have no size in common that both finished"
                  for kind, rows in part.groupby("kind", sort=True)]
         said.append(f"on {distribution} boxes nothing crosses {base}: {listing(kinds)}")

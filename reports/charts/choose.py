@@ -11,8 +11,9 @@ from matplotlib.lines import Line2D
 
 import measured
 import noise
-from chart import Chart, Headline, holes, identifier, listing, of_asked, plural
+from chart import Chart, Headline, holes, identifier, of_asked
 from choice import ALONE, AS_RIGHT, COST, JITTER, advices, pipeline_of, ratio, short, span, tie, zeros
+from sentences import clauses, does, listing, plural
 from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
 
@@ -28,29 +29,24 @@ def what_to_take(context):
 
 
 def _sentence(choice):
-    take = choice.take
+    take, judged, ties = choice.take, {}, {}
     if take is None:
         return f"{choice.question}: none of ours finished with a time"
-    time = si(float(take.cell[choice.cost]), "ms")
-    text = f"{choice.question} {take.name} ({time} {'of its stage alone' if choice.cost == ALONE else 'a step'}"
-    ties = {}
     for v in choice.verdicts:
-        if v.word == "tie":
-            ties.setdefault(v.reason, []).append(v.name)
-    text += "".join(f"; as fast: {listing(names)}, {why}" for why, names in ties.items())
-    text += f"; of these it {choice.why}" if choice.why else ""
-    slower = [v for v in choice.verdicts if v.word == "slower"]
-    text += f"; next {slower[0].name}, {slower[0].reason}" if slower else ""
-    out = [v.name for v in choice.verdicts if v.word == "errs more"]
-    text += f"; {listing(out)} {'errs' if len(out) == 1 else 'err'} more" if out else ""
+        judged.setdefault(v.word, []).append(v)
+    for v in judged.get("tie", ()):
+        ties.setdefault(v.reason, []).append(v.name)
+    slower, out = judged.get("slower"), [v.name for v in judged.get("errs more", ())]
     failed = [f"{v.name} {v.word}" for v in choice.verdicts if v.role == "competitor" and v.cell["outcome"] != "ok"]
-    text += f"; {listing(failed)}" if failed else ""
-    excused = [f"{v.name} ({v.reason})" for v in choice.verdicts if v.word == "not ranked"]
-    text += f"; not ranked {listing(excused)}" if excused else ""
-    peers = [v for v in choice.verdicts if v.role != "competitor" and not v.word]
-    if peers:  # no ratio where it is noise
-        text += f"; of other libraries {peers[0].name}, {_short_word(peers[0])}"
-    return text + ")"
+    excused = [f"{v.name} ({v.reason})" for v in judged.get("not ranked", ())]
+    peers = [v for v in judged.get("", ()) if v.role != "competitor"]
+    return clauses(f"{choice.question} {take.name} ({si(float(take.cell[choice.cost]), 'ms')} "
+                   f"{'of its stage alone' if choice.cost == ALONE else 'a step'}",
+                   *(f"as fast: {listing(names)}, {why}" for why, names in ties.items()),
+                   choice.why and f"of these it {choice.why}", slower and f"next {slower[0].name}, {slower[0].reason}",
+                   out and f"{does(out, 'err')} more", failed and listing(failed),
+                   excused and f"not ranked {listing(excused)}",
+                   peers and f"of other libraries {peers[0].name}, {_short_word(peers[0])}") + ")"
 
 
 def _together(context, advice):

@@ -10,8 +10,9 @@ from matplotlib.lines import Line2D
 import metrics
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, holes, identifier, listing, methods, of_sweeps, plural
+from chart import Chart, Headline, Needs, holes, identifier, of_sweeps
 from load import split
+from sentences import clauses, does, listing, methods, plural, verb
 from style import ZeroLog, grid_of_axes, si
 from table import quantity
 
@@ -169,12 +170,10 @@ def finding_of_momenta(cells, said, rounding, at):
         parts.append(f"{plural(len(found), 'method changes', 'methods change')} {SHORT[share]} momentum: "
                      f"{'most ' if len(found) > 1 else ''}{most}" if found else f"no method changes {SHORT[share]} momentum")
     silent = sorted({m for share, found in of.items() for m in found if m not in said[share]})
-    if any(of.values()):
-        told = methods(silent, everyone) if len(silent) <= TOLD else f"{len(silent)} of these"
-        parts.append(f"{told} {'does' if len(silent) == 1 else 'do'} not declare it" if silent else "all of these declare it")
-    if failed:
-        parts.append(f"{methods(failed, everyone)} {'fails' if len(failed) == 1 else 'fail'}")
-    return f"{at}{'; '.join(parts)}."
+    told = methods(silent, everyone) if len(silent) <= TOLD else f"{len(silent)} of these"
+    return at + clauses(*parts, any(of.values()) and (f"{told} {verb(len(silent), 'do')} not declare it" if silent else
+                                                      "all of these declare it"),
+                        failed and does(failed, "fail", everyone)) + "."
 
 
 def headline(cells, rounding, at):
@@ -190,7 +189,7 @@ def headline(cells, rounding, at):
     most = [f"{m} ({si(100 * v)} %)" for m, v in found.items() if v >= least]
     others = f", {plural(len(found) - len(most), 'other', 'others')} less" if len(most) < len(found) else ""
     return Headline(f"{at}nothing turns free bodies from outside: {plural(len(keep), 'method keeps', 'methods keep')} their "
-                    f"angular momentum to rounding; {listing(most)} {'changes' if len(most) == 1 else 'change'} most{others}.",
+                    f"angular momentum to rounding; {does(most, 'change')} most{others}.",
                     {m: 0.0 if v <= rounding else v for m, v in good.items()}, "1",
                     "share of angular momentum that changes")
 

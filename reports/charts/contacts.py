@@ -11,8 +11,9 @@ import measured
 import metrics
 import noise
 import ranking
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, of_sweeps
+from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
 from load import one_machine, split, varying
+from sentences import does, listing, methods
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same,
                    si, times)
 from table import quantity
@@ -80,7 +81,7 @@ def finding_of_rebound(rows):
         said.append(f"{method} throws the body back by up to {si(worst['rebound'], 'm')} (at {si(worst['speed'], 'm/s')}), "
                     f"at all from {si(least, 'm/s')} on")
     if still:
-        said.append(f"{listing(m for m, _, _ in still)} {'throws' if len(still) == 1 else 'throw'} it back by no more than "
+        said.append(f"{does((m for m, _, _ in still), 'throw')} it back by no more than "
                     f"{si(ROUNDING, 'm')} at any speed up to {si(min(most for _, _, most in still), 'm/s')}")
     deep = known[known["sunk"] > SUNK].groupby("method")["sunk"].max()
     said += [f"{method} leaves it up to {si(most, 'm')} deeper than others do" for method, most in deep.items()]

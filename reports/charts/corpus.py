@@ -8,7 +8,8 @@ import math
 import pandas as pd
 from matplotlib.patches import Rectangle
 
-from chart import Chart, Headline, listing, of_store, plural
+from chart import Chart, Headline, of_store
+from sentences import clauses, listing, plural, sentence
 from silhouette import outline
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, grid_of_axes, plt, si
 from table import quantity
@@ -186,24 +187,20 @@ def counts(rows):
 def finding(table, rows):
     bad = table[list(FAILURES)].sum(axis=1)
     declared = bad + table["ok"]
-    ours, theirs = table[table["role"] == "competitor"], table[table["role"] == "witness"]
-    of = lambda row: f"{bad[row]} of the {declared[row]} that it declares"  # noqa: E731
-    said = []
-    wrong = [f"{table['method'][i]} fails on {of(i)}" for i in ours.index if bad[i]]
+    theirs = table[table["role"] == "witness"]
+    fails = lambda row: f"{table['method'][row]} fails on {bad[row]} of the {declared[row]} that it declares"  # noqa: E731
+    wrong = [fails(row) for row in table[table["role"] == "competitor"].index if bad[row]]
     cases = rows[["id", "query"]].drop_duplicates()
     nobodys = int((cases["query"] == NOBODY).sum())
     unanswered = f", {nobodys} of which ask what no method answers," if nobodys else ""
-    said.append(f"of {plural(len(cases), 'published case')}{unanswered}"
-                + f" {listing(wrong) if wrong else 'our own methods are right on all that they declare'}")
+    said = [f"of {plural(len(cases), 'published case')}{unanswered} "
+            + (listing(wrong) if wrong else "our own methods are right on all that they declare")]
     if len(theirs):
         worst = bad[theirs.index].idxmax()
         spared = [m for m, n in zip(theirs["method"], bad[theirs.index]) if not n]
-        said.append(f"{table['method'][worst]} fails on {of(worst)}, the most of {plural(len(theirs), 'witness', 'witnesses')}"
-                    if bad[worst] else "no witness fails")
-        if bad[worst] and spared:
-            said.append(f"{listing(spared)} on none")
-    text = "; ".join(said) + "."
-    return text[0].upper() + text[1:]
+        said += [f"{fails(worst)}, the most of {plural(len(theirs), 'witness', 'witnesses')}", spared and
+                 f"{listing(spared)} on none"] if bad[worst] else ["no witness fails"]
+    return sentence(clauses(*said))
 
 
 def _corpus_chart(context, rows, file):

@@ -14,8 +14,9 @@ import noise
 import over_steps
 import ranking
 from budget import marks, within
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import one_machine, split, varying
+from sentences import does, listing, methods, verb
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of,
                    si, times)
 from table import quantity
@@ -72,54 +73,51 @@ def at_equal_cost(cells, cost_name, error_name):
     return cost_budget, error_budget, table
 
 
-def finding(context, cells, where, cost_name, error_name):
-    unit, cost_unit = context.unit(error_name), context.unit(cost_name)
-    failed = cells[cells["outcome"] != "ok"]
-    planned = cells.groupby("method").size()
+def not_ok(cells):
+    """Which methods failed, in how many of their cells."""
+    failed, planned = cells[cells["outcome"] != "ok"], cells.groupby("method").size()
     fails = [f"{method} {len(part)} of {planned[method]}" for method, part in failed.groupby("method", sort=True)]
-    kinds = listing(sorted(set(failed["outcome"])))
-    unit_of_fails = "cell" if planned.max() == 1 else "cells"
-    tail = f" Not ok ({kinds}): {listing(fails)} {unit_of_fails}." if fails else " Every cell finished."
-    tail += ranking.tail(context, cells)
+    return (f" Not ok ({listing(sorted(set(failed['outcome'])))}): {listing(fails)} {'cell' if planned.max() == 1 else 'cells'}."
+            if fails else " Every cell finished.")
+
+
+def finding(context, cells, where, cost_name, error_name):
+    unit, floor, title = context.unit(error_name), context.floor(error_name), context.title(error_name)
+    tail = not_ok(cells) + ranking.tail(context, cells)
     everyone, cells = sorted(cells["method"].unique()), ranking.eligible(context, cells)
     result = at_equal_cost(cells, cost_name, error_name)
     if result is None:
         return f"On {where} no method finished with a cost and an error.{tail}"
     cost_budget, _, table = result
-    floor = context.floor(error_name)
     table["error"] = table["error"].where(~(table["error"] <= floor), 0.0)
     shown = table.dropna(subset=["error"])
     best, worst = shown.loc[shown["error"].idxmin()], shown.loc[shown["error"].idxmax()]
-    what = context.title(error_name)
+    what, least, most = title.removeprefix("largest "), si(best["error"], unit), si(worst["error"], unit)
     if len(shown) == 1:
-        return f"On {where} only {best['method']} finishes, with {what} {si(best['error'], unit)}.{tail}"
-    cell = {method: cells.loc[at] for method, at in zip(shown["method"], shown["at"])}
-    seeds = max(map(len, cells["seeds"]))
-    under = f", over {seeds} seeds," if seeds > 1 else ""
-    # Whom the best does not beat beyond doubt is as good.
-    many = ranking.comparisons(len(shown))
-    firsts = [m for m in shown["method"] if not ranking.better(cell[best["method"]], cell[m], error_name, floor, many)]
-    if worst["error"] != best["error"] and len(firsts) == len(shown):
-        return (f"On {where}, within {si(cost_budget, cost_unit)} per step, the order by {what.removeprefix('largest ')} of "
-                f"{methods(shown['method'], everyone)} is not told from chance: a tie ({si(best['error'], unit)} to "
-                f"{si(worst['error'], unit)} in the median of {seeds}).{tail}")
+        return f"On {where} only {best['method']} finishes, with {title} {least}.{tail}"
+    within = f"within {si(cost_budget, context.unit(cost_name))} per step"
     if worst["error"] == best["error"]:
-        return (f"On {where} {methods(shown['method'], everyone)} have the same {what.removeprefix('largest ')} "
-                f"({si(best['error'], unit)}) within {si(cost_budget, cost_unit)} per step.{tail}")
+        return f"On {where} {methods(shown['method'], everyone)} have the same {what} ({least}) {within}.{tail}"
+    cell = {method: cells.loc[at] for method, at in zip(shown["method"], shown["at"])}
+    seeds, many = max(map(len, cells["seeds"])), ranking.comparisons(len(shown))
+    # Whom the best does not beat beyond doubt is as good.
+    firsts = [m for m in shown["method"] if not ranking.better(cell[best["method"]], cell[m], error_name, floor, many)]
+    if len(firsts) == len(shown):
+        return (f"On {where}, {within}, the order by {what} of {methods(shown['method'], everyone)} is not told from chance: "
+                f"a tie ({least} to {most} in the median of {seeds}).{tail}")
     # What reads alike is one: no method is the worst of eight that err the same.
-    lasts = [m for m, e in zip(shown["method"], shown["error"]) if si(e, unit) == si(worst["error"], unit) and m not in firsts]
+    lasts = [m for m, e in zip(shown["method"], shown["error"]) if si(e, unit) == most and m not in firsts]
     setting = next(iter(context.settings(cells)), None)
-    head = (f"On {where}, within {si(cost_budget, cost_unit)} per step (every method that finishes "
-            f"has a setting below it), {methods(firsts, everyone)} {'has' if len(firsts) == 1 else 'have'}{under} the "
-            f"smallest {what.removeprefix('largest ')} ({si(best['error'], unit)}{at_setting(cell, firsts, setting)})")
+    head = (f"On {where}, {within} (every method that finishes has a setting below it), {does(firsts, 'have', everyone)}"
+            f"{f', over {seeds} seeds,' if seeds > 1 else ''} the smallest {what} ({least}{at_setting(cell, firsts, setting)})")
     tail = against_baseline(context, cells, cost_name, error_name) + tail
     if not lasts:  # the smallest and the largest read alike
-        return f"{head}; the others {'differ' if len(shown) > 2 else 'differs'} by less than three digits show.{tail}"
+        return f"{head}; the others {verb(len(shown) - 1, 'differ')} by less than three digits show.{tail}"
     who = f"{methods(lasts, everyone)} the largest" if len(lasts) == 1 else (
         f"{len(lasts)} of {len(shown)}, {methods(lasts, everyone)}, the same largest")
     ratio = times(worst["error"] / best["error"]) if best["error"] > 0 else "1.0"
     much = f", {ratio} times as much" if ratio != "1.0" else ""
-    return head + f" and {who} ({si(worst['error'], unit)}{at_setting(cell, lasts, setting)}{much}).{tail}"
+    return f"{head} and {who} ({most}{at_setting(cell, lasts, setting)}{much}).{tail}"
 
 
 def at_setting(cell, named, setting):
@@ -151,11 +149,11 @@ def headline(context, cells, where, cost_name, error_name):
     cell = {method: cells.loc[at] for method, at in zip(table["method"], table["at"]) if method in known}
     ats = [at_setting(cell, group, setting) for group in (best, worst)]
     ats = ats if ats[0] != ats[1] else ["", ""]  # like with like needs no word
-    return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, {methods(best, list(errors))} "
-                    f"{'has' if len(best) == 1 else 'have'} the smallest {what}, {least}{ats[0]}"
-                    + (f"; {methods(worst, list(errors))} {'has' if len(worst) == 1 else 'have'} {most}{ats[1]}" if worst != best
+    return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, "
+                    f"{does(best, 'have', list(errors))} the smallest {what}, {least}{ats[0]}"
+                    + (f"; {does(worst, 'have', list(errors))} {most}{ats[1]}" if worst != best
                        else "")
-                    + (f"; {methods(failed, list(errors))} {'fails' if len(failed) == 1 else 'fail'}." if failed else "."),
+                    + (f"; {does(failed, 'fail', list(errors))}." if failed else "."),
                     errors, unit, context.title(error_name),
                     ends=final_states(cells.loc[[at for at in table["at"] if at is not None and at == at]]))
 

@@ -11,8 +11,9 @@ import measured
 import metrics
 import noise
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import split, varying
+from sentences import does, listing, methods
 from style import ZeroLog, grid_of_axes, legend_right, si
 from table import quantity
 
@@ -120,7 +121,7 @@ def finding(context, where, groups, error, everyone):
             low, high = noise.wilson(cell["failed_seeds"], len(cell["seeds"]))
             count = f"{cell['failed_seeds']} of {len(cell['seeds'])} seeds (of all, {100 * low:.0f} to {100 * high:.0f} %)"
             fails.setdefault(count, []).append(cell["method"])
-        under = [f"{methods(who, everyone)} {'fails' if len(who) == 1 else 'fail'} under {count}" for count, who in fails.items()]
+        under = [f"{does(who, 'fail', everyone)} under {count}" for count, who in fails.items()]
         said.append("; ".join([text, *under]) +
                     ("; the seeds change nothing: each method ends in one state" if noise.idle_seeds(part) else ""))
     return "; ".join(text.removeprefix(f"{where}: ") for text in said) + "."
@@ -135,7 +136,7 @@ def beyond(context, part, error, everyone):
     if best is None:
         return ""
     value = float(np.median(measured.of_seeds(best, other)))
-    return (f"; beyond the slop that each keeps on purpose {methods(equals, everyone)} {'is' if len(equals) == 1 else 'tie'} "
+    return (f"; beyond the slop that each keeps on purpose {does(equals, 'tie', everyone, one='is')} "
             f"first ({si(value if value > context.floor(other) else 0.0, context.unit(other))})")
 
 

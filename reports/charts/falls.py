@@ -13,8 +13,9 @@ import metrics
 import noise
 import ranking
 import rest
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, of_sweeps, plural
+from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
 from load import described, one_machine, split, varying
+from sentences import listing, methods, plural
 from style import OUTCOMES, WIDTH, plt, si, times
 from table import quantity
 

@@ -9,8 +9,9 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 
 import failure
 import noise
-from chart import Chart, Headline, listing, of_store, plural
+from chart import Chart, Headline, of_store
 from load import family
+from sentences import clauses, listing, plural
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
 from table import quantity
 
@@ -82,33 +83,27 @@ def _without_value(part):
 
 def finding(stage, dimension, precision, rows):
     methods = by_method(rows)
-    noun, where = NOUNS.get(stage, stage), f"{dimension}D, {precision}"
-    ours = methods[methods["role"] == "competitor"]
-    others = methods[methods["role"] != "competitor"]
-    said = []
-    if len(ours):
-        bad = ours[ours["failed"] > 0]
-        asked = int(ours["asked"].sum())
-        if len(bad):
-            said.append("of our own " + noun + " " + listing([f"{row.method} fails on {_of(row)}{_sided(row, stage)}"
-                                                             for row in bad.itertuples()]))
-        else:
-            said.append(f"none of our own {noun} failed on any of {asked:,} questions")
-            if stage == "pair_query" and ours["max_error"].notna().any():
-                said[-1] += f" (largest error {ours['max_error'].max():.1e} of the size)"
+    noun = NOUNS.get(stage, stage)
+    ours, others = methods[methods["role"] == "competitor"], methods[methods["role"] != "competitor"]
+    said, bad = [], ours[ours["failed"] > 0]
+    if len(bad):
+        said.append(f"of our own {noun} " + listing(f"{row.method} fails on {_of(row)}{_sided(row, stage)}"
+                                                    for row in bad.itertuples()))
+    elif len(ours):
+        largest = stage == "pair_query" and ours["max_error"].notna().any()
+        said.append(f"none of our own {noun} failed on any of {int(ours['asked'].sum()):,} questions" +
+                    (f" (largest error {ours['max_error'].max():.1e} of the size)" if largest else ""))
     if len(others):
         first = others.loc[(others["failed"] / others["asked"]).idxmax()]
-        clean = list(others[others["failed"] == 0]["method"])
-        witnesses = plural(others["method"].map(family).nunique(), "witness", "witnesses")
-        if others["method"].map(family).duplicated().any():  # each is asked at its library's tightest tolerance, too
+        clean, families = list(others[others["failed"] == 0]["method"]), others["method"].map(family)
+        witnesses = plural(families.nunique(), "witness", "witnesses")
+        if families.duplicated().any():  # each is asked at its library's tightest tolerance, too
             witnesses += f" (in {len(others)} settings)"
-        said.append(f"of the {witnesses} {first['method']} fails most often, on {_of(first)} of its questions" if first["failed"]
-                    else "no witness failed")
-        if first["failed"] and clean:
-            said.append(f"{listing(clean)} never")
+        said += [f"of the {witnesses} {first['method']} fails most often, on {_of(first)} of its questions",
+                 clean and f"{listing(clean)} never"] if first["failed"] else ["no witness failed"]
     coarser = sorted(set(rows["method"][rows["judged"] != rows["precision"]]))
     at = "" if stage == "broadphase" else f", at {failure.tolerance(precision, coarser)}"
-    return f"In {where}{at}, " + "; ".join(said) + "."
+    return f"In {dimension}D, {precision}{at}, {clauses(*said)}."
 
 
 def _of(row):

@@ -13,8 +13,9 @@ import load
 import measured
 import noise
 import ranking
-from chart import Chart, listing, of_store, plural
+from chart import Chart, of_store
 from load import NOT_RUN, SEVERITY
+from sentences import clauses, listing, plural, sentence
 from style import OUTCOMES, WIDTH, grid_of_axes, plt
 
 DIFFERENT = "Are these methods different?"
@@ -87,9 +88,7 @@ def finding_of_alike(table, swept):
             different.append(sweep)
     if not said:
         return f"No two methods end in the same bits in most of the runs that they share, in {listing(different)}."
-    text = "; ".join(said)
-    text = text[0].upper() + text[1:]
-    return text + (f"; no two methods of {listing(different)} agree in most of their runs." if different else ".")
+    return sentence(clauses(*said, different and f"no two methods of {listing(different)} agree in most of their runs"))
 
 
 def _chart(table, swept):

@@ -7,8 +7,9 @@ import numpy as np
 
 import noise
 import twins
-from chart import Headline, Needs, describe, listing, of_sweeps, plural
+from chart import Headline, Needs, describe, of_sweeps
 from load import one_machine, split, varying
+from sentences import listing, plural
 
 NOT_NEEDED = "What does a feature cost that a scene does not need?"
 COST = "ms_per_step_median"

@@ -12,8 +12,9 @@ import failure
 import measured
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps, plural
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
 from load import one_machine, varying
+from sentences import clauses, listing, plural, sentence, verb
 from style import (NOT_ASKED, OUTCOMES, RIGHT, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si,
                    times)
 from table import quantity
@@ -100,21 +101,19 @@ def finding(cells, dimension, least):
     only = [part["method"].iloc[0] for part in parts if len(part) == 1]
     first = [tuple(sorted(cell["method"] for cell in noise.leaders(part, TIME, least))) for part in parts if len(part) > 1]
     wins = sorted(set(first), key=lambda names: (-first.count(names), names))
-    said = [f"{names[0]} on {first.count(names)}" for names in wins if len(names) == 1]
-    shared = [f"{' or '.join(names)} on {first.count(names)}" for names in wins if len(names) > 1]
-    told = [f"the fastest without a failure is {listing(said)}"] if said else []
-    told += [f"{_alike(least)}, {listing(shared)}"] if shared else []
-    told += [f"without a rival, {listing([f'{m} on {only.count(m)}' for m in sorted(set(only))])}"] if only else []
-    text = f"In {dimension}D, of {plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {'; '.join(told)}"
-    errors, failed = metrics.column(good, "max_error"), sorted(set(good["method"][~passed]))
+    alone, shared = ([f"{' or '.join(names)} on {first.count(names)}" for names in wins if (len(names) > 1) == several]
+                     for several in (False, True))
+    told = clauses(alone and f"the fastest without a failure is {listing(alone)}",
+                   shared and f"{_alike(least)}, {listing(shared)}",
+                   only and f"without a rival, {listing(f'{m} on {only.count(m)}' for m in sorted(set(only)))}")
+    text = f"In {dimension}D, of {plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {told}"
+    errors, failed, at = metrics.column(good, "max_error"), sorted(set(good["method"][~passed])), judged_at(good)
     worst = good.iloc[int(np.nanargmax(errors))] if np.isfinite(errors).any() else None
     off = f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']})" if worst is not None else "unknown"
-    who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
-    at = judged_at(good)
     if not failed:
         return f"{text}. No method fails {at}, and no error is above {off}."
-    return (f"{text}. {at[0].upper()}{at[1:]}, {who} {'fails' if len(failed) == 1 else 'fail'} somewhere; "
-            f"the worst error is {off}.")
+    who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
+    return f"{text}. " + sentence(f"{at}, {who} {verb(len(failed), 'fail')} somewhere; the worst error is {off}")
 
 
 def judged_at(cells):

@@ -11,8 +11,9 @@ import failure
 import measured
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing, of_sweeps
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
 from load import one_machine, split, varying
+from sentences import listing
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same,
                    times)
 from table import quantity

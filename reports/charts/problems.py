@@ -11,8 +11,9 @@ from matplotlib.lines import Line2D
 import metrics
 import over_steps
 import ranking
-from chart import Chart, Needs, describe, holes, identifier, listing, methods, of_sweeps
+from chart import Chart, Needs, describe, holes, identifier, of_sweeps
 from load import one_machine, split
+from sentences import does, listing, methods
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
 from table import quantity
 
@@ -240,8 +241,8 @@ def _profile(context, cells):
     table = pd.DataFrame([{"method": m, "share solved": shares[m], "share cheapest": wins[m],
                            "median multiple": float(np.median(found[m][0])) if len(found[m][0]) else math.nan} for m in costs])
     return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SOLVES, "Performance profile of multiply-adds",
-                 f"Of {count} problems {listing(surest)} {'solves' if len(surest) == 1 else 'solve'} most, "
-                 f"{si(100 * max(shares.values()))} %. {listing(firsts)} {'is' if len(firsts) == 1 else 'are each'} the cheapest "
+                 f"Of {count} problems {does(surest, 'solve')} most, "
+                 f"{si(100 * max(shares.values()))} %. {does(firsts, 'are each', one='is')} the cheapest "
                  f"for {si(100 * most_wins)} %." + _not_ranked(context, problems(context, cells)),
                  cells["sweep"].iloc[0], figure, table,
                  [f"{method}: {text}, not drawn" for method, text in _beyond(found, count).items()],

@@ -14,8 +14,9 @@ import metrics
 import noise
 import sleep_scenes
 import twins
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps, plural
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import one_machine, split, varying
+from sentences import clauses, does, listing, plural
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si, times
 from table import quantity
 
@@ -123,23 +124,19 @@ def finding(cells, awake, where):
     most = good.loc[good[SAVED].idxmax()]
     if most[SAVED] <= 0:
         return f"On {where} no body falls asleep."
-    farthest = good.loc[good[FAR].idxmax()] if good[FAR].notna().any() else None
-    text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the multiply-adds{_time_of(most)}"
-    if farthest is not None and math.isfinite(most[FAR]):
-        free = [m for m, far in zip(good["method"], good[FAR]) if far <= FLOOR]
-        text += f"; its bodies end at most {si(most[FAR], 'm')} from where they end awake"
-        if farthest["method"] != most["method"]:
-            text += f", those of {farthest['method']} {si(farthest[FAR], 'm')}"
-        text += f"; {methods(free, sorted(good['method']))} {'moves' if len(free) == 1 else 'move'} no body" if free else ""
+    told = [f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the multiply-adds{_time_of(most)}"]
+    if math.isfinite(most[FAR]):
+        farthest, free = good.loc[good[FAR].idxmax()], [m for m, far in zip(good["method"], good[FAR]) if far <= FLOOR]
+        other = f", those of {farthest['method']} {si(farthest[FAR], 'm')}" if farthest["method"] != most["method"] else ""
+        told += [f"its bodies end at most {si(most[FAR], 'm')} from where they end awake{other}",
+                 free and f"{does(free, 'move', sorted(good['method']))} no body"]
     late = good[good[WAVE].notna() & (good["woken"] > 0) & (good[SAVED] > 0)]
     if len(late):
         slow, quick = late.loc[late[WAVE].idxmax()], late.loc[late[WAVE].idxmin()]
-        text += (f"; those that wake do so within {si(quick[WAVE])} steps by {quick['method']}" +
-                 (f" and {si(slow[WAVE])} by {slow['method']}" if slow[WAVE] > quick[WAVE] else ""))
+        told.append(f"those that wake do so within {si(quick[WAVE])} steps by {quick['method']}" +
+                    (f" and {si(slow[WAVE])} by {slow['method']}" if slow[WAVE] > quick[WAVE] else ""))
     failed = sorted(others[others["outcome"] != "ok"]["method"])
-    if failed:
-        text += f"; {methods(failed, sorted(cells['method']))} {'fails' if len(failed) == 1 else 'fail'}"
-    return f"{text}."
+    return clauses(*told, failed and does(failed, "fail", sorted(cells["method"]))) + "."
 
 
 def headline(cells, awake, where):
@@ -259,34 +256,30 @@ def finding_of_contacts(pairs, least):
     known = [pair for pair in pairs if math.isfinite(pair.saved)]
     if not known:
         return "No policy that lets bodies sleep finishes with contacts of sleepers left as they were and made anew."
-    most = max(known, key=lambda pair: pair.saved)
+    most, of = max(known, key=lambda pair: pair.saved), plural(len(known), "pair")
     if most.saved <= 0:
         return "No body falls asleep where contacts of sleepers were left as they were and made anew."
-    text = (f"Contacts of sleepers that are left as they were save at most {si(100 * most.saved)} % of the pair queries "
-            f"({most.name})")
     words = [(pair, twins.told(pair.kept, pair.anew, STEP, least)) for pair in known]
     told = [(float(word), pair) for pair, word in words if word[:1].isdigit()]
     if told:
         ratio, dear = max(told, key=lambda one: one[0])
-        text += (f"; made anew they make a step at most {times(ratio)} times as dear ({dear.name}), and differ in time beyond "
-                 f"the noise in {len(told)} of {plural(len(known), 'pair')}")
-    elif words:
-        silent = [word for _, word in words if word in noise.IN_WORDS]
-        text += f"; in time they differ in none of {plural(len(known), 'pair')}" + (
-            f" ({noise.IN_WORDS[silent[0]]})" if silent else "")
-    exact = [pair for pair in known if pair.same_bits]
-    share = "all" if len(exact) == len(known) else len(exact)
-    text += f"; the end is the same to the bit in {share} of {plural(len(known), 'pair')}"
-    moved = [pair for pair in known if math.isfinite(pair.apart) and pair.apart > FLOOR]
-    if moved:
-        far = max(moved, key=lambda pair: pair.apart)
-        text += f", and a body elsewhere by {si(far.apart, 'm')} at the most ({far.name})"
+        time = (f"made anew they make a step at most {times(ratio)} times as dear ({dear.name}), and differ in time beyond "
+                f"the noise in {len(told)} of {of}")
+    else:
+        silent = [noise.IN_WORDS[word] for _, word in words if word in noise.IN_WORDS]
+        time = f"in time they differ in none of {of}" + (f" ({silent[0]})" if silent else "")
+    exact = sum(pair.same_bits for pair in known)
+    far = max((pair for pair in known if math.isfinite(pair.apart) and pair.apart > FLOOR), key=lambda pair: pair.apart,
+              default=None)
     acted = [pair for pair in known if all(woken == woken for woken, _ in pair.late)]
-    if acted:
-        other = [pair.name for pair in acted if not pair.wakes_alike]
-        text += "; which bodies wake, and when, is " + (f"not the same for {listing(other)}" if other else "the same everywhere")
+    other = [pair.name for pair in acted if not pair.wakes_alike]
     failed = [pair.name for pair in pairs if not math.isfinite(pair.saved)]
-    return text + (f"; not both finish of {listing(failed)}" if failed else "") + "."
+    return clauses(
+        f"Contacts of sleepers that are left as they were save at most {si(100 * most.saved)} % of the pair queries "
+        f"({most.name})", time, f"the end is the same to the bit in {'all' if exact == len(known) else exact} of {of}"
+        + (f", and a body elsewhere by {si(far.apart, 'm')} at the most ({far.name})" if far else ""),
+        acted and f"which bodies wake, and when, is {f'not the same for {listing(other)}' if other else 'the same everywhere'}",
+        failed and f"not both finish of {listing(failed)}") + "."
 
 
 def headline_of_contacts(pairs, least):

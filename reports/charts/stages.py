@@ -11,9 +11,10 @@ from matplotlib.patches import Patch
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, of_store, of_sweeps
+from chart import Chart, Headline, Needs, describe, holes, identifier, of_store, of_sweeps
 from load import one_machine, split, varying
 from over_steps import stretches
+from sentences import listing
 from style import PALETTE, WIDTH, figures, grid_of_axes, legend_right, plt, si, times
 
 WHERE = "Where does the time of a step go?"

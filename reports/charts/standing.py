@@ -9,8 +9,9 @@ from matplotlib.patches import Patch, Rectangle
 
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, of_sweeps, plural
+from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
 from load import NOT_RUN, split, varying
+from sentences import clauses, does, listing, methods, plural
 from style import OUTCOMES, ZeroLog, caption_of_lines, grid_of_axes, legend_right, one_line, same, si
 from table import quantity
 
@@ -49,15 +50,16 @@ def finding_of_steadiness(where, speeds, failed, everyone):
     speeds = at_rest(speeds)
     least, most = min(speeds.values()), max(speeds.values())
     first, last = ([m for m, v in speeds.items() if v == value] for value in (least, most))
-    tail = f"; {listing(failed)} {'fails' if len(failed) == 1 else 'fail'}" if failed else ""
-    if not most:
-        return f"on {where} {methods(first, everyone)} come to rest (below {si(REST, 'm/s')} in the last quarter){tail}"
-    if least == most:
-        return f"on {where} {methods(first, everyone)} are equally restless in the last quarter ({si(most, 'm/s')}){tail}"
-    calm = (f"{methods(first, everyone)} {'comes' if len(first) == 1 else 'come'} to rest (below {si(REST, 'm/s')} in the last "
-            "quarter)" if not least else f"the last quarter is calmest with {methods(first, everyone)} ({si(least, 'm/s')})")
-    loud = f"{methods(last, everyone)} ({si(most, 'm/s')}){tail}"
-    return f"on {where} {calm}{' and' if least else '; it is'} most restless with {loud}"
+    if least and least == most:
+        told = f"{methods(first, everyone)} are equally restless in the last quarter ({si(most, 'm/s')})"
+    elif least:
+        told = (f"the last quarter is calmest with {methods(first, everyone)} ({si(least, 'm/s')}) and most restless with "
+                f"{methods(last, everyone)} ({si(most, 'm/s')})")
+    else:
+        come = does(first, "come", everyone) if most else f"{methods(first, everyone)} come"
+        told = clauses(f"{come} to rest (below {si(REST, 'm/s')} in the last quarter)",
+                       most and f"it is most restless with {methods(last, everyone)} ({si(most, 'm/s')})")
+    return f"on {where} {clauses(told, failed and does(failed, 'fail'))}"
 
 
 def headline(where, speeds, failed=(), at=""):
@@ -73,7 +75,7 @@ def headline(where, speeds, failed=(), at=""):
     first = (f"{still} {'comes' if len(resting) == 1 else 'come'} to rest (below {si(REST, 'm/s')})" if resting else
              f"bodies go at {si(moving[calmest], 'm/s')} with {calmest}")
     who = "of those that finish, the fastest goes" if failed else "the fastest goes"
-    last = f"; {methods(failed, everyone)} {'fails' if len(failed) == 1 else 'fail'}" if failed else ""
+    last = f"; {does(failed, 'fail', everyone)}" if failed else ""
     return Headline(f"On {where}{at}, by the RMS of the fastest body's speed in the last quarter, {first}; {who} at "
                     f"{si(moving[worst], 'm/s')} with {worst}{last}.",
                     {**speeds, **dict.fromkeys(failed, math.nan)}, "m/s", "RMS speed of the fastest body")
@@ -277,7 +279,7 @@ def verdict(rows):
         mine, stand = fell[TURNS_NONE], [name for name, at in fell.items() if at is None]
         borne.append(mine is not None and all(at is None or at >= mine for at in fell.values()))
         words = [f"{name} falls at step {at}" for name, at in fell.items() if at is not None] + (
-            [f"{listing(stand)} {'stands' if len(stand) == 1 else 'stand'}"] if stand else [])
+            [f"{does(stand, 'stand')}"] if stand else [])
         said.append(f"under {velocity} {listing(words)}")
     if not said:
         return ""

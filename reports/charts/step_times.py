@@ -13,8 +13,9 @@ import metrics
 import noise
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, dimension_of, holes, listing, of_sweeps
+from chart import Chart, Headline, Needs, dimension_of, holes, of_sweeps
 from load import one_machine, split
+from sentences import listing
 from style import ZeroLog, figures, grid_of_axes, legend_right, letter, si, times
 from table import quantity
 

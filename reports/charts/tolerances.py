@@ -11,8 +11,9 @@ from matplotlib.lines import Line2D
 import failure
 import metrics
 import noise
-from chart import Chart, Headline, Needs, dimension_of, holes, identifier, listing, of_store, of_sweeps
+from chart import Chart, Headline, Needs, dimension_of, holes, identifier, of_store, of_sweeps
 from load import family, one_machine
+from sentences import listing
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, times
 from table import quantity
 

@@ -10,9 +10,10 @@ from matplotlib.patches import Patch, Rectangle
 
 import measured
 import noise
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, of_sweeps
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import one_machine, split, varying
 from metrics import Trial
+from sentences import listing, methods
 from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, si, times
 from table import quantity
 
