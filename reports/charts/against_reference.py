@@ -19,7 +19,7 @@ import ranking
 from budget import marks, within
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import split, varying
-from sentences import does, listing, methods
+from sentences import does, listing, methods, verb
 from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si, times
 from table import quantity
 
@@ -216,9 +216,9 @@ def headline(context, others, runs, where):
     firsts, best, lasts, most = nearest(reached, runs.doubt)
     if not lasts or best <= 2 * runs.doubt:
         return None
-    return Headline(f"On {where}, within {budgets[-1]:,.0f} {cost_title(context, others)}, {methods(firsts, list(reached))} "
-                    f"{'stays' if len(firsts) == 1 else 'stay'} nearest to the converged reference, {si(best, 'm')} at the most; "
-                    f"{some(lasts, list(reached))} {'goes' if len(lasts) == 1 else 'go'} {times(most / best)} times as far.",
+    return Headline(f"On {where}, within {budgets[-1]:,.0f} {cost_title(context, others)}, "
+                    f"{does(firsts, 'stay', list(reached))} nearest to the converged reference, {si(best, 'm')} at the most; "
+                    f"{some(lasts, list(reached))} {verb(len(lasts), 'go')} {times(most / best)} times as far.",
                     reached, "m",
                     "largest distance from the reference", ends=final_states(pd.DataFrame(cells.values())))
 

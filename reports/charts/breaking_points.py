@@ -12,7 +12,7 @@ import metrics
 import ranking
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
 from load import JOINED, one_machine, split
-from sentences import clauses, does, listing, methods
+from sentences import clauses, does, listing, methods, verb
 from style import OUTCOMES, WIDTH, grid_of_axes, plt, si
 from table import quantity
 
@@ -120,8 +120,8 @@ def headline(scene, name, table, dimension, spent=""):
         return None
     scene = f"{scene} in {dimension}D{f' with {spent}' if spent else ''}"
     return Headline(f"On {scene} {does(first, 'fail', everyone)} first when "
-                    f"{name} is raised, at {_value(name, fallen['fell'].min())}; {methods(last, everyone)} "
-                    f"{'holds' if len(last) == 1 else 'hold'} to {_value(name, top)}.", held, "s" if name == "dt" else "1",
+                    f"{name} is raised, at {_value(name, fallen['fell'].min())}; "
+                    f"{does(last, 'hold', everyone)} to {_value(name, top)}.", held, "s" if name == "dt" else "1",
                     f"largest {name} that holds", larger=True)
 
 
@@ -278,7 +278,7 @@ def finding_of_caches(found, unranked, raised, where, top):
     if not best:
         return f"On {where} every pair falls already at the smallest {raised} tried.{out}"
     highest = methods(pairs, []) if len(pairs) <= NAMED else f"{len(pairs)} of {len(found)} pairs"
-    text = (f"On {where} {highest} {'stands' if len(pairs) == 1 else 'stand'} to {raised} = {best:g}"
+    text = (f"On {where} {highest} {verb(len(pairs), 'stand')} to {raised} = {best:g}"
             f"{', the largest tried' if best == top else ''}.")
     cache, resolver = effects(found, 1), effects(found, 0)
     if not cache or not resolver:

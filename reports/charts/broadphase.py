@@ -12,7 +12,7 @@ import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
 from load import family, one_machine, split, varying
-from sentences import does, listing
+from sentences import clauses, does, listing
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same,
                    times)
 from table import quantity
@@ -300,22 +300,19 @@ def against_default(cells, least):
 def finding_of_parameters(rows, panels):
     said = []
     for name in sorted({row["family"] for row in rows}):
-        told = [row for row in rows if row["family"] == name and row["told"]]
+        told = sorted((row for row in rows if row["family"] == name and row["told"]), key=lambda row: row["ratio"])
         if not told:
             said.append(f"no parameter of {name} changes its time beyond the noise")
             continue
-        most, least = max(told, key=lambda row: row["ratio"]), min(told, key=lambda row: row["ratio"])
-        words = []
-        if least["ratio"] < 1:
-            words.append(f"gains most by {least['method']} ({times(least['ratio'])} times the time of its defaults on "
-                         f"{least['panel']}{_not_told(rows, least, -1)})")
-        if most["ratio"] > 1:
-            words.append(f"loses most by {most['method']} ({times(most['ratio'])} times on {most['panel']}"
-                         f"{_not_told(rows, most, 1)})")
-        both = [m for m in dict.fromkeys(row["method"] for row in told)
-                if sum(row["method"] == m and row["ratio"] < 1 for row in told) == panels]
-        tail = f"; {listing(both)} gain{'s' if len(both) == 1 else ''} everywhere" if both else ""
-        said.append(f"{name} " + " and ".join(words) + tail)
+        (least, *_), most = told, max(told, key=lambda row: row["ratio"])
+        ways = clauses(
+            least["ratio"] < 1 and f"gains most by {least['method']} ({times(least['ratio'])} times the time of its defaults on "
+                                   f"{least['panel']}{_not_told(rows, least, -1)})",
+            most["ratio"] > 1 and f"loses most by {most['method']} ({times(most['ratio'])} times on {most['panel']}"
+                                  f"{_not_told(rows, most, 1)})", between=" and ")
+        gains = [row["method"] for row in rows if row["family"] == name and row["told"] and row["ratio"] < 1]
+        both = [m for m in dict.fromkeys(row["method"] for row in rows) if gains.count(m) == panels]
+        said.append(clauses(f"{name} {ways}", both and f"{does(both, 'gain')} everywhere"))
     return "; ".join(said) + "."
 
 

@@ -65,23 +65,25 @@ def adds_bodies(context, cells):
 
 def finding_of_energy(where, cells, largest, scripted=False):
     """`largest`: J, that any finished run of the chart exchanged; a column `exchanged` has what each did."""
+    good = cells[(cells["outcome"] == "ok") & np.isfinite(cells["energy_gain"].astype(float))]
+    gains = good[good["energy_gain"] > ROUNDING]
     if scripted:
         return f"on {where} the script adds bodies and with them energy: no gain is told"
-    good = cells[(cells["outcome"] == "ok") & np.isfinite(cells["energy_gain"].astype(float))]
     if not len(good):
         return f"on {where} no run that has a rank finished"
-    gains = good[good["energy_gain"] > ROUNDING]
     if not len(gains):
         return f"on {where} no method that finishes gains energy"
     worst = gains.loc[gains["energy_gain"].idxmax()]
-    gain = (f"{si(worst['energy_gain'] * worst['exchanged'], 'J')}, where next to nothing is exchanged"
-            if worst["exchanged"] < LITTLE * largest else
-            f"{si(worst['energy_gain'] * worst['exchanged'], 'J')}, more than is exchanged" if worst["energy_gain"] > 1 else
-            f"{si(100 * worst['energy_gain'])} % of what is exchanged")
-    if gains["method"].nunique() == 1:
-        return f"on {where} {worst['method']} gains energy, {gain}"
-    return (f"on {where} {methods(sorted(gains['method'].unique()), sorted(cells['method'].unique()))} gain energy, "
-            f"{worst['method']} most, {gain}")
+    gain = si(worst["energy_gain"] * worst["exchanged"], "J")
+    if worst["exchanged"] < LITTLE * largest:
+        gain += ", where next to nothing is exchanged"
+    elif worst["energy_gain"] > 1:
+        gain += ", more than is exchanged"
+    else:
+        gain = f"{si(100 * worst['energy_gain'])} % of what is exchanged"
+    names = sorted(gains["method"].unique())
+    most = f", {worst['method']} most" if len(names) > 1 else ""
+    return f"on {where} {does(names, 'gain', sorted(cells['method'].unique()))} energy{most}, {gain}"
 
 
 def _energy_chart(context, cells, shown, left_out, setting):

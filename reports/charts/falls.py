@@ -15,7 +15,7 @@ import ranking
 import rest
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
 from load import described, one_machine, split, varying
-from sentences import listing, methods, plural
+from sentences import listing, methods, plural, verb
 from style import OUTCOMES, WIDTH, plt, si, times
 from table import quantity
 
@@ -81,7 +81,7 @@ def _falls_chart(context, cells, runs, fallen, drawn, left_out):
     crept = int(runs["outcome"].isin(FALLEN).sum()) - len(fallen)
     if crept:
         counted += (f" {crept} more failed at {'its' if crept == 1 else 'their'} last step by creeping, and "
-                    f"{'is' if crept == 1 else 'are'} not drawn.")
+                    f"{verb(crept, 'are')} not drawn.")
     if not drawn:
         return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} The store holds no pictures of them: a run of this "
                      "sweep's command draws them, but for scenes of more than 300 bodies.", sweep, holes=left_out)
@@ -329,7 +329,7 @@ def finding(where, column, baseline, everyone, least):
         first = sorted(cell["method"] for cell in noise.leaders(timed.reset_index(), TIME, least))
         ratio = min(slower(column, m, baseline) for m in first)
         beside = f" but {baseline}" if baseline in holding else ""
-        said.append(f"The cheapest{beside} {'is' if len(first) == 1 else 'are'} {methods(first, everyone)}"
+        said.append(f"The cheapest{beside} {verb(len(first), 'are')} {methods(first, everyone)}"
                     f"{' (not told apart)' if len(first) > 1 else ''}, at {times(ratio)} times the time of {baseline}")
     out = ranking.told({m: f"{column[EXCUSE][m]}{'' if column['outcome'][m] == 'ok' else ', ' + column['outcome'][m]}"
                         for m in column.index if column[EXCUSE][m]})

@@ -11,7 +11,7 @@ import failure
 import noise
 from chart import Chart, Headline, of_store
 from load import family
-from sentences import clauses, listing, plural
+from sentences import clauses, listing, plural, verb
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
 from table import quantity
 
@@ -305,21 +305,21 @@ def _cost_finding(rows, dimension, precision):
     only = [part["method"].iloc[0] for part in parts if len(part) == 1]
     first = [noise.leaders(part, "time", noise.UNMEASURED) for part in parts if len(part) > 1]
     alone = [cells[0]["method"] for cells in first if len(cells) == 1]
-    said = [f"on {len(only)} {_winners(only)} alone {'has' if len(set(only)) == 1 else 'have'} no failure"] if only else []
-    said += [f"on {len(alone)} the fastest without one is {_winners(alone)}"] if alone else []
-    near = len(first) - len(alone)
-    said += [f"on {near} several are within {noise.UNMEASURED:g} times the fastest"] if near else []
-    text = (f"{where} by one timing of each, so that only ratios beyond {noise.UNMEASURED:g} are told: of "
-            f"{plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {listing(said)}")
-    if (rows["role"] != "competitor").any():
-        theirs = sum(any(cell["role"] != "competitor" for cell in cells) for cells in first)
-        text += f"; a witness is among the fastest on {theirs}" if theirs else "; no witness is among the fastest"
+    near, role = len(first) - len(alone), rows["role"] == "competitor"
+    said = [only and f"on {len(only)} {_winners(only)} alone {verb(len(set(only)), 'have')} no failure",
+            alone and f"on {len(alone)} the fastest without one is {_winners(alone)}",
+            near and f"on {near} several are within {noise.UNMEASURED:g} times the fastest"]
+    theirs = sum(any(cell["role"] != "competitor" for cell in cells) for cells in first)
     # Ours beside theirs: how wrong at worst.
-    errors = [part.loc[part["max_error"].fillna(-1).idxmax()] for part in
-              (rows[rows["role"] == "competitor"], rows[rows["role"] != "competitor"]) if part["max_error"].notna().any()]
+    errors = [part.loc[part["max_error"].fillna(-1).idxmax()] for part in (rows[role], rows[~role])
+              if part["max_error"].notna().any()]
     off = [f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']}"
            f"{', a witness' if worst['role'] != 'competitor' else ''})" for worst in errors]
-    return text + (f"; the worst {'errors are' if len(off) > 1 else 'error is'} {listing(off)}." if off else ".")
+    return clauses(
+        f"{where} by one timing of each, so that only ratios beyond {noise.UNMEASURED:g} are told: of "
+        f"{plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {listing(filter(None, said))}",
+        not role.all() and (f"a witness is among the fastest on {theirs}" if theirs else "no witness is among the fastest"),
+        off and f"the worst {'errors are' if len(off) > 1 else 'error is'} {listing(off)}") + "."
 
 
 def _winners(names):

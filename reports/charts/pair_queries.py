@@ -145,7 +145,7 @@ def _told_failing(cells, passed, pair, dimension, least):
     numbers = lambda part: listing([f"{n:,.0f}" for n in sorted(set(part["asked"]))])  # noqa: E731
     names = listing([f"{m} ({si(ns, 'ns')} a query)" for m, ns in zip(right["method"], right[TIME])])
     text = (f"On {pair} in {dimension}D, {judged_at(cells)}, {'only ' if len(wrong) > len(right) else ''}{names} never "
-            f"{'fails' if len(right) == 1 else 'fail'}, in {numbers(right)} queries{' each' if len(right) > 1 else ''}; ")
+            f"{verb(len(right), 'fail')}, in {numbers(right)} queries{' each' if len(right) > 1 else ''}; ")
     quick = wrong.sort_values(TIME, kind="stable").iloc[0]
     if len(wrong) == 1:
         text += f"{quick['method']} ({si(quick[TIME], 'ns')}) fails on {share_of(failure.in_pairs(wrong)[0], quick['asked'])}"
@@ -377,31 +377,31 @@ def _silence(*cells):
 
 
 def finding_of_peers(rows):
-    with_right = [(row, right(row)) for row in rows if right(row)]
-    said = []
-    if with_right:
-        told = [(row, peer) for row, peer in with_right if peer["told"]]
-        ahead = sorted((p["ratio"], r["what"], p["name"]) for r, p in told if p["ratio"] > 1)
-        behind = sorted((p["ratio"], r["what"], p["name"]) for r, p in told if p["ratio"] < 1)
-        text = f"on {len(with_right)} a library fails nowhere, either: ours is faster than the fastest such on {len(ahead)}"
-        if ahead:
-            least, most = (times(ahead[i][0]) for i in (0, -1))
-            span = f"{least} to {most} times, most" if len(ahead) > 1 else f"{most} times,"
-            text += f" ({span} on {ahead[-1][1]} against {ahead[-1][2]})"
-        text += f", slower on {len(behind)}"
-        if behind:
-            text += f" (most on {behind[0][1]}, where {behind[0][2]} takes {times(behind[0][0])} of our time)"
-        silent = [_silence(row["ours"], peer["cell"]) for row, peer in with_right if not peer["told"]]
-        for why in (noise.NOISE, noise.FEW):
-            text += f", {noise.IN_WORDS[why]} on {silent.count(why)}" if why in silent else ""
-        said.append(text)
+    told = [(row, peer) for row in rows if (peer := right(row))]
     none = [row for row in rows if not right(row)]
+    said = [f"on {len(told)} a library fails nowhere, either: {_ahead_of(told)}" if told else ""]
     if none:
-        quick = [row for row in none if any(peer["ratio"] < 1 and peer["told"] for peer in row["peers"])]
-        said.append(f"on {len(none)} every library fails, and on {len(quick)} of these one is faster than ours"
-                    if quick else f"on {len(none)} every library fails, and none is faster than ours")
+        quick = sum(any(peer["ratio"] < 1 and peer["told"] for peer in row["peers"]) for row in none)
+        said.append(f"on {len(none)} every library fails, and " +
+                    (f"on {quick} of these one is faster than ours" if quick else "none is faster than ours"))
     return (f"Of {plural(len(rows), 'question that ours answer', 'questions that ours answer')} without a failure, "
-            f"{'; '.join(said)}.")
+            f"{clauses(*said)}.")
+
+
+def _ahead_of(found):
+    """On how many questions ours is faster, slower or not told from the fastest library that fails nowhere."""
+    told = sorted((peer["ratio"], row["what"], peer["name"]) for row, peer in found if peer["told"])
+    ahead, behind = [one for one in told if one[0] > 1], [one for one in told if one[0] < 1]
+    faster, slower = f"ours is faster than the fastest such on {len(ahead)}", f"slower on {len(behind)}"
+    if ahead:
+        (least, *_), (most, what, name) = ahead[0], ahead[-1]
+        ends = f"{times(least)} to {times(most)} times, most" if len(ahead) > 1 else f"{times(most)} times,"
+        faster += f" ({ends} on {what} against {name})"
+    if behind:
+        slower += f" (most on {behind[0][1]}, where {behind[0][2]} takes {times(behind[0][0])} of our time)"
+    silent = [_silence(row["ours"], peer["cell"]) for row, peer in found if not peer["told"]]
+    return clauses(faster, slower, *(f"{noise.IN_WORDS[why]} on {silent.count(why)}" for why in (noise.NOISE, noise.FEW)
+                                     if why in silent), between=", ")
 
 
 def headline_of_peers(rows):

@@ -13,7 +13,7 @@ import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
 from load import one_machine, split, varying
-from sentences import listing
+from sentences import clauses, does, listing, span
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same,
                    times)
 from table import quantity
@@ -305,26 +305,20 @@ def remembered(scenes, least):
 
 def finding_of_streams(scenes, least, dimension):
     said, apart = [], {scene: parted(ways, least) for scene, ways in scenes.items()}
-    several = [scene for scene, ways in scenes.items() if len(set(ways[DRAWN]) & set(in_world(ways))) > 1]
     for scene, found in apart.items():
         for a, b, drawn, world in found:
             bad = [m for m in (a, b) if fails(scenes[scene], m)]
             said.append(f"on {scene} {b} takes {times(1 / world)} times the time of {a}, on drawn pairs {times(drawn)} times"
-                        + (f" (but {listing(bad)} fail{'s' if len(bad) == 1 else ''} somewhere)" if bad else ""))
-    silent = [scene for scene in several if not apart[scene]]
-    text = f"In {dimension}D ranks part: {'; '.join(said)}" if said else ""
-    if silent:
-        text += ("; " if said else f"In {dimension}D ") + f"no rank parts beyond the noise on {listing(silent)}"
-    text = text or f"In {dimension}D no scene has two methods with a time on drawn pairs and in its world"
+                        + (f" (but {does(bad, 'fail')} somewhere)" if bad else ""))
+    silent = [scene for scene, ways in scenes.items() if len(set(ways[DRAWN]) & set(in_world(ways))) > 1 and not apart[scene]]
+    told = clauses(said and f"ranks part: {'; '.join(said)}", silent and f"no rank parts beyond the noise on {listing(silent)}")
+    text = [f"In {dimension}D {told or 'no scene has two methods with a time on drawn pairs and in its world'}"]
     for method, of in remembered(scenes, least).items():
-        told = [ratio for ratio, word in of.values() if word and word not in noise.IN_WORDS]
-        if told:
-            ends = dict.fromkeys((times(min(told)), times(max(told))))
-            text += (f". Cold, {method} takes {' to '.join(ends)} times its time with what it remembers, on {len(told)} of "
-                     f"{len(of)} scenes beyond the noise")
-        else:
-            text += f". What {method} remembers changes its time beyond the noise on none of {len(of)} scenes"
-    return text + "."
+        beyond = [ratio for ratio, word in of.values() if word and word not in noise.IN_WORDS]
+        text.append(f"Cold, {method} takes {span(times(min(beyond)), times(max(beyond)))} times its time with what it remembers, "
+                    f"on {len(beyond)} of {len(of)} scenes beyond the noise" if beyond else
+                    f"What {method} remembers changes its time beyond the noise on none of {len(of)} scenes")
+    return clauses(*text, between=". ") + "."
 
 
 def headline_of_streams(scenes, least, dimension):

@@ -13,7 +13,7 @@ import over_steps
 import ranking
 from chart import Chart, Needs, describe, holes, identifier, of_sweeps
 from load import one_machine, split
-from sentences import does, listing, methods
+from sentences import clauses, does, listing, methods, span
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
 from table import quantity
 
@@ -336,36 +336,33 @@ def nothing(cells):
 
 
 def finding(where, cells, setting):
-    table = slopes(cells, setting)
+    table, values = slopes(cells, setting), cells[setting].dropna().unique()
     if nothing(cells):
         return f"on {where} every residual is 0"
-    values = cells[setting].dropna().unique()
     if len(values) == 1:
         return f"on {where} only {setting}={values[0]:g} was run"
     if not len(table):
         return f"on {where} no method finished at two values of {setting}"
-    span = f"from {table['least'].iloc[0]:g} to {table['most'].iloc[0]:g} {setting}"
-    table = table.assign(before=table["before"].where(table["before"] > FLOOR, 0.0),
-                         after=table["after"].where(table["after"] > FLOOR, 0.0))
-    if not (table[["before", "after"]] > 0).any(axis=None):
-        return f"on {where} every residual is below {si(FLOOR)}, which is rounding, {span}"
-    falls = table[table["after"] < table["before"]]
+    over = f"from {table['least'].iloc[0]:g} to {table['most'].iloc[0]:g} {setting}"
+    before, after = (table[name].where(table[name] > FLOOR, 0.0) for name in ("before", "after"))
+    falls = table.assign(before=before, after=after)[after < before]
+    if not (before.any() or after.any()):
+        return f"on {where} every residual is below {si(FLOOR)}, which is rounding, {over}"
     if not len(falls):
-        return f"on {where} no residual falls {span}"
-    small, idle = (int(which.sum()) for which in ((table["before"] == 0) & (table["after"] == 0),
-                                                  (table["before"] > 0) & (table["after"] >= table["before"])))
-    tail = f"; that of {idle} of {len(table)} methods does not fall" if idle else ""
-    tail += f"; that of {small} of {len(table)} methods is below {si(FLOOR)} from the first" if small else ""
+        return f"on {where} no residual falls {over}"
+    idle, small = int(((before > 0) & (after >= before)).sum()), int(((before == 0) & (after == 0)).sum())
     everyone, solved = sorted(cells["method"].unique()), falls[falls["after"] == 0]
     if len(solved):  # all of them: beyond that the one that falls most would be the one that starts worst
-        starts = list(dict.fromkeys(si(v) for v in sorted(solved["before"])))
-        return (f"on {where} the residual of {methods(sorted(solved['method']), everyone)} falls {span} below {si(FLOOR)}, from "
-                f"{starts[0] if len(starts) == 1 else f'{starts[0]} to {starts[-1]}'}{tail}")
-    best = falls.loc[(falls["before"] / falls["after"]).idxmax()]
-    equals = sorted(falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]["method"])
-    most = f" most of {len(table)} methods" if len(table) > len(equals) else ""
-    return (f"on {where} the residual of {methods(equals, everyone)} falls{most} {span}, from {si(best['before'])} to "
-            f"{si(best['after'])}{tail}")
+        starts = [si(v) for v in sorted(solved["before"])]
+        told = (f"{methods(sorted(solved['method']), everyone)} falls {over} below {si(FLOOR)}, from "
+                f"{span(starts[0], starts[-1])}")
+    else:
+        best = falls.loc[(falls["before"] / falls["after"]).idxmax()]
+        equals = sorted(falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]["method"])
+        most = f" most of {len(table)} methods" if len(table) > len(equals) else ""
+        told = f"{methods(equals, everyone)} falls{most} {over}, from {si(best['before'])} to {si(best['after'])}"
+    return clauses(f"on {where} the residual of {told}", idle and f"that of {idle} of {len(table)} methods does not fall",
+                   small and f"that of {small} of {len(table)} methods is below {si(FLOOR)} from the first")
 
 
 def _chart(context, cells, shown, left_out, setting):

@@ -14,7 +14,7 @@ import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_store, of_sweeps
 from load import one_machine, split, varying
 from over_steps import stretches
-from sentences import listing
+from sentences import listing, verb
 from style import PALETTE, WIDTH, figures, grid_of_axes, legend_right, plt, si, times
 
 WHERE = "Where does the time of a step go?"
@@ -371,7 +371,7 @@ def finding_of_micro(stage, values):
     ratio = (values / best).max().max()
     case = (values / best).max().idxmax()
     worst = (values[case] / best[case]).idxmax()
-    return (f"Of {stage} the fastest in most cases {'is' if len(first) == 1 else 'are'} {listing(first)} "
+    return (f"Of {stage} the fastest in most cases {verb(len(first), 'are')} {listing(first)} "
             f"({max(wins.values())} of {cases}); the widest gap is {times(ratio)} times, {worst} on {case}.")
 
 

@@ -11,7 +11,7 @@ import over_steps
 import ranking
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
 from load import NOT_RUN, split, varying
-from sentences import clauses, does, listing, methods, plural
+from sentences import clauses, does, listing, methods, plural, verb
 from style import OUTCOMES, ZeroLog, caption_of_lines, grid_of_axes, legend_right, one_line, same, si
 from table import quantity
 
@@ -72,7 +72,7 @@ def headline(where, speeds, failed=(), at=""):
     calmest, worst = min(moving, key=moving.get), max(moving, key=moving.get)
     everyone = [*speeds, *failed]
     still = methods(resting, everyone) if resting else ""
-    first = (f"{still} {'comes' if len(resting) == 1 else 'come'} to rest (below {si(REST, 'm/s')})" if resting else
+    first = (f"{still} {verb(len(resting), 'come')} to rest (below {si(REST, 'm/s')})" if resting else
              f"bodies go at {si(moving[calmest], 'm/s')} with {calmest}")
     who = "of those that finish, the fastest goes" if failed else "the fastest goes"
     last = f"; {does(failed, 'fail', everyone)}" if failed else ""
@@ -141,7 +141,7 @@ RESTS = "rest_since"
 def _with(held, most):
     """The methods that hold as many as this one, and the verb."""
     alike = [method for method in held if held[method] == held[most]]
-    return f"{listing(alike)} hold{'s' if len(alike) == 1 else ''}"
+    return does(alike, "hold")
 
 
 @of_sweeps("stability", 31, STANDS,

@@ -15,7 +15,7 @@ import over_steps
 import ranking
 from chart import Chart, Headline, Needs, dimension_of, holes, of_sweeps
 from load import one_machine, split
-from sentences import listing
+from sentences import clauses, listing, span
 from style import ZeroLog, figures, grid_of_axes, legend_right, letter, si, times
 from table import quantity
 
@@ -48,31 +48,29 @@ def finding(context, where, cells):
     if not len(good):
         return f"on {where} no timed run finished"
     ratios = good[WORST] / good[MEDIAN]
-    most, least = good.loc[ratios.idxmax()], good.loc[ratios.idxmin()]
-    text = f"on {where} the slowest step takes "
+    most, least, high, low = good.loc[ratios.idxmax()], good.loc[ratios.idxmin()], times(ratios.max()), times(ratios.min())
     if len(good) == 1 or _spread(most)[0] <= _spread(least)[1]:  # the order of slowest steps is noise
-        ends = [times(float(ratios.min())), times(float(ratios.max()))]
-        text += f"{' to '.join(dict.fromkeys(ends))} times the median"
+        told = f"{span(low, high)} times the median"
     else:
         # Whose ranges meet that of the one at the end are not told from it.
         slow = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[1] >= _spread(most)[0]]
         calm = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[0] <= _spread(least)[1]]
-        text += (f"{times(float(ratios.max()))} times the median with {_named(most, slow, good)} and "
-                 f"{times(float(ratios.min()))} times with {_named(least, calm, good)}")
+        told = f"{high} times the median with {_named(most, slow, good)} and {low} times with {_named(least, calm, good)}"
     ours = good[good["method"].map(context.store.role) != "engine"]
     floor = noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)
-    for _, engine in engines.iterrows():
-        if not len(ours):
-            break
-        best = ours.loc[ours[MEDIAN].idxmin()]
-        ratio = noise.said(best, engine, MEDIAN, floor)
-        told = f"{ratio} times the time of our fastest, {best['method']}" if ratio[:1].isdigit() else (
-            f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}")
-        mine, other = ranking.precision(engine), ranking.precision(best)
-        if mine != other:  # of two precisions no ratio is told
-            told = f"{si(engine[MEDIAN], 'ms')} in {mine}"
-        text += f"; a step of {engine['method']} takes {told}"
-    return text
+    beside = [f"a step of {engine['method']} takes {_beside(ours.loc[ours[MEDIAN].idxmin()], engine, floor)}"
+              for _, engine in engines.iterrows() if len(ours)]
+    return clauses(f"on {where} the slowest step takes {told}", *beside)
+
+
+def _beside(best, engine, floor):
+    """The time of an engine beside the fastest of ours; of two precisions no ratio is told."""
+    mine, ratio = ranking.precision(engine), noise.said(best, engine, MEDIAN, floor)
+    if mine != ranking.precision(best):
+        return f"{si(engine[MEDIAN], 'ms')} in {mine}"
+    if ratio[:1].isdigit():
+        return f"{ratio} times the time of our fastest, {best['method']}"
+    return f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}"
 
 
 def _named(cell, alike, good):

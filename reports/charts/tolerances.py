@@ -13,7 +13,7 @@ import metrics
 import noise
 from chart import Chart, Headline, Needs, dimension_of, holes, identifier, of_store, of_sweeps
 from load import family, one_machine
-from sentences import listing
+from sentences import clauses, listing
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, times
 from table import quantity
 
@@ -202,30 +202,30 @@ def finding_of_right(rows, dimension, precision):
     whole = table[table["pair"] == EVERYTHING].set_index("method")
     kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
     tight = round(math.log10(failure.TOLERANCE[precision]))
-    text = f"In {dimension}D, {precision}, "
-    others = whole[whole["role"] != "competitor"]
-    ours = whole[whole["role"] == "competitor"]
+    ours, others = whole[whole["role"] == "competitor"], whole[whole["role"] != "competitor"]
     plain = others[others["own"] & [family(m) == m for m in others.index]]  # who is judged elsewhere has no rank here
-    pair = turned(plain, tight, LOOSE, kinds)
     say = lambda m, decade: failure.share(whole[decade][m])  # noqa: E731
-    if pair:
+    ranks = own = ""
+    if pair := turned(plain, tight, LOOSE, kinds):
         a, b = pair
-        text += (f"judged at 1e{tight} of the size {a} fails on {say(a, tight)} of its questions and {b} on {say(b, tight)}; at "
+        ranks = (f"judged at 1e{tight} of the size {a} fails on {say(a, tight)} of its questions and {b} on {say(b, tight)}; at "
                  f"1e{LOOSE} it is {say(a, LOOSE)} and {say(b, LOOSE)}: the rank turns round")
     elif len(plain):
         first = plain[tight].idxmax()
-        text += (f"no two witnesses change ranks between 1e{tight} and 1e{LOOSE} of the size; {first} fails on "
+        ranks = (f"no two witnesses change ranks between 1e{tight} and 1e{LOOSE} of the size; {first} fails on "
                  f"{say(first, tight)} and {say(first, LOOSE)} of its questions")
     if len(ours):
         worst = ours[tight].idxmax()
-        text += ("; " if len(plain) else "") + (f"ours fail on none at 1e{tight}" if not ours[tight].any() else
-                                                f"of ours {worst} fails on {say(worst, tight)} at 1e{tight}")
+        own = (f"of ours {worst} fails on {say(worst, tight)} at 1e{tight}" if ours[tight].any() else
+               f"ours fail on none at 1e{tight}")
+    text = f"In {dimension}D, {precision}, {clauses(ranks, own)}."
     gains = {m: whole[tight][family(m)] - whole[tight][m] for m in others.index if family(m) != m and family(m) in whole.index}
-    if gains:
-        most = max(gains, key=gains.get)
-        text += (f". The tightest setting of a library helps {family(most)} most: {say(family(most), tight)} become "
-                 f"{say(most, tight)}" if gains[most] > 0 else ". At the tightest setting of its library no witness fails less")
-    return text + "."
+    if not gains:
+        return text
+    most = max(gains, key=gains.get)
+    return text + (f" The tightest setting of a library helps {family(most)} most: {say(family(most), tight)} become "
+                   f"{say(most, tight)}." if gains[most] > 0 else
+                   " At the tightest setting of its library no witness fails less.")
 
 
 def headline_of_right(rows, dimension, precision):

@@ -13,7 +13,7 @@ import noise
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import one_machine, split, varying
 from metrics import Trial
-from sentences import listing, methods
+from sentences import does, listing
 from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, si, times
 from table import quantity
 
@@ -100,7 +100,7 @@ def finding(cells, ratios, base):
     safe = [method for method, cell in worst.items() if cell["share"] == 0]
     for count in dict.fromkeys(finished[method] for method in safe):
         alike = [method for method in safe if finished[method] == count]
-        parts.append(f"{methods(alike, everyone)} let{'s' if len(alike) == 1 else ''} no bullet through in any of {count} cells")
+        parts.append(f"{does(alike, 'let', everyone)} no bullet through in any of {count} cells")
     failed = {method: int(planned[method] - finished.get(method, 0)) for method in everyone}
     parts += [f"{method} has no result in {count} of {planned[method]} cells" for method, count in failed.items() if count]
     text = f"{'Of ' + figures(of.pop()) + ' bullets a' if len(of) == 1 else 'A'}t {ends(cells['speed'], 'm/s')} and walls of "
@@ -138,7 +138,7 @@ def headline(cells, where):
     best = [m for m in known if known[m] == least]
     much = f"up to {percent(least)} through" if least > 0 else "no bullet through at any speed and thickness tried"
     return Headline(f"{where}: {first} lets up to {percent(known[first])} of the bullets through a wall of "
-                    f"{si(float(worst[first]['thickness']), 'm')}; {methods(best, everyone)} let{'s' if len(best) == 1 else ''} "
+                    f"{si(float(worst[first]['thickness']), 'm')}; {does(best, 'let', everyone)} "
                     f"{much}.", most, quantity="largest share that tunnelled", ends=final_states(cells))
 
 
