@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: Zlib
 """What a chart is: the question, one sentence found in the data, the figure, the numbers behind it, its holes.
 
-A chart is one file in charts/ that is found by itself. It has PLACE (its place on the page), SECTION (its question) and
-either `of_store(context)`, or NEEDS and `of_sweep(context, cells)`, which is called for every sweep that has what it needs.
-Both return charts; ABSENT is shown when there are none.
+A kind of chart is one function in a file of charts/, which is found by itself; a file holds the kinds of one subject. Above the
+function stands either `@of_sweeps` with what a sweep must have, and it gets the cells of each sweep that has it; or `@of_store`,
+and it gets the whole store. It returns charts. Where it returns none, the page says what is missing.
 """
 
 import importlib
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Optional
+from typing import Callable, Optional
 
 import pandas as pd
 
 import load
 import metrics
+from sentences import listing
 from style import Looks
 
 
@@ -65,46 +66,71 @@ class Needs:
     methods: tuple = (1, math.inf)  # how many compete
     metrics: tuple = ()  # that a finished cell holds; where none is finished, the plan decides
     series: tuple = ()  # that the chart reads
-    also: str = ""  # what its of_sweep asks besides, in words
+    also: str = ""  # what its function asks besides, in words
     calibrated: Optional[bool] = False  # by the runner, to budgets, which are then the sweep's one question; None: both are drawn
 
 
-def modules():
-    """The files of charts/, in the order of the page."""
-    names = sorted(path.stem for path in (Path(__file__).parent / "charts").glob("*.py"))
-    return sorted((importlib.import_module(f"charts.{name}") for name in names), key=lambda module: module.PLACE)
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """A kind of chart, as @of_sweeps or @of_store makes it of the function that draws."""
+    name: str  # as a sweep names it in `report = [...]`
+    place: int  # on the page
+    absent: Chart  # shown when there is none
+    make: Callable  # (context, cells of a sweep) or (context) -> charts
+    needs: Optional[Needs] = None  # None: made of the whole store
+
+    @property
+    def file(self):
+        return Path(self.make.__code__.co_filename).name
 
 
-def made(module, context):
-    """The charts of one file."""
-    elsewhere = []  # sweeps that are for other charts
-    if hasattr(module, "of_store"):
-        found = module.of_store(context)
-    else:
-        context.check(module)
-        found = [chart for sweep in context.store.sweeps() if context.has(sweep, module.NEEDS, name_of(module))
-                 for chart in module.of_sweep(context, context.cells(sweep, module.NEEDS.metrics))]
-        found += [_asked_for(module, sweep, context) for sweep in context.store.sweeps()
-                  if name_of(module) in context.store.sweep(sweep).report and sweep not in {c.sweep for c in found}]
-        elsewhere = [name for name in context.store.sweeps() if (about := context.store.sweep(name)).kind == module.NEEDS.kind
-                     and about.report and name_of(module) not in about.report]
+def of_sweeps(name, place, section, needs, title, absent, sweep):
+    """Makes the function below a kind of chart, called for each sweep that has what it needs. Where there is none, `absent` says
+    so under `title`, and `sweep` would make one. `lpc` reads the name here, in the text of the file (locations.cpp)."""
+    return lambda make: Kind(name, place, Chart(name, section, title, absent, sweep), make, needs)
+
+
+def of_store(name, place, section, title, absent, sweep="", made_by=""):
+    """As of_sweeps, called once."""
+    return lambda make: Kind(name, place, Chart(name, section, title, absent, sweep, made_by=made_by), make)
+
+
+def of_asked(*words):
+    """As of_store, of the sweeps that name it in `report`, all together."""
+    return of_store(*words)
+
+
+def kinds():
+    """All kinds of charts, in the order of the page."""
+    files = sorted(path.stem for path in (Path(__file__).parent / "charts").glob("*.py"))
+    modules = [importlib.import_module(f"charts.{file}") for file in files]
+    found = [kind for module in modules for kind in vars(module).values() if isinstance(kind, Kind)]
+    return sorted(found, key=lambda kind: (kind.place, kind.name))
+
+
+def made(kind, context):
+    """The charts of one kind."""
+    if kind.needs is None:
+        return kind.make(context) or [kind.absent]
+    context.check(kind)
+    sweeps = context.store.sweeps()
+    found = [chart for sweep in sweeps if context.has(sweep, kind)
+             for chart in kind.make(context, context.cells(sweep, kind.needs.metrics))]
+    found += [_asked_for(kind, sweep, context) for sweep in sweeps
+              if kind.name in context.store.sweep(sweep).report and sweep not in {c.sweep for c in found}]
+    elsewhere = [name for name in sweeps if (about := context.store.sweep(name)).kind == kind.needs.kind
+                 and about.report and kind.name not in about.report]  # sweeps that are for other charts
     if found or not elsewhere:
-        return found or [module.ABSENT]
-    return [replace(module.ABSENT, finding=f"{module.ABSENT.finding} That is without {listing(elsewhere)}, which "
+        return found or [kind.absent]
+    return [replace(kind.absent, finding=f"{kind.absent.finding} That is without {listing(elsewhere)}, which "
                     f"{'names' if len(elsewhere) == 1 else 'name'} other charts.")]
 
 
-def name_of(module):
-    """As a sweep names it in `report = [...]`."""
-    return Path(module.__file__).stem
-
-
-def _asked_for(module, sweep, context):
+def _asked_for(kind, sweep, context):
     """What stands for a chart that a sweep names and has not the data for: what it has, it is not told that it lacks."""
-    absent, needs = module.ABSENT, module.NEEDS
-    has = context.has(sweep, needs, name_of(module))
-    wanted = (needs.also or "a cell that it can draw") if has else described(needs)
-    return Chart(identifier(f"{sweep} {absent.id}"), module.SECTION, f"{absent.title}: {sweep}",
+    absent, needs = kind.absent, kind.needs
+    wanted = (needs.also or "a cell that it can draw") if context.has(sweep, kind) else described(needs)
+    return Chart(identifier(f"{sweep} {absent.id}"), absent.section, f"{absent.title}: {sweep}",
                  f"{sweep} asks for this chart and has not what it needs: {wanted}.", sweep)
 
 
@@ -126,23 +152,23 @@ class Context:
         self._looks, self._varying = {}, {}
         self.floors = {}  # (sweep, metric) -> noise.Floor, once it is asked for
 
-    def check(self, module):
-        """Refuses a chart that needs what nobody has: a misspelt name would be a chart that is never made."""
+    def check(self, kind):
+        """Refuses a chart that needs what nothing stores: a misspelt name would be a chart that is never made."""
         try:
-            for name in module.NEEDS.metrics:
+            for name in kind.needs.metrics:
                 metrics.find(self.store, name)
-            for name in module.NEEDS.series:
+            for name in kind.needs.series:
                 self.store.series("", name)
         except load.UserError as error:
-            raise load.UserError(f"{Path(module.__file__).name}: {error}") from error
+            raise load.UserError(f"{kind.file}: {error}") from error
 
-    def has(self, sweep, needs, name):
-        """Whether the chart of this name and these needs is made of a sweep. Where the sweep itself says what it is for, how
-        many methods compete and what is fixed are its own affair."""
-        about, cells = self.store.sweep(sweep), self.store.cells(sweep)
+    def has(self, sweep, kind):
+        """Whether this kind of chart is made of a sweep. Where the sweep itself says what it is for, how many methods compete
+        and what is fixed are its own affair."""
+        about, cells, needs = self.store.sweep(sweep), self.store.cells(sweep), kind.needs
         if not len(cells) or about.kind != needs.kind or needs.calibrated not in (None, bool(about.calibrate)):
             return False
-        if about.report and name not in about.report:
+        if about.report and kind.name not in about.report:
             return False
         if sweep not in self._varying:
             self._varying[sweep] = load.varying(self.store, cells)
@@ -282,26 +308,3 @@ def identifier(text):
 
 def dimension_of(cells):
     return cells["dimension"].astype(int) if "dimension" in cells else pd.Series(2, index=cells.index)
-
-
-def plural(count, one, many=None):
-    return f"{count} {one if count == 1 else many or one + 's'}"
-
-
-def listing(names):
-    names = list(names)
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1] if names else "none"
-
-
-def methods(names, everyone):
-    """Method labels in a sentence; a whole family of three or more (`catto+...`) is named once."""
-    names, said, done = list(names), [], set()
-    for name in names:
-        alike = [m for m in everyone if load.family(m) == load.family(name)]
-        if len(alike) >= 3 and all(m in names for m in alike):
-            if alike[0] not in done:
-                said.append(f"all {len(alike)} {load.family(name)} variants")
-            done |= set(alike)
-        else:
-            said.append(name)
-    return listing(said)

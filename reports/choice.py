@@ -7,18 +7,21 @@ on purpose are equal, and so is what is slow enough to rest. Among those that ti
 who errs least beyond doubt, else what the other stages were judged with, else the fastest.
 """
 
+import math
 from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
+import measured
 import metrics
 import noise
 import ranking
-from chart import describe, plural
-from charts.cost_against_error import errors_of
-from load import axes_of, split, varying
+from chart import describe
+from load import axes_of, one_machine, split, varying
+from measured import Measured
+from sentences import plural
 from style import si, times
 
 COST = "ms_per_step_median"
@@ -57,6 +60,23 @@ class Choice:
         return next((v for v in self.verdicts if v.word == "take"), None)
 
 
+@dataclass
+class Advice:
+    """All that is known of one scene."""
+    where: str
+    choices: list  # of Choice
+    errors: list  # names of the metrics by which methods are excluded
+    whole: list  # cells of whole pipelines that were run as such: (name, cell)
+    pipeline: str  # what is taken, canonical; empty where a stage takes nothing
+    run: object  # the cell that ran it, or None
+    refused: list
+
+    @property
+    def given(self):
+        """What every stage was judged with. It ran before, with the stages: what is taken was not known in those rounds."""
+        return next((cell for name, cell in self.whole if self.run is not None and cell["key"] != self.run["key"]), None)
+
+
 def place_of(context, cells):
     """The axes of the scene and of all that makes it larger or harder."""
     about = context.store.sweep(cells["sweep"].iloc[0])
@@ -87,7 +107,7 @@ def errors_judged(context, parts):
     shared = [name for name in (LEFT, "penetration_poses", JITTER) if name in finished and len(finished) and
               finished[name].notna().all() and (finished[name] > 0).any()]
     meant = {context.metric(name).smaller for name in shared}
-    others = [name for name in errors_of(context, cells) if context.metric(name).smaller not in meant]
+    others = [name for name in metrics.errors_of(context, cells) if context.metric(name).smaller not in meant]
     return shared + [name for name in others if context.metric(name).compute is None][:1] or others[:1]
 
 
@@ -102,44 +122,71 @@ def zeros(context, cells, errors):
 def choose(context, sweep, cells, errors, given=""):
     """`given`: the pipeline with which the other stages were judged."""
     cells, cost = _costs(context, sweep, cells)
-    excused = ranking.excused(context, cells)
-    excused = {cells["name"][index]: why for index, why in excused.items()}
-    floors = {name: noise.floor(cells, name) for name in (cost, COST)}
+    excused = {cells["name"][index]: why for index, why in ranking.excused(context, cells).items()}
     rows = [(cell, context.store.role(cell["method"])) for _, cell in cells.iterrows()]
     ours = [cell for cell, role in rows if role == "competitor" and cell["name"] not in excused]
-    least, many = zeros(context, ours, errors), ranking.comparisons(len(ours))
-    right = [cell for cell in ours if not _failed(cell, cost) and not wrong(context, cell, ours, least)]
-    usual = _usual(ours)
-    # Who leaves other work to the rest of the step is judged by the whole of it.
-    right.sort(key=lambda cell: (_by(cell, cost, usual) != cost, cell[cost]))
-    fastest = next(iter(right), None)
-    equals = [cell for cell in right if cell is fastest or (_by(cell, cost, usual) == cost and
-                                                            tie(fastest, cell, cost, floors[cost], many))]
-    take, why = _of_equals(context, equals, least, given)
+    race = Race(context, ours, cost, {name: noise.floor(cells, name) for name in (cost, COST)}, zeros(context, ours, errors),
+                ranking.comparisons(len(ours)), _usual(ours))
+    right = race.right()
+    equals = [cell for cell in right if cell is right[0] or race.by(cell) == cost and race.tie(right[0], cell)]
+    take, why = _of_equals(context, equals, race.least, given)
+    if why:
+        won = f"of those that are as fast it {why}"
+    else:
+        won = f"the {'fastest' if len(right) > 1 else 'only one'} of those that finished and err as little"
     found = []
     for cell, role in rows:
-        failed, errs = _failed(cell, cost), "; ".join(wrong(context, cell, ours, least))
-        by = _by(cell, cost, usual)
-        speed = "" if failed or take is None else tie(fastest, take if cell is fastest else cell, by, floors[by], many)
-        if failed:
+        if failed := _failed(cell, cost):
             word, reason = failed
         elif cell["name"] in excused:
             word, reason = "not ranked", excused[cell["name"]]
         elif cell is take:
-            word, reason = "take", f"of those that are as fast it {why}" if why else (
-                f"the {'fastest' if len(right) > 1 else 'only one'} of those that finished and err as little")
+            word, reason = "take", won
         else:
-            word = "errs more" if errs else "tie" if speed else "slower"
-            whom = "" if take is fastest else f" as {fastest['name']}"
-            slow = speed or (f"{ratio(noise.ratio(fastest, cell, by))} times as long{whom}" if take is not None else "")
-            slow += " (whole steps: it makes other work)" if slow and by != cost else ""
-            reason = errs if errs and role == "competitor" else "; ".join(filter(None, [slow, errs]))
-        if role != "competitor" and cell["name"] not in excused:
-            word = "" if not failed else word
-        found.append(Verdict(cell["name"], role, word, reason, cell, by))
+            word, reason = race.judged(cell, role, take, right)
+        found.append(Verdict(cell["name"], role, word, reason, cell, race.by(cell)))
     found.sort(key=lambda v: (v.role != "competitor", ORDER.index(v.word) if v.word in ORDER else len(ORDER) * (v.word != ""),
                               _failed(v.cell, cost) is not None, v.cell[cost], v.name))
-    return Choice(sweep, context.store.method_axes(sweep)[0], cost, floors[cost], found, why)
+    return Choice(sweep, context.store.method_axes(sweep)[0], cost, race.floors[cost], found, why)
+
+
+@dataclass(frozen=True)
+class Race:
+    """What the methods of one stage are judged by."""
+    context: object
+    ours: list  # cells of those that may be taken
+    cost: str
+    floors: dict  # of the noise: {cost: ratio}
+    least: dict  # {error: what counts as none}
+    many: int  # pairs that are compared
+    usual: tuple  # what most of ours count after the broadphase
+
+    def by(self, cell):
+        """The column by which a method is judged: one that leaves other work to the rest of the step by the whole of it."""
+        return _by(cell, self.cost, self.usual)
+
+    def tie(self, a, b, cost=""):
+        return tie(a, b, cost or self.cost, self.floors[cost or self.cost], self.many)
+
+    def right(self):
+        """The cells of ours that finished and err as little as the best, the fastest first."""
+        found = [cell for cell in self.ours
+                 if not _failed(cell, self.cost) and not wrong(self.context, cell, self.ours, self.least)]
+        return sorted(found, key=lambda cell: (self.by(cell) != self.cost, cell[self.cost]))
+
+    def judged(self, cell, role, take, right):
+        """(word, reason) of one that finished and is not taken."""
+        errs, by = "; ".join(wrong(self.context, cell, self.ours, self.least)), self.by(cell)
+        alike = "" if take is None else self.tie(right[0], take if cell is right[0] else cell, by)
+        slow = alike
+        if not alike and take is not None:
+            whom = "" if take is right[0] else f" as {right[0]['name']}"
+            slow = f"{ratio(noise.ratio(right[0], cell, by))} times as long{whom}"
+        if slow and by != self.cost:
+            slow += " (whole steps: it makes other work)"
+        if role != "competitor":
+            return "", "; ".join(filter(None, [slow, errs]))
+        return ("errs more", errs) if errs else ("tie" if alike else "slower", slow)
 
 
 def _later(cell):
@@ -193,11 +240,9 @@ def _costs(context, sweep, cells):
         return cells, COST
     cells = cells.copy()
     cells[ALONE] = sum(cells[name].astype(float) for name in names) / 1e3
-    for kind in ("runs", "seeds"):
-        columns = [f"{name} {kind}" for name in names]
-        if all(column in cells for column in columns):
-            cells[f"{ALONE} {kind}"] = [[sum(parts) / 1e3 for parts in zip(*lists)] if all(isinstance(x, list) for x in lists)
-                                        else np.nan for lists in zip(*(cells[column] for column in columns))]
+    found = [[measured.of(cell, name) for name in names] for _, cell in cells.iterrows()]
+    sums = lambda lists: tuple(sum(parts) / 1e3 for parts in zip(*lists))  # noqa: E731
+    measured.add(cells, ALONE, [Measured(sums(m.runs for m in mine), sums(m.seeds for m in mine)) for mine in found])
     return cells, ALONE
 
 
@@ -222,13 +267,13 @@ def wrong(context, cell, ours, least):
     said, many = [], ranking.comparisons(len(ours))
     for error, zero in least.items():
         unit = context.unit(error)
-        known = [other for other in ours if np.isfinite(noise.of_seeds(other, error)).all()]
+        known = [other for other in ours if np.isfinite(measured.of_seeds(other, error)).all()]
         if not known:
             continue
-        best = min(known, key=lambda other: float(np.median(noise.of_seeds(other, error))))
+        best = min(known, key=lambda other: float(np.median(measured.of_seeds(other, error))))
         if not ranking.better(best, cell, error, zero, many, AS_RIGHT):
             continue
-        a, b = (float(np.median(noise.of_seeds(found, error))) for found in (cell, best))
+        a, b = (float(np.median(measured.of_seeds(found, error))) for found in (cell, best))
         none = "none" if zero == context.floor(error) else f"no more than {si(zero, unit)}, which counts as none"
         more = f"{ratio(a / b)} times that of {best['name']}" if b > zero else f"{si(a, unit)} where {best['name']} has {none}"
         said.append(f"{context.title(error)} {more}, above {AS_RIGHT:g} times over {_seeds(cell)}")
@@ -310,3 +355,41 @@ def _short(stage, spec, known):
         if value != about.get("default"):
             kept.append(f"{key}={value}")
     return name + ("{" + ",".join(kept) + "}" if kept else "")
+
+
+def places_of(context, cells):
+    """[(place, cells that may be compared, refused)]: one for each scene and size."""
+    cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error")))
+    return [(place, part, refused) for place, part in by_place(context, cells)]
+
+
+def advices(context):
+    places = {}
+    for sweep in [name for name in context.store.sweeps() if "choose" in context.store.sweep(name).report]:
+        for place, cells, refused in places_of(context, context.cells(sweep)):
+            places.setdefault(place, []).append((sweep, cells, refused))
+    return [made for made in (_advice(context, place, found) for place, found in places.items()) if made.choices]
+
+
+def _advice(context, where, found):
+    errors = errors_judged(context, [cells for _, cells, _ in found])
+    whole = [(sweep, cells) for sweep, cells, _ in found if context.store.method_axes(sweep)[0] == TOGETHER]
+    competing = [(sweep, cells) for sweep, cells, _ in found if sweep not in dict(whole)]
+    given = given_of(context, [cells for _, cells in competing]) if competing else ""
+    choices = [choose(context, sweep, cells, errors, given) for sweep, cells in competing]
+    pipeline = combination(context.store, choices)
+    pool = [cell for _, cells in whole for _, cell in cells.iterrows()] + [v.cell for c in choices for v in c.verdicts]
+    run = next((cell for cell in pool if pipeline and cell["outcome"] == "ok" and math.isfinite(cell[COST]) and
+                pipeline_of(context.store, cell) == pipeline), None)
+    rows = [(cell["name"], cell) for _, cells in whole for _, cell in cells.iterrows()]
+    if run is not None and all(cell["key"] != run["key"] for _, cell in rows):
+        rows.append(("taken", run))
+    return Advice(where, choices, errors, rows, pipeline, run, sorted({said for *_, part in found for said in part}))
+
+
+def to_run(context):
+    """The pipeline that is taken for the first scene where nothing has run it; empty where there is none."""
+    for advice in advices(context):
+        if advice.pipeline and advice.run is None:
+            return short(advice.pipeline, context.store.algorithms)
+    return ""

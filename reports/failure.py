@@ -9,8 +9,9 @@ import math
 import numpy as np
 
 import metrics
-from chart import listing
+
 from load import TOLERANCE
+from sentences import listing
 
 DEFINITION = ("A method fails on a question that it declares when it gives no answer (refused, not finite, thrown, crashed, "
               "hung) or one that the referee proves wrong: on the wrong side, or off by more than 1e-12 of the size of the "

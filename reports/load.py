@@ -3,8 +3,8 @@
 
 A *cell* is what a sweep plans: one set of axis values. It holds one untimed trial (errors, counts, series) of each seed
 and any number of timed repeats (times). Every planned cell is a row here, whatever became of it: a cell without a result
-has the outcome "not run", a failed one its outcome, step and reason. Nothing is dropped: the value of each seed is in
-the column `<metric> seeds`, that of each repeat in `<metric> runs`.
+has the outcome "not run", a failed one its outcome, step and reason. Nothing is dropped: the value of each seed and of each
+repeat is in the column MEASURED (measured.py).
 """
 
 import json
@@ -17,6 +17,8 @@ from typing import Callable, Optional
 
 import numpy as np
 import pandas as pd
+
+from measured import MEASURED, Measured
 
 SCHEMA = "3"
 TABLES = {"meta", "machine", "sweep", "metrics", "planned", "trial", "series", "poses", "benchmark", "ledger"}
@@ -310,7 +312,7 @@ class Store:
                 "finished_trials": len(trials), "outcome": NOT_RUN, "reason": "planned, no result in the store",
                 "step": np.nan, "key": None, "key_timed": None, "keys_timed": [], "machine": None, "keys": [], "hashes": [],
                 "seeds": list(dict.fromkeys(entry.axes.get("seed") for entry in entries)), "failed_seeds": 0,
-                "refused_repeats": 0,
+                "refused_repeats": 0, MEASURED: {},
                 **{_free(name, axes): np.nan for name, m in self.metrics.items()
                    if m.kind in (about.kind, "any") and "*" not in name}}
         if not trials:
@@ -337,12 +339,11 @@ class Store:
                     if value is not None:
                         repeats.setdefault(entry.axes.get("repeat"), {})[entry.axes.get("seed")] = value
                         of_seeds.setdefault(entry.axes.get("seed"), []).append(value)
-                if len(cell["seeds"]) > 1:
-                    cell[_free(name, axes) + " seeds"] = [math.nan if seed in bad else middle(of_seeds.get(seed, []))
-                                                          for seed in cell["seeds"]]
                 values = over_seeds(repeats, bad)
                 cell[_free(name, axes)] = median(values) if values else np.nan
-                cell[_free(name, axes) + " runs"] = values
+                several = cell["seeds"] if len(cell["seeds"]) > 1 else ()
+                cell[MEASURED][_free(name, axes)] = Measured(
+                    tuple(values), tuple(math.nan if seed in bad else middle(of_seeds.get(seed, [])) for seed in several))
         return cell
 
     def _facts(self, cell, axes, trials, seed_of):
@@ -366,9 +367,9 @@ class Store:
                 continue
             cell[_free(name, axes)] = middle([trial.metrics.get(name) for trial in good])
             if len(cell["seeds"]) > 1:
-                cell[_free(name, axes) + " seeds"] = [
+                cell[MEASURED][_free(name, axes)] = Measured(seeds=tuple(
                     math.nan if trial is None or seed in bad or trial.metrics.get(name) is None else trial.metrics[name]
-                    for seed, trial in zip(cell["seeds"], firsts)]
+                    for seed, trial in zip(cell["seeds"], firsts)))
         return bad
 
     def method_of(self, sweep, axes):
@@ -468,6 +469,8 @@ def one_machine(store, cells):
                for row in cells[other].itertuples()]
     cells = cells.copy()
     for name in cells.columns:
-        if store.is_time(name.removesuffix(" runs").removesuffix(" seeds")):
+        if store.is_time(name):
             cells.loc[other, name] = np.nan
+    cells[MEASURED] = [{name: mine for name, mine in found.items() if not (left and store.is_time(name))}
+                       for found, left in zip(cells[MEASURED], other)]
     return cells, sorted(set(refused)) + said

@@ -43,12 +43,12 @@ def parse(arguments):
 
 def all_charts(context, only=()):
     """Every chart of the report in reading order. A theme that the store lacks gives a chart that says so."""
-    from chart import made, modules
+    from chart import kinds, made
     from load import UserError
     from style import plt
     kept, everyone = [], []
-    for module in modules():
-        for chart in made(module, context):
+    for kind in kinds():
+        for chart in made(kind, context):
             if chart.id in context.ids:
                 raise UserError(f"two charts have the id {chart.id}")
             context.ids.append(chart.id)
@@ -83,7 +83,7 @@ def run(options):
     store = Store(options.store)
     context = Context(store)
     if options.taken:
-        from charts.choose import to_run
+        from choice import to_run
         print(to_run(context))
         return 0
     only = [name for name in options.only.split(",") if name]

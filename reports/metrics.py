@@ -10,7 +10,9 @@ import re
 
 import numpy as np
 
+import measured
 from load import Metric, UserError, described, middle
+from measured import Measured
 
 DERIVED = {}
 
@@ -183,8 +185,8 @@ def add(store, cells, names):
             ok = [[key in store.by_key and store.by_key[key].outcome == "ok" for key in keys] for keys in cells["keys"]]
             cells[name] = [middle([v for v, good in zip(mine, fine) if good] or mine) for mine, fine in zip(values, ok)]
             if any(len(mine) > 1 for mine in values):
-                cells[name + " seeds"] = [[v if good else math.nan for v, good in zip(mine, fine)]
-                                          for mine, fine in zip(values, ok)]
+                measured.add(cells, name, [Measured(seeds=tuple(v if good else math.nan for v, good in zip(mine, fine)))
+                                           for mine, fine in zip(values, ok)])
     return cells
 
 
@@ -223,3 +225,16 @@ def crossover(n, a, b):
     i = before[-1]
     share = -gap[i] / (gap[i + 1] - gap[i])
     return float(math.exp(math.log(n[i]) + share * (math.log(n[i + 1]) - math.log(n[i]))))
+
+
+def errors_of(context, cells):
+    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has.
+    An error that none of them makes (no contacts, no penetration) is no panel."""
+    finished = cells[cells["outcome"] == "ok"]
+    names, kept = context.metrics("world", "error"), {}
+    for name in names:
+        values = column(finished, name)
+        has = finished["method"][np.isfinite(values)]
+        if np.nansum(np.abs(values)) > 0 and set(has) == set(finished["method"]):
+            kept.setdefault(context.metric(name).smaller, name)
+    return list(kept.values())[:3] or names[:1]

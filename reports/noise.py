@@ -13,22 +13,14 @@ import numbers
 
 import numpy as np
 
+import measured
+
 UNMEASURED = 2.0  # the floor where nothing was repeated often enough to measure one: below this ratio nothing is told
 FEWEST = 4  # repeats of a cell from which a floor can be measured: two of each kind
 SURE = 0.9  # least probability with which an interval holds the median
 LIKELY = 95  # percent of the comparisons of a method with itself that are below the floor
 NOISE, FEW, SAME_WORK = "noise", "too few repeats", "identical work"  # why there is no ratio (said)
 IN_WORDS = {NOISE: "within the noise", FEW: "with too few repeats to measure a difference"}
-
-
-def values(cell, name):
-    """A list of a cell's column `<metric> runs` or `<metric> seeds`, without what is unknown."""
-    found = cell.get(name)
-    return [float(v) for v in found if v is not None and math.isfinite(v)] if isinstance(found, (list, tuple)) else []
-
-
-def runs(cell, metric):
-    return values(cell, f"{metric} runs")
 
 
 def interval(found):
@@ -62,7 +54,7 @@ def with_itself(cells, metric):
     """Ratios of a cell's even repeats to its odd ones: the same method entered twice, one ratio per cell."""
     found = []
     for _, cell in cells.iterrows():
-        mine = runs(cell, metric)
+        mine = measured.runs(cell, metric)
         if len(mine) >= FEWEST and min(mine) > 0:
             found.append(float(np.median(mine[::2]) / np.median(mine[1::2])))
     return found
@@ -104,7 +96,7 @@ def by_role(context, sweep):
 
 def between(least, a, b, metric):
     """The floor of two cells: `least`, or theirs of it; never below UNMEASURED where one of them has too few repeats."""
-    few = any(0 < len(runs(cell, metric)) < FEWEST for cell in (a, b))
+    few = any(0 < len(measured.runs(cell, metric)) < FEWEST for cell in (a, b))
     return max(least.between(a, b) if isinstance(least, Floor) else least, UNMEASURED if few else 1.0)
 
 
@@ -137,13 +129,13 @@ def tells(a, b, metric, least):
     found = ratio(a, b, metric)
     if not math.isfinite(found) or found <= 0 or max(found, 1 / found) <= between(least, a, b, metric):
         return False
-    (low_a, high_a), (low_b, high_b) = interval(runs(a, metric)), interval(runs(b, metric))
+    (low_a, high_a), (low_b, high_b) = interval(measured.runs(a, metric)), interval(measured.runs(b, metric))
     return not (low_a <= high_b and low_b <= high_a)  # unknown intervals tell by the floor alone
 
 
 def above(cell, metric, bound, least):
     """Whether a time is above a bound by more than noise."""
-    value, (low, _) = float(cell[metric]), interval(runs(cell, metric))
+    value, (low, _) = float(cell[metric]), interval(measured.runs(cell, metric))
     return value > bound and value > bound * between(least, cell, cell, metric) and not low <= bound
 
 
@@ -162,7 +154,7 @@ def said(a, b, metric, least):
         return SAME_WORK
     if tells(a, b, metric, least):
         return f"{found:.2f}"
-    return silence(between(least, a, b, metric)) if all(len(runs(cell, metric)) >= FEWEST for cell in (a, b)) else FEW
+    return silence(between(least, a, b, metric)) if all(len(measured.runs(cell, metric)) >= FEWEST for cell in (a, b)) else FEW
 
 
 def percent(least):
@@ -181,15 +173,6 @@ def rule(least):
                                                                         for role, v in known.items())
     return (f"The same method against itself differs by up to {noise} in {LIKELY} of 100 cells: a ratio is told "
             "when it is beyond that and the whiskers of the two are apart; else it is noise.")
-
-
-def of_seeds(cell, metric):
-    """The values of all seeds, infinite where a seed failed; a cell of one seed has one."""
-    found = cell.get(f"{metric} seeds")
-    if isinstance(found, (list, tuple)):
-        return [math.inf if v is None or v != v else float(v) for v in found]
-    value = cell.get(metric)
-    return [math.inf if value is None or value != value or cell["outcome"] != "ok" else float(value)]
 
 
 def idle_seeds(cells):

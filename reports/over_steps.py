@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 import ranking
-from chart import describe, listing
+from chart import describe
 from load import split, varying
+from sentences import listing
 from style import HALO, fallen, grid_of_axes, legend_right, legend_room
 
 COLUMNS = 3  # scenes side by side

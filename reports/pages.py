@@ -16,8 +16,9 @@ import coverage
 import headlines
 import metrics
 import table
-from chart import plural
+
 from load import NOT_RUN, UserError
+from sentences import plural
 from style import plt
 
 HERE = Path(__file__).resolve().parent

@@ -13,9 +13,10 @@ among those of 53.
 import math
 from collections import Counter
 
+import measured
 import metrics
-import noise
-from chart import listing, plural
+from sentences import listing, plural
+
 
 LEVEL = 0.05  # chance that one interval or more of a rank does not hold its median
 START, TOUCHING = "penetration_start", 1e-6  # m
@@ -59,7 +60,7 @@ def by_seed(cells, metric):
     rows = [cells] if getattr(cells, "ndim", 1) == 1 else [cell for _, cell in cells.iterrows()]
     found = {}
     for cell in rows:
-        values = noise.of_seeds(cell, metric)
+        values = measured.of_seeds(cell, metric)
         seeds = cell.get("seeds")
         named = isinstance(seeds, (list, tuple)) and len(seeds) == len(values)
         found |= dict(zip(seeds if named else range(len(values)), values))
@@ -100,14 +101,14 @@ def better(a, b, metric, zero=0.0, many=1, times=1.0):
 
 def overlapping(cells):
     """The deepest overlap (m) at the start, where it is more than that of bodies that touch: no method has made it."""
-    found = [v for _, cell in cells.iterrows() for v in [cell.get(START, math.nan), *noise.values(cell, f"{START} seeds")]]
+    found = [v for _, cell in cells.iterrows() for v in [cell.get(START, math.nan), *measured.seeds(cell, START)]]
     deepest = max([v for v in found if v == v], default=0.0)
     return deepest if deepest > TOUCHING else 0.0
 
 
 def share_of_fallbacks(context, cell):
     """Share of the rows of a cell that its method left to Gauss-Seidel; 0 where none is counted, NaN where rows are not known."""
-    told = [cell.get(FROZEN) or 0.0, cell.get(FALLBACKS) or 0.0, *noise.values(cell, f"{FALLBACKS} seeds")]
+    told = [cell.get(FROZEN) or 0.0, cell.get(FALLBACKS) or 0.0, *measured.seeds(cell, FALLBACKS)]
     left = max([value for value in told if value == value], default=0.0)
     if not left > 0:
         return 0.0

@@ -11,8 +11,9 @@ import re
 
 import pages
 import table
-from chart import identifier, listing
+from chart import identifier
 from load import UserError
+from sentences import listing
 
 SWEEPS, SCENE, DIMENSION = ("quick_resolvers", "resolvers"), "pyramid", 2  # the first that the store has
 CHARTS = [identifier(f"{sweep} {SCENE}, {DIMENSION}D") for sweep in SWEEPS]

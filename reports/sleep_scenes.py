@@ -7,8 +7,9 @@ import math
 import pandas as pd
 from matplotlib.patches import Rectangle
 
-from chart import Chart, holes, listing
+from chart import Chart, holes
 from load import family, split
+from sentences import listing
 from style import grid_of_axes
 
 SECTION = "What does sleeping save, and what does it cost?"

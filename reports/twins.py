@@ -6,6 +6,7 @@ import math
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import noise
 from chart import Chart, holes
 from style import ZeroLog, grid_of_axes, legend_right, letter
@@ -74,7 +75,7 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
                     if outcome == "ok" and not math.isfinite(value):
                         continue
                     place_x = scale.place(value)
-                    runs = noise.runs(which, metric) if which is not None else []
+                    runs = measured.runs(which, metric) if which is not None else []
                     if len(runs) > 1 and math.isfinite(value):
                         low, high = noise.interval(runs)
                         ax.plot([scale.place(low), scale.place(high)], [y + shift] * 2, color=colour, lw=1, alpha=0.7, zorder=2.5)

@@ -13,7 +13,7 @@
 
 namespace {
 
-// The report's name of a phase and the scope of ours that does the same, as reports/charts/script_profile.py has them.
+// The report's name of a phase and the scope of ours that does the same, as reports/charts/stages.py has them.
 constexpr const char* kPhases[][2] = {{"findPairs", "broadphase"},
                                       {"findContacts", "contacts"},
                                       {"applyForces", "solver.integrate"},

@@ -46,7 +46,12 @@ std::vector<std::string> chartsOfSweeps() {
     if (entry.path().extension() != ".py") continue;
     std::ifstream in(entry.path());
     const std::string text{std::istreambuf_iterator<char>(in), {}};
-    if (text.find("\ndef of_sweep(") != text.npos) out.push_back(entry.path().stem().string());
+    for (const std::string above : {"\n@of_sweeps(\"", "\n@of_asked(\""}) {
+      for (std::size_t at = text.find(above); at != text.npos; at = text.find(above, at)) {
+        at += above.size();
+        out.push_back(text.substr(at, text.find('"', at) - at));
+      }
+    }
   }
   std::sort(out.begin(), out.end());
   return out;

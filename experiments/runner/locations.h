@@ -13,7 +13,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 std::string homeDirectory();
 /// All *.toml of experiments/<folder>, sorted by name.
 std::vector<std::string> listToml(const std::string& folder);
-/// Charts that are made of sweeps, the files of reports/charts, sorted by name.
+/// Charts that a sweep can name in `report`, by the files of reports/charts, sorted by name.
 std::vector<std::string> chartsOfSweeps();
 /// A path that exists, or experiments/<folder>/NAME.toml. A number is a name, too, as on the 2009 sandbox's command
 /// line: 5 is the scene preset_5, 1 the script director_1. Throws UserError with the valid names.

@@ -21,7 +21,7 @@ struct PlannedSweep {
   std::map<std::string, std::string> roles;
   /// What whoever plans it should hear: it is right, but hardly what was meant.
   std::vector<std::string> notes;
-  std::vector<std::string> charts;  // what it is for: files of reports/charts; empty: whatever it has the data for
+  std::vector<std::string> charts;  // what it is for: charts of reports/charts; empty: whatever it has the data for
   /// What `lpc` was told to plan it, but for the store: a page prints it, so that what is shown can be made again.
   std::vector<std::string> command;
   double wallLimit = 120;  // s, per trial

@@ -16,18 +16,14 @@ from matplotlib.lines import Line2D
 import metrics
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
-from charts.budgets import marks, within
+from budget import marks, within
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import split, varying
+from sentences import does, listing, methods, verb
 from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si, times
 from table import quantity
 
-PLACE = 23
 SECTION = "How far does each method go from a converged reference?"
-NEEDS = Needs("world", methods=(2, math.inf),
-              also="a baseline with its own runs, at half its step, started beside itself and by an unlike solver")
-ABSENT = Chart("against_reference", SECTION, "Against the reference", "No sweep with a converged reference is in this store.",
-               "reference")
 APART = 5e-4  # m: a tenth of the slop that most methods leave
 NAMED = 4  # so many of those that are farthest are named in a sentence
 EVEN = 1e-6  # s: moments that are nearer are one
@@ -36,7 +32,11 @@ WORK = "work_multiply_adds"
 COST, FAR, MIDDLE = "cost", "largest distance", "median distance"  # columns of cells
 
 
-def of_sweep(context, cells):
+@of_sweeps("against_reference", 23, SECTION,
+           Needs("world", methods=(2, math.inf),
+                 also="a baseline with its own runs, at half its step, started beside itself and by an unlike solver"),
+           "Against the reference", "No sweep with a converged reference is in this store.", "reference")
+def against_reference(context, cells):
     cells = cells.assign(own_dt=[_dt(context, key) for key in cells["key"]])
     name, groups, made = context.baseline(cells), [c for c in ("scene", "dimension") if c in cells], []
     for part in split(cells, groups):
@@ -195,13 +195,13 @@ def finding(context, others, runs, where):
             known.groupby("method")[FAR].min().astype(float).to_dict())
         firsts, best, lasts, most = nearest(reached, runs.doubt)
         cost = f"Within {budget:,.0f} {cost_title(context, others)} " if budget < math.inf else ""
-        text_of = f"{cost}{methods(firsts, everyone)} {'is' if len(firsts) == 1 else 'are'} nearest ({si(best, 'm')})"
+        text_of = f"{cost}{does(firsts, 'are', everyone)} nearest ({si(best, 'm')})"
         said.append(text_of + (f", {some(lasts, everyone)} farthest ({si(most, 'm')})" if lasts else ""))
     none = sorted(set(everyone) - set(finished["method"]))
     # The cheapest and the dearest budget: what is between is in the table.
     said = [*dict.fromkeys((said[0], said[-1]))] if said else ["No method has a rank"]
     said = [*(["Beyond that no method is ranked"] if runs.horizon else []), *said]
-    said += [f"{methods(none, everyone)} {'does' if len(none) == 1 else 'do'} not run so far"] if none else []
+    said += [f"{does(none, 'do', everyone)} not run so far"] if none else []
     return f"{text}. {'. '.join(said)}.{ranking.tail(context, finished)}"
 
 
@@ -216,9 +216,9 @@ def headline(context, others, runs, where):
     firsts, best, lasts, most = nearest(reached, runs.doubt)
     if not lasts or best <= 2 * runs.doubt:
         return None
-    return Headline(f"On {where}, within {budgets[-1]:,.0f} {cost_title(context, others)}, {methods(firsts, list(reached))} "
-                    f"{'stays' if len(firsts) == 1 else 'stay'} nearest to the converged reference, {si(best, 'm')} at the most; "
-                    f"{some(lasts, list(reached))} {'goes' if len(lasts) == 1 else 'go'} {times(most / best)} times as far.",
+    return Headline(f"On {where}, within {budgets[-1]:,.0f} {cost_title(context, others)}, "
+                    f"{does(firsts, 'stay', list(reached))} nearest to the converged reference, {si(best, 'm')} at the most; "
+                    f"{some(lasts, list(reached))} {verb(len(lasts), 'go')} {times(most / best)} times as far.",
                     reached, "m",
                     "largest distance from the reference", ends=final_states(pd.DataFrame(cells.values())))
 

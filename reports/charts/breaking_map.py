@@ -12,19 +12,17 @@ from dataclasses import dataclass
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
+import measured
 import noise
 import ranking
 import rest
-from chart import Chart, Headline, Needs, identifier, listing, methods, plural
+from chart import Chart, Headline, Needs, identifier, of_sweeps
 from load import split
+from sentences import does, listing, methods, plural
 from style import WIDTH, figures, plt, si
 from table import quantity
 
-PLACE = 39
 SECTION = "When does each method fall?"
-NEEDS = Needs("world", also="questions of breaking points", calibrated=None)
-ABSENT = Chart("breaking_map", SECTION, "Breaking points, searched", "No search for breaking points is in this store.",
-               "breaking_map")
 MOST_COLUMNS = 6
 COLOURS = ["#8FC1E3", "#BBD9EE", "#DDEBF5", "#F3EFE6", "#F6D9B8", "#EDB48A"]  # by how many halves of the best: 0, 1/2, 1, ...
 STEPS = (0.05, 0.5, 1, 2, 4)
@@ -62,7 +60,10 @@ class Found:
     excuse: str = ""  # why it has no rank
 
 
-def of_sweep(context, cells):
+@of_sweeps("breaking_map", 39, SECTION,
+           Needs("world", also="questions of breaking points", calibrated=None),
+           "Breaking points, searched", "No search for breaking points is in this store.", "breaking_map")
+def breaking_map(context, cells):
     questions = context.store.sweep(cells["sweep"].iloc[0]).questions
     if "question" not in cells or not questions:
         return []
@@ -74,8 +75,8 @@ def failed_seeds(cell, limit):
     if not limit:
         return int(cell["failed_seeds"])
     metric, below, bound = limited(limit)
-    values = cell[f"{metric} seeds"] if len(cell["seeds"]) > 1 else [cell.get(metric)]
-    if not isinstance(values, (list, tuple)):  # every seed failed, so that none has a value
+    values = measured.of(cell, metric).seeds if len(cell["seeds"]) > 1 else [cell.get(metric)]
+    if not values:  # every seed failed, so that none has a value
         return len(cell["seeds"])
     return max(int(cell["failed_seeds"]), sum(v is None or not (v < bound if below else v > bound) for v in values))
 
@@ -226,7 +227,7 @@ def finding(title, column, about, labels):
         said.append(f"{_doing(none, 'holds', labels)} at no value that was tried")
     for word in sorted({f.dear for m, f in left.items() if m not in none}):
         dear = [m for m, f in left.items() if m not in none and f.dear == word]
-        said.append(f"{methods(dear, labels)} {'is' if len(dear) == 1 else 'are'} {word} from the first")
+        said.append(f"{does(dear, 'are', labels)} {word} from the first")
     odd = [m for m, f in known.items() if f.beyond]
     said += [plural(len(odd), "ladder is", "ladders are") + " not monotone"] if odd else []
     return f"{title}: {'. '.join(said)}.{out}"

@@ -5,110 +5,48 @@ that is taken as one pipeline."""
 import math
 import re
 import textwrap
-from dataclasses import dataclass
 
 import pandas as pd
 from matplotlib.lines import Line2D
 
-import metrics
+import measured
 import noise
-from chart import Chart, Headline, holes, identifier, listing, plural
-from choice import (ALONE, AS_RIGHT, COST, JITTER, TOGETHER, by_place, choose, combination, errors_judged, given_of,
-                    pipeline_of, ratio, short, span, tie, zeros)
-from load import one_machine
+from chart import Chart, Headline, holes, identifier, of_asked
+from choice import ALONE, AS_RIGHT, COST, JITTER, advices, pipeline_of, ratio, short, span, tie, zeros
+from sentences import clauses, does, listing, plural
 from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
 
-PLACE = 5
 SECTION = "What should one take for this scene?"
-KIND = "world"
-ABSENT = Chart("choose", SECTION, "What to take", "No sweep that chooses is in this store; experiments/run choose makes one.",
-               "choose")
 WORDS = 2.75  # inches for the verdicts
 
 
-@dataclass
-class Advice:
-    """All that is known of one scene."""
-    where: str
-    choices: list  # of Choice
-    errors: list  # names of the metrics by which methods are excluded
-    whole: list  # cells of whole pipelines that were run as such: (name, cell)
-    pipeline: str  # what is taken, canonical; empty where a stage takes nothing
-    run: object  # the cell that ran it, or None
-    refused: list
-
-    @property
-    def given(self):
-        """What every stage was judged with. It ran before, with the stages: what is taken was not known in those rounds."""
-        return next((cell for name, cell in self.whole if self.run is not None and cell["key"] != self.run["key"]), None)
-
-
-def of_store(context):
+@of_asked("choose", 5, SECTION,
+          "What to take", "No sweep that chooses is in this store; experiments/run choose makes one.", "choose")
+def what_to_take(context):
     """One chart per scene, of all sweeps that name this chart."""
     return [_chart(context, advice) for advice in advices(context)]
 
 
-def of_sweep(context, cells):
-    """[(place, cells that may be compared, refused)]: one for each scene and size."""
-    cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics(KIND, "error")))
-    return [(place, part, refused) for place, part in by_place(context, cells)]
-
-
-def advices(context):
-    places = {}
-    for sweep in [name for name in context.store.sweeps() if "choose" in context.store.sweep(name).report]:
-        for place, cells, refused in of_sweep(context, context.cells(sweep)):
-            places.setdefault(place, []).append((sweep, cells, refused))
-    return [made for made in (_advice(context, place, found) for place, found in places.items()) if made.choices]
-
-
-def _advice(context, where, found):
-    errors = errors_judged(context, [cells for _, cells, _ in found])
-    whole = [(sweep, cells) for sweep, cells, _ in found if context.store.method_axes(sweep)[0] == TOGETHER]
-    competing = [(sweep, cells) for sweep, cells, _ in found if sweep not in dict(whole)]
-    given = given_of(context, [cells for _, cells in competing]) if competing else ""
-    choices = [choose(context, sweep, cells, errors, given) for sweep, cells in competing]
-    pipeline = combination(context.store, choices)
-    pool = [cell for _, cells in whole for _, cell in cells.iterrows()] + [v.cell for c in choices for v in c.verdicts]
-    run = next((cell for cell in pool if pipeline and cell["outcome"] == "ok" and math.isfinite(cell[COST]) and
-                pipeline_of(context.store, cell) == pipeline), None)
-    rows = [(cell["name"], cell) for _, cells in whole for _, cell in cells.iterrows()]
-    if run is not None and all(cell["key"] != run["key"] for _, cell in rows):
-        rows.append(("taken", run))
-    return Advice(where, choices, errors, rows, pipeline, run, sorted({said for *_, part in found for said in part}))
-
-
-def to_run(context):
-    """The pipeline that is taken for the first scene where nothing has run it; empty where there is none."""
-    found = [advice for advice in advices(context) if advice.pipeline and advice.run is None]
-    return short(found[0].pipeline, context.store.algorithms) if found else ""
-
-
 def _sentence(choice):
-    take = choice.take
+    take, judged, ties = choice.take, {}, {}
     if take is None:
         return f"{choice.question}: none of ours finished with a time"
-    time = si(float(take.cell[choice.cost]), "ms")
-    text = f"{choice.question} {take.name} ({time} {'of its stage alone' if choice.cost == ALONE else 'a step'}"
-    ties = {}
     for v in choice.verdicts:
-        if v.word == "tie":
-            ties.setdefault(v.reason, []).append(v.name)
-    text += "".join(f"; as fast: {listing(names)}, {why}" for why, names in ties.items())
-    text += f"; of these it {choice.why}" if choice.why else ""
-    slower = [v for v in choice.verdicts if v.word == "slower"]
-    text += f"; next {slower[0].name}, {slower[0].reason}" if slower else ""
-    out = [v.name for v in choice.verdicts if v.word == "errs more"]
-    text += f"; {listing(out)} {'errs' if len(out) == 1 else 'err'} more" if out else ""
+        judged.setdefault(v.word, []).append(v)
+    for v in judged.get("tie", ()):
+        ties.setdefault(v.reason, []).append(v.name)
+    slower, out = judged.get("slower"), [v.name for v in judged.get("errs more", ())]
     failed = [f"{v.name} {v.word}" for v in choice.verdicts if v.role == "competitor" and v.cell["outcome"] != "ok"]
-    text += f"; {listing(failed)}" if failed else ""
-    excused = [f"{v.name} ({v.reason})" for v in choice.verdicts if v.word == "not ranked"]
-    text += f"; not ranked {listing(excused)}" if excused else ""
-    peers = [v for v in choice.verdicts if v.role != "competitor" and not v.word]
-    if peers:  # no ratio where it is noise
-        text += f"; of other libraries {peers[0].name}, {_short_word(peers[0])}"
-    return text + ")"
+    excused = [f"{v.name} ({v.reason})" for v in judged.get("not ranked", ())]
+    peers = [v for v in judged.get("", ()) if v.role != "competitor"]
+    return clauses(f"{choice.question} {take.name} ({si(float(take.cell[choice.cost]), 'ms')} "
+                   f"{'of its stage alone' if choice.cost == ALONE else 'a step'}",
+                   *(f"as fast: {listing(names)}, {why}" for why, names in ties.items()),
+                   choice.why and f"of these it {choice.why}", slower and f"next {slower[0].name}, {slower[0].reason}",
+                   out and f"{does(out, 'err')} more", failed and listing(failed),
+                   excused and f"not ranked {listing(excused)}",
+                   peers and f"of other libraries {peers[0].name}, {_short_word(peers[0])}") + ")"
 
 
 def _together(context, advice):
@@ -117,13 +55,13 @@ def _together(context, advice):
     pasted = f"--pipeline '{short(advice.pipeline, context.store.algorithms)}'"
     if advice.run is None:
         return f" Not yet run as a whole: {pasted}."
-    text = f" As a whole this takes {span(noise.runs(advice.run, COST) or [advice.run[COST]], 'ms')} a step"
+    text = f" As a whole this takes {span(measured.runs(advice.run, COST) or [advice.run[COST]], 'ms')} a step"
     if advice.given is not None:
         why, given = tie(advice.run, advice.given, COST, _floor(advice)), "what every stage was judged with, timed before it"
         found = noise.ratio(advice.given, advice.run, COST)
         text += f", as fast as {given}, {why}" if why else f", {ratio(found)} times the time of {given}" * math.isfinite(found)
     for error in advice.errors:
-        text += f"; {context.title(error)} {span(noise.of_seeds(advice.run, error), context.unit(error))}"
+        text += f"; {context.title(error)} {span(measured.of_seeds(advice.run, error), context.unit(error))}"
     seeds = len(advice.run["seeds"])
     return text + f" (times over repeats, errors over {plural(seeds, 'seed')}). To paste: {pasted}."
 
@@ -254,8 +192,8 @@ def _values(cell, measure):
     """(one value of each seed, ends of the interval of the median, the median); NaN where the cell has none."""
     if cell["outcome"] != "ok" or measure not in cell or not math.isfinite(cell[measure]):
         return [], (), math.nan
-    seeds = noise.of_seeds(cell, measure)
-    times_of = noise.runs(cell, measure)
+    seeds = measured.of_seeds(cell, measure)
+    times_of = measured.runs(cell, measure)
     return seeds if len(seeds) > 1 else [], noise.interval(times_of or seeds), float(cell[measure])
 
 

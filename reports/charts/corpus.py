@@ -2,15 +2,144 @@
 """The corpus of published hard cases: each method on each case, as `lpc verify --cases FILE --store STORE` keeps it."""
 
 import io
+import json
+import math
 
 import pandas as pd
 from matplotlib.patches import Rectangle
 
-from chart import Chart, Headline, listing, plural
-from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, plt
+from chart import Chart, Headline, of_store
+from sentences import clauses, listing, plural, sentence
+from silhouette import of_case
+from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, grid_of_axes, plt, si
+from table import quantity
 
-PLACE = 90
 SECTION = "Which method is right, and which fails where?"
+COLUMNS = 7  # at most
+SHADES = ("#0072B2", "#D55E00")  # A, B
+WRONG = {"wrong_distance": "wrong distance", "wrong_normal": "wrong normal", "wrong_side": "wrong side"}  # in the ledger's order
+
+
+@of_store("failing_pairs", 85, SECTION,
+          "The simplest and the worst failing pairs", "No failing pair is in this store.",
+          made_by="verify --stage pair_query --pairs 200")
+def failing_pairs(context):
+    pairs = {}
+    for case, vertices, size in context.store.found_cases():
+        _keep(pairs, case, "simplest", (vertices, size))
+    ledger = context.store.ledger()
+    for row in ledger[(ledger["axis"] == "all") & (ledger["wrong"] > 0) & (ledger["worst"] != "")].itertuples():
+        _keep(pairs, _read(row.worst), "worst", -row.max_error if math.isfinite(row.max_error) else 0.0)
+    places = sorted({at[:2] for at, kept in pairs.items() if set(kept) == {"simplest", "worst"}})
+    return [_pairs_chart(context, {method: kept for (*at, method), kept in sorted(pairs.items()) if tuple(at) == place and
+                                   len(kept) == 2}, *place) for place in places]
+
+
+def _read(text):
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError:
+        return {}
+
+
+def _keep(pairs, case, what, order):
+    """The first in this order of each method; of pair queries alone, whose shapes can be drawn."""
+    found = case.get("found", {})
+    if found.get("stage") != "pair_query" or "shapeA" not in case:
+        return
+    kept = pairs.setdefault((case["dim"], found["precision"], found["method"]), {})
+    if what not in kept or order < kept[what][0]:
+        kept[what] = (order, case)
+
+
+def kinds(case):
+    """As the ledger calls them: `polytope-ellipsoid` of the pair's name."""
+    return "–".join({"convex": "polytope"}.get(case[s]["type"], case[s]["type"]) for s in ("shapeA", "shapeB"))
+
+
+def told(case):
+    """What is wrong, what the method said for what is true, and how far off that is, in short lines."""
+    found, truth = case["found"], case["expected"]["signed_distance"]
+    lines = [kinds(case), case.get("note", "").replace("_", " "), WRONG.get(found["failure"], f"no answer: {found['failure']}"
+                                                                           .replace("_", " "))]
+    if found.get("error") is None:  # the side alone, or nothing
+        return [*lines, f"true: {si(truth, 'm')}"]
+    if found["failure"] == "wrong_normal":  # of a distance that is right
+        return [*lines, f"off by {found['error']:.1e} along it"]
+    said, true = si(found["value"], "m"), si(truth, "m")
+    return [*lines, f"{said} for {true}" if said != true else f"at {true}", f"off by {found['error']:.1e}"]
+
+
+def finding_of_pairs(pairs, dimension, precision):
+    worst = {method: kept["worst"][1] for method, kept in pairs.items()}
+    ends = [case["found"]["failure"] for case in worst.values()]
+    counts = [f"{ends.count(end)} in {words.removeprefix('wrong ')}" for end, words in WRONG.items() if end in ends]
+    method = max(worst, key=lambda m: worst[m]["found"].get("error") or 0)
+    case = worst[method]
+    along = "along its normal alone" if case["found"]["failure"] == "wrong_normal" else "in distance or along its normal"
+    return (f"In {dimension}D, {precision}, the worst answers of {plural(len(pairs), 'method')} are wrong, {listing(counts)}; "
+            f"the worst of all is {method}'s on {kinds(case)} ({case.get('note', '').replace('_', ' ')}), a "
+            f"{WRONG[case['found']['failure']]}, off by {case['found'].get('error') or 0:.2g} of the size {along}.")
+
+
+def _pairs_chart(context, pairs, dimension, precision):
+    columns = math.ceil(len(pairs) / math.ceil(len(pairs) / COLUMNS))
+    rows = 2 * math.ceil(len(pairs) / columns)
+    figure, axes = grid_of_axes(rows, columns, 1.25, left=0.65, gap_x=0.15, gap_y=1.05, top=0.4, bottom=0.85)
+    lines, missing = [], []
+    for ax in axes.flat:
+        ax.set_visible(False)
+    for index, (method, kept) in enumerate(pairs.items()):
+        for below, what in enumerate(("simplest", "worst")):
+            ax, case = axes[2 * (index // columns) + below][index % columns], kept[what][1]
+            missing += [f"{method}, {what}: no outline of {kind} is in the store, which an older program wrote"
+                        for kind in _draw(ax, case)]
+            if below == 0:
+                ax.set_title(context.name(method).replace("{", "\n{").replace(" (witness)", ""), fontsize=8)
+            if index % columns == 0:
+                ax.set_ylabel(what)
+            found = case["found"]
+            lines.append({"method": method, "which": what, "shapes": kinds(case), "family": case.get("note", ""),
+                          "failure": found["failure"], "answer": found["value"], "truth": case["expected"]["signed_distance"],
+                          "error": found.get("error"), "case": case["id"], "input": json.dumps({key: v for key, v in case.items() if not key.startswith("outline")})})
+    numbers = pd.DataFrame(lines)
+    numbers = pd.DataFrame({**{c: numbers[c] for c in ("method", "which", "shapes", "family", "failure")},
+                            **quantity("answer", "m", numbers["answer"]), **quantity("truth", "m", numbers["truth"]),
+                            **quantity("error / size", "1", numbers["error"]), "case": numbers["case"],
+                            "input": numbers["input"]})
+    return Chart(f"failing_pairs_{dimension}d_{precision}", SECTION,
+                 f"The simplest and the worst failing pair of each method, {dimension}D, {precision}",
+                 finding_of_pairs(pairs, dimension, precision), "", figure, numbers, missing,
+                 "Above the pair with the fewest vertices on which the method fails, below the one with the largest error; "
+                 "beneath, the family, and what is wrong. A wrong distance is told for the true one, with the error over the "
+                 "size, of the distance or, where that is more, along the normal; a wrong normal belongs to a right distance, "
+                 "and the error is what the separation along it lacks; a wrong side is apart for overlapping, or the reverse. "
+                 "A is blue, B orange; in 3D their shadows from one side, in which shapes that are apart may overlap. The "
+                 "inputs are in the numbers, and in NAME.found/ beside the store NAME as files for lpc verify --cases.",
+                 made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
+
+
+def _draw(ax, case):
+    """Draws both shapes; returns the kinds of those that have no outline."""
+    ax.set_visible(True)
+    without = []
+    for side, colour in zip("AB", SHADES):
+        points = of_case(case, side)
+        if points is None:
+            without.append(case[f"shape{side}"]["type"])
+            continue
+        ax.fill(points[:, 0], points[:, 1], facecolor=colour, alpha=0.25, lw=0)
+        ax.plot(points[:, 0], points[:, 1], color=colour, lw=1.2)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xticks([])
+    ax.set_yticks([])
+    ax.grid(False)
+    ax.set_xlabel("\n".join(told(case)), fontsize=7)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    return without
+
+
 # How each case of the file ends for a method, with the colour of its cell and the words over its column. The last three are no
 # failures (failure.py): a method is asked only what it declares and there is, and may refuse the rest.
 ENDS = {"ok": (RIGHT, "right"), "wrong": ("#D55E00", "wrong"), "failed": ("#661100", "failed"), "hang": ("#332288", "hang"),
@@ -22,15 +151,14 @@ UNDECLARED = "unsupported_shape"  # reason of a refusal
 MADE_BY = "verify --cases tests/regressions/hard_cases.json"
 
 
-ABSENT = Chart("corpus", SECTION, "Published hard cases", "No corpus was run into this store.", "", made_by=MADE_BY)
-
-
-def of_store(context):
+@of_store("corpus", 90, SECTION,
+          "Published hard cases", "No corpus was run into this store.", made_by=MADE_BY)
+def corpus(context):
     """A chart when the store has the table; `lpc verify` alone does not make it."""
     rows = read(context.store)
     if not len(rows):
         return []
-    return [_chart(context, rows, context.store.meta.get("corpus_file", "a file of cases"))]
+    return [_corpus_chart(context, rows, context.store.meta.get("corpus_file", "a file of cases"))]
 
 
 def read(store):
@@ -66,27 +194,23 @@ def counts(rows):
 def finding(table, rows):
     bad = table[list(FAILURES)].sum(axis=1)
     declared = bad + table["ok"]
-    ours, theirs = table[table["role"] == "competitor"], table[table["role"] == "witness"]
-    of = lambda row: f"{bad[row]} of the {declared[row]} that it declares"  # noqa: E731
-    said = []
-    wrong = [f"{table['method'][i]} fails on {of(i)}" for i in ours.index if bad[i]]
+    theirs = table[table["role"] == "witness"]
+    fails = lambda row: f"{table['method'][row]} fails on {bad[row]} of the {declared[row]} that it declares"  # noqa: E731
+    wrong = [fails(row) for row in table[table["role"] == "competitor"].index if bad[row]]
     cases = rows[["id", "query"]].drop_duplicates()
     nobodys = int((cases["query"] == NOBODY).sum())
     unanswered = f", {nobodys} of which ask what no method answers," if nobodys else ""
-    said.append(f"of {plural(len(cases), 'published case')}{unanswered}"
-                + f" {listing(wrong) if wrong else 'our own methods are right on all that they declare'}")
+    said = [f"of {plural(len(cases), 'published case')}{unanswered} "
+            + (listing(wrong) if wrong else "our own methods are right on all that they declare")]
     if len(theirs):
         worst = bad[theirs.index].idxmax()
         spared = [m for m, n in zip(theirs["method"], bad[theirs.index]) if not n]
-        said.append(f"{table['method'][worst]} fails on {of(worst)}, the most of {plural(len(theirs), 'witness', 'witnesses')}"
-                    if bad[worst] else "no witness fails")
-        if bad[worst] and spared:
-            said.append(f"{listing(spared)} on none")
-    text = "; ".join(said) + "."
-    return text[0].upper() + text[1:]
+        said += [f"{fails(worst)}, the most of {plural(len(theirs), 'witness', 'witnesses')}", spared and
+                 f"{listing(spared)} on none"] if bad[worst] else ["no witness fails"]
+    return sentence(clauses(*said))
 
 
-def _chart(context, rows, file):
+def _corpus_chart(context, rows, file):
     table = counts(rows)
     methods = list(table["method"])
     # Cases on which somebody fails, the most telling first.

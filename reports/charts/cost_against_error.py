@@ -1,32 +1,35 @@
 # SPDX-License-Identifier: Zlib
-"""What a step costs against how wrong it is, method by method, on one scene."""
+"""What a step costs against how wrong it is, method by method, on one scene; and whose error is smallest within a budget."""
 
+import itertools
 import math
 
 import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 import over_steps
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
+from budget import marks, within
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import one_machine, split, varying
+from sentences import does, listing, methods, verb
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of,
                    si, times)
 from table import quantity
 
-PLACE = 20
-SECTION = "Which method is right for its cost?"
+RIGHT_FOR_COST = "Which method is right for its cost?"
 # Which errors a scene can show, its trials say; features and precisions are compared by charts of their own.
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",))
 WHOSE = 6  # so many methods that failed are named in the legend
-ABSENT = Chart("cost_against_error", SECTION, "Cost against error", "No timed sweep of several methods is in this store.",
-               "resolvers")
 
 
-def of_sweep(context, cells):
+@of_sweeps("cost_against_error", 20, RIGHT_FOR_COST,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",)),
+           "Cost against error", "No timed sweep of several methods is in this store.", "resolvers")
+def cost_against_error(context, cells):
     cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error", "detail")))
     groups = [c for c in ("scene", "dimension") if c in cells]
     made = []
@@ -36,19 +39,6 @@ def of_sweep(context, cells):
         for equal in split(part, inner, sort=True):
             made.append(_cost_chart(context, equal, groups + inner, refused))
     return made
-
-
-def errors_of(context, cells):
-    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has.
-    An error that none of them makes (no contacts, no penetration) is no panel."""
-    finished = cells[cells["outcome"] == "ok"]
-    names, kept = context.metrics("world", "error"), {}
-    for name in names:
-        values = metrics.column(finished, name)
-        has = finished["method"][np.isfinite(values)]
-        if np.nansum(np.abs(values)) > 0 and set(has) == set(finished["method"]):
-            kept.setdefault(context.metric(name).smaller, name)
-    return list(kept.values())[:3] or names[:1]
 
 
 def engine_notes(context, cells):
@@ -62,7 +52,7 @@ def engine_notes(context, cells):
     return "".join(said[method] for method in sorted(said))
 
 
-def budgets(cells, cost_name, error_name):
+def at_equal_cost(cells, cost_name, error_name):
     """What each method reaches at equal cost (`at`: in which cell), and pays at equal error; the budgets are those that every
     method meets."""
     good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost_name)) &
@@ -83,54 +73,51 @@ def budgets(cells, cost_name, error_name):
     return cost_budget, error_budget, table
 
 
-def finding(context, cells, where, cost_name, error_name):
-    unit, cost_unit = context.unit(error_name), context.unit(cost_name)
-    failed = cells[cells["outcome"] != "ok"]
-    planned = cells.groupby("method").size()
+def not_ok(cells):
+    """Which methods failed, in how many of their cells."""
+    failed, planned = cells[cells["outcome"] != "ok"], cells.groupby("method").size()
     fails = [f"{method} {len(part)} of {planned[method]}" for method, part in failed.groupby("method", sort=True)]
-    kinds = listing(sorted(set(failed["outcome"])))
-    unit_of_fails = "cell" if planned.max() == 1 else "cells"
-    tail = f" Not ok ({kinds}): {listing(fails)} {unit_of_fails}." if fails else " Every cell finished."
-    tail += ranking.tail(context, cells)
+    return (f" Not ok ({listing(sorted(set(failed['outcome'])))}): {listing(fails)} {'cell' if planned.max() == 1 else 'cells'}."
+            if fails else " Every cell finished.")
+
+
+def finding(context, cells, where, cost_name, error_name):
+    unit, floor, title = context.unit(error_name), context.floor(error_name), context.title(error_name)
+    tail = not_ok(cells) + ranking.tail(context, cells)
     everyone, cells = sorted(cells["method"].unique()), ranking.eligible(context, cells)
-    result = budgets(cells, cost_name, error_name)
+    result = at_equal_cost(cells, cost_name, error_name)
     if result is None:
         return f"On {where} no method finished with a cost and an error.{tail}"
     cost_budget, _, table = result
-    floor = context.floor(error_name)
     table["error"] = table["error"].where(~(table["error"] <= floor), 0.0)
     shown = table.dropna(subset=["error"])
     best, worst = shown.loc[shown["error"].idxmin()], shown.loc[shown["error"].idxmax()]
-    what = context.title(error_name)
+    what, least, most = title.removeprefix("largest "), si(best["error"], unit), si(worst["error"], unit)
     if len(shown) == 1:
-        return f"On {where} only {best['method']} finishes, with {what} {si(best['error'], unit)}.{tail}"
-    cell = {method: cells.loc[at] for method, at in zip(shown["method"], shown["at"])}
-    seeds = max(map(len, cells["seeds"]))
-    under = f", over {seeds} seeds," if seeds > 1 else ""
-    # Whom the best does not beat beyond doubt is as good.
-    many = ranking.comparisons(len(shown))
-    firsts = [m for m in shown["method"] if not ranking.better(cell[best["method"]], cell[m], error_name, floor, many)]
-    if worst["error"] != best["error"] and len(firsts) == len(shown):
-        return (f"On {where}, within {si(cost_budget, cost_unit)} per step, the order by {what.removeprefix('largest ')} of "
-                f"{methods(shown['method'], everyone)} is not told from chance: a tie ({si(best['error'], unit)} to "
-                f"{si(worst['error'], unit)} in the median of {seeds}).{tail}")
+        return f"On {where} only {best['method']} finishes, with {title} {least}.{tail}"
+    within = f"within {si(cost_budget, context.unit(cost_name))} per step"
     if worst["error"] == best["error"]:
-        return (f"On {where} {methods(shown['method'], everyone)} have the same {what.removeprefix('largest ')} "
-                f"({si(best['error'], unit)}) within {si(cost_budget, cost_unit)} per step.{tail}")
+        return f"On {where} {methods(shown['method'], everyone)} have the same {what} ({least}) {within}.{tail}"
+    cell = {method: cells.loc[at] for method, at in zip(shown["method"], shown["at"])}
+    seeds, many = max(map(len, cells["seeds"])), ranking.comparisons(len(shown))
+    # Whom the best does not beat beyond doubt is as good.
+    firsts = [m for m in shown["method"] if not ranking.better(cell[best["method"]], cell[m], error_name, floor, many)]
+    if len(firsts) == len(shown):
+        return (f"On {where}, {within}, the order by {what} of {methods(shown['method'], everyone)} is not told from chance: "
+                f"a tie ({least} to {most} in the median of {seeds}).{tail}")
     # What reads alike is one: no method is the worst of eight that err the same.
-    lasts = [m for m, e in zip(shown["method"], shown["error"]) if si(e, unit) == si(worst["error"], unit) and m not in firsts]
+    lasts = [m for m, e in zip(shown["method"], shown["error"]) if si(e, unit) == most and m not in firsts]
     setting = next(iter(context.settings(cells)), None)
-    head = (f"On {where}, within {si(cost_budget, cost_unit)} per step (every method that finishes "
-            f"has a setting below it), {methods(firsts, everyone)} {'has' if len(firsts) == 1 else 'have'}{under} the "
-            f"smallest {what.removeprefix('largest ')} ({si(best['error'], unit)}{at_setting(cell, firsts, setting)})")
+    head = (f"On {where}, {within} (every method that finishes has a setting below it), {does(firsts, 'have', everyone)}"
+            f"{f', over {seeds} seeds,' if seeds > 1 else ''} the smallest {what} ({least}{at_setting(cell, firsts, setting)})")
     tail = against_baseline(context, cells, cost_name, error_name) + tail
     if not lasts:  # the smallest and the largest read alike
-        return f"{head}; the others {'differ' if len(shown) > 2 else 'differs'} by less than three digits show.{tail}"
+        return f"{head}; the others {verb(len(shown) - 1, 'differ')} by less than three digits show.{tail}"
     who = f"{methods(lasts, everyone)} the largest" if len(lasts) == 1 else (
         f"{len(lasts)} of {len(shown)}, {methods(lasts, everyone)}, the same largest")
     ratio = times(worst["error"] / best["error"]) if best["error"] > 0 else "1.0"
     much = f", {ratio} times as much" if ratio != "1.0" else ""
-    return head + f" and {who} ({si(worst['error'], unit)}{at_setting(cell, lasts, setting)}{much}).{tail}"
+    return f"{head} and {who} ({most}{at_setting(cell, lasts, setting)}{much}).{tail}"
 
 
 def at_setting(cell, named, setting):
@@ -142,7 +129,7 @@ def at_setting(cell, named, setting):
 def headline(context, cells, where, cost_name, error_name):
     """The errors that methods reach at equal cost."""
     cells = ranking.eligible(context, cells)
-    result = budgets(cells, cost_name, error_name)
+    result = at_equal_cost(cells, cost_name, error_name)
     if result is None:
         return None
     cost_budget, _, table = result
@@ -162,11 +149,11 @@ def headline(context, cells, where, cost_name, error_name):
     cell = {method: cells.loc[at] for method, at in zip(table["method"], table["at"]) if method in known}
     ats = [at_setting(cell, group, setting) for group in (best, worst)]
     ats = ats if ats[0] != ats[1] else ["", ""]  # like with like needs no word
-    return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, {methods(best, list(errors))} "
-                    f"{'has' if len(best) == 1 else 'have'} the smallest {what}, {least}{ats[0]}"
-                    + (f"; {methods(worst, list(errors))} {'has' if len(worst) == 1 else 'have'} {most}{ats[1]}" if worst != best
+    return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, "
+                    f"{does(best, 'have', list(errors))} the smallest {what}, {least}{ats[0]}"
+                    + (f"; {does(worst, 'have', list(errors))} {most}{ats[1]}" if worst != best
                        else "")
-                    + (f"; {methods(failed, list(errors))} {'fails' if len(failed) == 1 else 'fail'}." if failed else "."),
+                    + (f"; {does(failed, 'fail', list(errors))}." if failed else "."),
                     errors, unit, context.title(error_name),
                     ends=final_states(cells.loc[[at for at in table["at"] if at is not None and at == at]]))
 
@@ -208,7 +195,7 @@ def against_baseline(context, cells, cost_name, error_name):
 
 def _cost_chart(context, cells, groups, refused):
     where = describe(cells.iloc[0], groups)
-    errors, looks = errors_of(context, cells), context.looks(cells)
+    errors, looks = metrics.errors_of(context, cells), context.looks(cells)
     costs = context.metrics("world", "cost")
     costs = [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
     labels = sorted(cells["method"].unique())
@@ -261,10 +248,10 @@ def _cost_chart(context, cells, groups, refused):
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
     table = _table(context, cells, setting, costs, errors)
-    reached = budgets(ranking.eligible(context, cells), costs[0], errors[0])
+    reached = at_equal_cost(ranking.eligible(context, cells), costs[0], errors[0])
     compared = 0 if reached is None else int(reached[2]["error"].notna().sum())
     order = f"Along a line {setting} grows with the marker. " if setting else ""
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), RIGHT_FOR_COST, f"Cost against error: {where}",
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
                  order + "A letter in the top band is a run that failed. The front joins the ranked runs that no other "
@@ -287,8 +274,8 @@ def whiskers(ax, cell, cost_name, error_name, across, up, colour):
     cost, error = cell[cost_name], cell[error_name]
     if cell["outcome"] != "ok" or not (math.isfinite(cost) and math.isfinite(error)):
         return
-    for numbers, scale, along_x in ((noise.runs(cell, cost_name), across, True),
-                                    (noise.values(cell, f"{error_name} seeds"), up, False)):
+    for numbers, scale, along_x in ((measured.runs(cell, cost_name), across, True),
+                                    (measured.seeds(cell, error_name), up, False)):
         if len(numbers) > 1:
             ends = [scale.place(v) for v in noise.interval(numbers)]
             x, y = (ends, [up.place(error)] * 2) if along_x else ([across.place(cost)] * 2, ends)
@@ -306,14 +293,14 @@ def _table(context, cells, setting, costs, errors):
     details = [name for name in context.metrics("world", "detail") if context.metric(name).compute]
     for name in [*costs, *errors, *(n for n in details if np.isfinite(metrics.column(cells, n)).any())]:
         columns |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
-        for numbers in (f"{name} runs", f"{name} seeds"):
-            if numbers in cells and any(len(noise.values(cell, numbers)) > 1 for _, cell in cells.iterrows()):
-                ends = [noise.interval(noise.values(cell, numbers)) for _, cell in cells.iterrows()]
+        for over, values in (("runs", measured.runs), ("seeds", measured.seeds)):
+            found = [values(cell, name) for _, cell in cells.iterrows()]
+            if any(len(mine) > 1 for mine in found):
                 for end, place in (("low", 0), ("high", 1)):
-                    columns |= quantity(f"{context.title(name)}, {end} end over {numbers[len(name) + 1:]}", context.unit(name),
-                                        [pair[place] for pair in ends])
+                    columns |= quantity(f"{context.title(name)}, {end} end over {over}", context.unit(name),
+                                        [noise.interval(mine)[place] for mine in found])
     first, second = costs[0], errors[0]
-    result = budgets(cells, first, second)
+    result = at_equal_cost(cells, first, second)
     if result is not None:
         cost_budget, error_budget, table = result
         by = table.set_index("method")
@@ -322,3 +309,100 @@ def _table(context, cells, setting, costs, errors):
         columns |= quantity(f"least {context.title(first)} for {si(error_budget, context.unit(second))}", context.unit(first),
                           by["cost"][cells["method"]])
     return pd.DataFrame(columns).sort_values(list(columns)[:2] if setting else ["method"])
+
+
+WITHIN_BUDGET = "Which method is right within a budget?"
+TIME = "ms_per_step_median"
+
+
+@of_sweeps("budgets", 21, WITHIN_BUDGET,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(TIME,),
+                 also="several values of a setting at several costs"),
+           "Error within a budget", "No timed sweep of several methods at several costs is in this store.", "resolvers")
+def error_within_budgets(context, cells):
+    cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error")))
+    groups = [c for c in ("scene", "dimension") if c in cells]
+    made = []
+    for part in split(cells, groups):
+        setting = next(iter(context.settings(part)), None)
+        if not setting:
+            continue
+        part = over_steps.own_setting(part, setting)
+        inner = varying(context.store, part, (*groups, setting))
+        for equal in split(part, inner, sort=True):
+            chart = _chart(context, equal, describe(equal.iloc[0], groups + inner), setting, refused)
+            made += [chart] if chart else []
+    return made
+
+
+def least_of(context, cells, cost):
+    """The noise of a cost: counts have none."""
+    return noise.floor_of(context, cells["sweep"].iloc[0], cost) if context.store.is_time(cost) else 1.0
+
+
+def compared(context, cells, cost, error):
+    """How many methods have a rank at each budget."""
+    cells, least = ranking.eligible(context, cells), least_of(context, cells, cost)
+    return [len(within(cells, cost, error, budget, least)) for budget in marks(cells, cost, error)]
+
+
+def finding_of_budgets(context, cells, cost, error):
+    """Whose error is smallest within each budget: `within 1 ms and 2 ms per step that of a (4 mm), within 4 ms that of ...`."""
+    unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
+    cells = ranking.eligible(context, cells)
+    for budget in marks(cells, cost, error):
+        reached = within(cells, cost, error, budget, least_of(context, cells, cost))
+        best, many = min(reached.values(), key=lambda cell: cell[error]), ranking.comparisons(len(reached))
+        equals = [m for m, cell in reached.items() if not ranking.better(best, cell, error, context.floor(error), many)]
+        value = best[error] if best[error] > context.floor(error) else 0.0
+        unit_of_cost = context.unit(cost)
+        text = f"{budget:,.0f}" if unit_of_cost == "1" and budget >= 100 else si(budget, unit_of_cost)
+        said.append((text, f"that of {methods(equals, everyone)} ({si(value, unit)})"))
+    # Budgets one after another with one answer are told together: they are lines drawn beforehand, not where ranks change.
+    told = [(listing(budget for budget, _ in group), text) for text, group in itertools.groupby(said, lambda one: one[1])]
+    of = "per step" if context.unit(cost) != "1" else context.title(cost)
+    return ", ".join(f"within {budgets} {of + ' ' if i == 0 else ''}{text}" for i, (budgets, text) in enumerate(told))
+
+
+def _chart(context, cells, where, setting, refused):
+    error = metrics.errors_of(context, cells)[0]
+    costs = [name for name in context.metrics("world", "cost") if marks(cells, name, error)][:2]
+    if not costs:
+        return None
+    labels, looks = sorted(cells["method"].unique()), context.looks(cells)
+    names = ranking.names(context, cells)
+    width = legend_room(names.values(), 2.0)
+    figure, axes = grid_of_axes(1, len(costs), 2.6, width, left=0.9, gap_x=0.9)
+    rows, ranked = [], []
+    for column, cost in enumerate(costs):
+        ax = axes[0][column]
+        ranked += compared(context, cells, cost, error)
+        good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
+                     np.isfinite(metrics.column(cells, error))]
+        across = ZeroLog(ax, "x", list(good[cost]), context.unit(cost), failures=False)
+        up = ZeroLog(ax, "y", list(good[error]), context.unit(error), failures=False, floor=context.floor(error))
+        for method, part in good.groupby("method", sort=True):
+            part = part.sort_values(cost)
+            reached = np.minimum.accumulate(part[error].to_numpy(dtype=float))
+            ends = [*part[cost], max(good[cost])]
+            ax.step([across.place(v) for v in ends], [up.place(v) for v in (*reached, reached[-1])], where="post",
+                    **{**looks(method), "lw": 1.3}, markevery=list(range(len(part))))
+        for budget in marks(cells, cost, error):
+            ax.axvline(budget, color="#999999", lw=0.8, ls=":", zorder=0.5)
+            for method, cell in within(cells, cost, error, budget, least_of(context, cells, cost)).items():
+                numbers = quantity(f"{context.title(cost)}, at most", context.unit(cost), [budget])
+                numbers |= quantity(context.title(error), context.unit(error), [cell[error]])
+                rows.append({"method": method, setting: cell[setting], **{name: v[0] for name, v in numbers.items()}})
+        ax.set_xlabel(context.title(cost))
+        ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
+    legend_right(figure, [Line2D([], [], label=names[m], **looks(m)) for m in labels], width)
+    said = [finding_of_budgets(context, cells, cost, error) for cost in costs]
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), WITHIN_BUDGET, f"Least error within a budget: {where}",
+                 f"On {where} the smallest {context.title(error).removeprefix('largest ')} is, " + "; ".join(said) + "."
+                 + ranking.tail(context, cells),
+                 cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
+                 f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
+                 "are the budgets that the finding compares. What is not named at a budget errs more, or has no run that "
+                 "cheap: a time above the budget by no more than the noise is within it. "
+                 + ranking.rule(max(map(len, cells["seeds"])), *ranked) + " " + noise.rule(
+                     noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

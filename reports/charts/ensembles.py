@@ -7,23 +7,24 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
-from charts.cost_against_error import errors_of
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import split, varying
+from sentences import does, listing, methods
 from style import ZeroLog, grid_of_axes, legend_right, si
 from table import quantity
 
-PLACE = 25
 SECTION = "Which ranks hold when a scene starts a little elsewhere?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), also="several seeds")
-ABSENT = Chart("ensembles", SECTION, "Ensembles", "No sweep over seeds is in this store.", "ensembles")
 ERRORS = 2  # panels
 
 
-def of_sweep(context, cells):
+@of_sweeps("ensembles", 25, SECTION,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), also="several seeds"),
+           "Ensembles", "No sweep over seeds is in this store.", "ensembles")
+def ensembles(context, cells):
     cells = metrics.add(context.store, cells[cells["seeds"].map(len) > 1],
                         [*context.metrics("world", "error"), *set(metrics.BEYOND_SLOP.values())])
     if not len(cells):
@@ -44,7 +45,7 @@ def telling(cells, axes):
 
 def candidates(part, error):
     """The cells of one ensemble that may have a rank: most of their seeds finish."""
-    return part[np.isfinite([np.median(noise.of_seeds(cell, error)) for _, cell in part.iterrows()])]
+    return part[np.isfinite([np.median(measured.of_seeds(cell, error)) for _, cell in part.iterrows()])]
 
 
 def ranks(part, error, zero):
@@ -55,7 +56,7 @@ def ranks(part, error, zero):
     cells = [cell for _, cell in known.iterrows()]
     # Where most seeds end alike medians are equal: then whoever errs less than the others under more seeds stands first.
     wins = [sum((v > 0) - (v < 0) for other in cells for v in ranking.log_ratios(mine, other, error, zero)) for mine in cells]
-    order = sorted(range(len(cells)), key=lambda i: (max(float(np.median(noise.of_seeds(cells[i], error))), zero), -wins[i]))
+    order = sorted(range(len(cells)), key=lambda i: (max(float(np.median(measured.of_seeds(cells[i], error))), zero), -wins[i]))
     best, many = cells[order[0]], ranking.comparisons(len(cells))
     return best, [cells[i]["method"] for i in order if not ranking.better(best, cells[i], error, zero, many)]
 
@@ -110,8 +111,8 @@ def finding(context, where, groups, error, everyone):
         if deep := ranking.overlapping(part):
             said.append(f"{place}: no method has a rank, since bodies overlap by up to {si(deep, 'm')} at the start")
             continue
-        worst = max(noise.of_seeds(best, error))
-        value = (f"{above(float(np.median(noise.of_seeds(best, error))), zero, unit)}, worst "
+        worst = max(measured.of_seeds(best, error))
+        value = (f"{above(float(np.median(measured.of_seeds(best, error))), zero, unit)}, worst "
                  f"{above(worst, zero, unit) if math.isfinite(worst) else 'a failure'}")
         text = f"{place}: {standing(ranked, best, equals, everyone, error, zero, what, value)}"
         text += beyond(context, ranked, error, everyone)
@@ -120,7 +121,7 @@ def finding(context, where, groups, error, everyone):
             low, high = noise.wilson(cell["failed_seeds"], len(cell["seeds"]))
             count = f"{cell['failed_seeds']} of {len(cell['seeds'])} seeds (of all, {100 * low:.0f} to {100 * high:.0f} %)"
             fails.setdefault(count, []).append(cell["method"])
-        under = [f"{methods(who, everyone)} {'fails' if len(who) == 1 else 'fail'} under {count}" for count, who in fails.items()]
+        under = [f"{does(who, 'fail', everyone)} under {count}" for count, who in fails.items()]
         said.append("; ".join([text, *under]) +
                     ("; the seeds change nothing: each method ends in one state" if noise.idle_seeds(part) else ""))
     return "; ".join(text.removeprefix(f"{where}: ") for text in said) + "."
@@ -134,8 +135,8 @@ def beyond(context, part, error, everyone):
     best, equals = ranks(part, other, context.floor(other))
     if best is None:
         return ""
-    value = float(np.median(noise.of_seeds(best, other)))
-    return (f"; beyond the slop that each keeps on purpose {methods(equals, everyone)} {'is' if len(equals) == 1 else 'tie'} "
+    value = float(np.median(measured.of_seeds(best, other)))
+    return (f"; beyond the slop that each keeps on purpose {does(equals, 'tie', everyone, one='is')} "
             f"first ({si(value if value > context.floor(other) else 0.0, context.unit(other))})")
 
 
@@ -148,7 +149,7 @@ def headline(context, where, groups, error, everyone):
     part = groups[-1][1]
     if not won[-1][1] or noise.idle_seeds(part):
         return None
-    medians = {cell["method"]: float(np.median(noise.of_seeds(cell, error))) for _, cell in part.iterrows()}
+    medians = {cell["method"]: float(np.median(measured.of_seeds(cell, error))) for _, cell in part.iterrows()}
     places = {}  # who -> where; that nobody wins comes last
     for place, found in sorted(won, key=lambda one: not one[1]):
         places.setdefault(tuple(found), []).append(place)
@@ -165,7 +166,7 @@ def headline(context, where, groups, error, everyone):
 
 
 def _chart(context, cells, where, inner):
-    errors, looks = errors_of(context, cells)[:ERRORS], context.looks(cells)
+    errors, looks = metrics.errors_of(context, cells)[:ERRORS], context.looks(cells)
     everyone = sorted(cells["method"].unique())
     groups = [(describe(part.iloc[0], inner) or where, part.sort_values("method")) for part in split(cells, inner, sort=True)]
     lines = sum(len(part) + 1 for _, part in groups)
@@ -179,7 +180,7 @@ def _chart(context, cells, where, inner):
             ax.set_xlim(-4, 104)
             ax.set_title("seeds that failed (%)")
         else:
-            all_values = [v for _, cell in cells.iterrows() for v in noise.of_seeds(cell, error)]
+            all_values = [v for _, cell in cells.iterrows() for v in measured.of_seeds(cell, error)]
             scale = ZeroLog(ax, "x", all_values, context.unit(error), floor=context.floor(error))
             ax.set_title(context.title(error))
         y, ticks = 0, []
@@ -195,7 +196,7 @@ def _chart(context, cells, where, inner):
                     ax.plot([100 * end for end in ends], [y, y], color=look["color"], lw=1.4, alpha=0.8)
                     ax.plot([100 * cell["failed_seeds"] / len(cell["seeds"])], [y], **look, zorder=3)
                 else:
-                    of_seeds = noise.of_seeds(cell, error)
+                    of_seeds = measured.of_seeds(cell, error)
                     ax.plot([scale.place(v) for v in of_seeds], [y] * len(of_seeds), ls="none", marker="|", ms=9,
                             color=look["color"], alpha=0.5, mew=0.8)
                     ax.plot([scale.place(v) for v in noise.interval(of_seeds)], [y, y], color=look["color"], lw=1.4, alpha=0.8)
@@ -231,7 +232,7 @@ def _table(context, cells, inner, errors):
     for end, values in (("low end", [low for low, _ in chances]), ("high end", [high for _, high in chances])):
         columns |= quantity(f"chance of a failure, {end}", "1", values)
     for error in errors:
-        of_seeds = [noise.of_seeds(cell, error) for _, cell in cells.iterrows()]
+        of_seeds = [measured.of_seeds(cell, error) for _, cell in cells.iterrows()]
         ends = [noise.interval(v) for v in of_seeds]
         for name, values in (("median", [float(np.median(v)) for v in of_seeds]), ("low end", [low for low, _ in ends]),
                              ("high end", [high for _, high in ends]), ("worst", [max(v) for v in of_seeds])):

@@ -8,25 +8,26 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import measured
 import metrics
 import noise
 import ranking
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, plural
-from charts.cost_against_error import errors_of
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import one_machine, split, varying
+from sentences import clauses, does, listing, methods, plural
 from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
 from table import quantity
 
-PLACE = 15
 SECTION = "Which method is best at equal cost, and which is cheapest at equal error?"
-NEEDS = Needs("world", methods=(2, math.inf), calibrated=True)
-ABSENT = Chart("equal_cost", SECTION, "Equal cost", "No sweep that calibrates its methods is in this store.", "equal_cost")
 PANELS = 3
 NAMED = 3  # so many between first and last are named in a sentence; of more the table tells
 SPARE = 0.5  # what spends less of the budget is told
 
 
-def of_sweep(context, cells):
+@of_sweeps("equal_cost", 15, SECTION,
+           Needs("world", methods=(2, math.inf), calibrated=True),
+           "Equal cost", "No sweep that calibrates its methods is in this store.", "equal_cost")
+def equal_cost(context, cells):
     cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error", "detail")))
     about = context.store.sweep(cells["sweep"].iloc[0]).calibrate
     groups = [c for c in ("scene", "dimension") if c in cells]
@@ -41,7 +42,7 @@ def of_sweep(context, cells):
 def ranked_metrics(context, cells, about):
     """What methods are ranked by: errors where the cost is equal, costs where the error is."""
     if about["equal"] == "cost":
-        return errors_of(context, cells)[:PANELS]
+        return metrics.errors_of(context, cells)[:PANELS]
     costs = context.metrics("world", "cost")
     return [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
 
@@ -62,7 +63,7 @@ def spread(part, name):
     if not len(part) or len(ok) < len(part) or not np.isfinite(values).all():
         return math.nan, math.nan, math.nan
     every = [v for (_, cell), value in zip(ok.iterrows(), values)
-             for v in (value, *noise.runs(cell, name), *noise.values(cell, f"{name} seeds"))]
+             for v in (value, *measured.runs(cell, name), *measured.seeds(cell, name))]
     return float(np.median(values)), min(every), max(every)
 
 
@@ -127,37 +128,35 @@ def spare(context, here, about, ranks_of):
 
 
 def finding(context, cells, about, where, name):
-    unit = context.unit(name)
-    budgets = sorted(cells["budget"].unique())
-    everyone = sorted(cells["method"].unique())
-    what = context.title(name).removeprefix("largest ")
+    everyone, what = sorted(cells["method"].unique()), context.title(name).removeprefix("largest ")
     said, firsts = [], []
-    for budget in budgets:
-        here = cells[cells["budget"] == budget]
+    for budget, here in cells.groupby("budget", sort=True):
         table = ranked(context, here, name)
-        best = [row for row in table if row[0] == 1]
-        firsts.append({row[1] for row in best})
+        firsts.append({row[1] for row in table if row[0] == 1})
         none = sorted(row[1] for row in table if row[0] is None)
-        text = f"At {said_of(context, about, budget)}{spare(context, here, about, table)} "
-        placed = [row for row in table if row[0] is not None]
-        if len(placed) == 1:
-            text += f"only {placed[0][1]} has a rank ({si(placed[0][2], unit)})"
-        elif best:
-            last, between = placed[-1], [row for row in placed[:-1] if row[0] != 1]
-            named = methods([row[1] for row in best], everyone)
-            text += f"{named} {'is' if len(best) == 1 else 'tie'} first ({si(best[0][2], unit)})"
-            if last[0] != 1 and len(between) <= NAMED:
-                text += "".join(f", then {_tied(group, unit)}" for group in
-                                ([row for row in between if row[0] == place] for place in sorted({row[0] for row in between})))
-            text += f", {last[1]} last ({si(last[2], unit)})" if last[0] != 1 else ""
-        else:
-            text += "no method has a rank"
-        said.append(text + (f". Without a rank: {'; '.join(without(context, here, none))}" if none else ""))
-    always = set.intersection(*firsts)
-    tail = f" First at every budget: {listing(sorted(always))}." if always and len(budgets) > 1 else (
-        " No method is first at every budget." if len(budgets) > 1 else "")
+        said += [f"At {said_of(context, about, budget)}{spare(context, here, about, table)} "
+                 f"{_order([row for row in table if row[0] is not None], everyone, context.unit(name))}",
+                 none and f"Without a rank: {'; '.join(without(context, here, none))}"]
+    always = sorted(set.intersection(*firsts))
+    if len(firsts) > 1:
+        said.append(f"First at every budget: {listing(always)}" if always else "No method is first at every budget")
     return (f"On {where} methods are ranked by {what} at equal {about['equal']} ({context.title(about['metric'])}). "
-            f"{'. '.join(said)}.{tail}")
+            f"{clauses(*said, between='. ')}.")
+
+
+def _order(placed, everyone, unit):
+    """Those that have a rank: the first, a few between, the last."""
+    best = [row for row in placed if row[0] == 1]
+    if len(placed) == 1:
+        return f"only {placed[0][1]} has a rank ({si(placed[0][2], unit)})"
+    if not best:
+        return "no method has a rank"
+    first = f"{does([row[1] for row in best], 'tie', everyone, one='is')} first ({si(best[0][2], unit)})"
+    last, between = placed[-1], [row for row in placed[:-1] if row[0] != 1]
+    if last[0] == 1:
+        return first
+    then = [f"then {_tied([row for row in between if row[0] == place], unit)}" for place in sorted({row[0] for row in between})]
+    return clauses(first, *(then if len(between) <= NAMED else ()), f"{last[1]} last ({si(last[2], unit)})", between=", ")
 
 
 def _tied(rows, unit):
@@ -222,7 +221,7 @@ def headline(context, cells, about, where, name):
             found.append((apart, Headline(
                 f"On {where}, within {said_of(context, about, budget)} ({context.title(about['metric'])})"
                 f"{spare(context, here, about, table)}, "
-                f"{methods(best, [row[1] for row in table])} {'has' if len(best) == 1 else 'tie for'} the smallest "
+                f"{does(best, 'tie for', [row[1] for row in table], one='has')} the smallest "
                 f"{context.title(name).removeprefix('largest ')}, {si(placed[0][2], unit)}; {placed[-1][1]} has "
                 f"{si(placed[-1][2], unit)}{fail}.", {row[1]: row[2] if row[0] else math.nan for row in table}, unit,
                 context.title(name), ends=final_states(here))))

@@ -9,12 +9,12 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 
 import failure
 import noise
-from chart import Chart, Headline, listing, plural
+from chart import Chart, Headline, of_store
 from load import family
+from sentences import clauses, listing, plural, verb
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
 from table import quantity
 
-PLACE = 80
 SECTION = "Which method is right, and which fails where?"
 COUNTS = ("asked", "agree", "tie", "wrong", "wrong_side", "undecided", "refused", "not_finite", "threw", "crashed", "hung",
           "capped")
@@ -23,10 +23,11 @@ FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: a
 
 
 PARTS, MADE_BY = ["stage", "dimension", "precision"], "verify --pairs 200"
-ABSENT = Chart("ledger", SECTION, "Ledgers with failures", "No ledger with a failure is in this store.", "", made_by=MADE_BY)
 
 
-def of_store(context):
+@of_store("ledger", 80, SECTION,
+          "Ledgers with failures", "No ledger with a failure is in this store.", made_by=MADE_BY)
+def ledger(context):
     ledger = context.store.ledger()
     made = []
     for (stage, dimension, precision), part in ledger.groupby(["stage", "dimension", "precision"], sort=True):
@@ -82,33 +83,27 @@ def _without_value(part):
 
 def finding(stage, dimension, precision, rows):
     methods = by_method(rows)
-    noun, where = NOUNS.get(stage, stage), f"{dimension}D, {precision}"
-    ours = methods[methods["role"] == "competitor"]
-    others = methods[methods["role"] != "competitor"]
-    said = []
-    if len(ours):
-        bad = ours[ours["failed"] > 0]
-        asked = int(ours["asked"].sum())
-        if len(bad):
-            said.append("of our own " + noun + " " + listing([f"{row.method} fails on {_of(row)}{_sided(row, stage)}"
-                                                             for row in bad.itertuples()]))
-        else:
-            said.append(f"none of our own {noun} failed on any of {asked:,} questions")
-            if stage == "pair_query" and ours["max_error"].notna().any():
-                said[-1] += f" (largest error {ours['max_error'].max():.1e} of the size)"
+    noun = NOUNS.get(stage, stage)
+    ours, others = methods[methods["role"] == "competitor"], methods[methods["role"] != "competitor"]
+    said, bad = [], ours[ours["failed"] > 0]
+    if len(bad):
+        said.append(f"of our own {noun} " + listing(f"{row.method} fails on {_of(row)}{_sided(row, stage)}"
+                                                    for row in bad.itertuples()))
+    elif len(ours):
+        largest = stage == "pair_query" and ours["max_error"].notna().any()
+        said.append(f"none of our own {noun} failed on any of {int(ours['asked'].sum()):,} questions" +
+                    (f" (largest error {ours['max_error'].max():.1e} of the size)" if largest else ""))
     if len(others):
         first = others.loc[(others["failed"] / others["asked"]).idxmax()]
-        clean = list(others[others["failed"] == 0]["method"])
-        witnesses = plural(others["method"].map(family).nunique(), "witness", "witnesses")
-        if others["method"].map(family).duplicated().any():  # each is asked at its library's tightest tolerance, too
+        clean, families = list(others[others["failed"] == 0]["method"]), others["method"].map(family)
+        witnesses = plural(families.nunique(), "witness", "witnesses")
+        if families.duplicated().any():  # each is asked at its library's tightest tolerance, too
             witnesses += f" (in {len(others)} settings)"
-        said.append(f"of the {witnesses} {first['method']} fails most often, on {_of(first)} of its questions" if first["failed"]
-                    else "no witness failed")
-        if first["failed"] and clean:
-            said.append(f"{listing(clean)} never")
+        said += [f"of the {witnesses} {first['method']} fails most often, on {_of(first)} of its questions",
+                 clean and f"{listing(clean)} never"] if first["failed"] else ["no witness failed"]
     coarser = sorted(set(rows["method"][rows["judged"] != rows["precision"]]))
     at = "" if stage == "broadphase" else f", at {failure.tolerance(precision, coarser)}"
-    return f"In {where}{at}, " + "; ".join(said) + "."
+    return f"In {dimension}D, {precision}{at}, {clauses(*said)}."
 
 
 def _of(row):
@@ -310,24 +305,107 @@ def _cost_finding(rows, dimension, precision):
     only = [part["method"].iloc[0] for part in parts if len(part) == 1]
     first = [noise.leaders(part, "time", noise.UNMEASURED) for part in parts if len(part) > 1]
     alone = [cells[0]["method"] for cells in first if len(cells) == 1]
-    said = [f"on {len(only)} {_winners(only)} alone {'has' if len(set(only)) == 1 else 'have'} no failure"] if only else []
-    said += [f"on {len(alone)} the fastest without one is {_winners(alone)}"] if alone else []
-    near = len(first) - len(alone)
-    said += [f"on {near} several are within {noise.UNMEASURED:g} times the fastest"] if near else []
-    text = (f"{where} by one timing of each, so that only ratios beyond {noise.UNMEASURED:g} are told: of "
-            f"{plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {listing(said)}")
-    if (rows["role"] != "competitor").any():
-        theirs = sum(any(cell["role"] != "competitor" for cell in cells) for cells in first)
-        text += f"; a witness is among the fastest on {theirs}" if theirs else "; no witness is among the fastest"
+    near, role = len(first) - len(alone), rows["role"] == "competitor"
+    said = [only and f"on {len(only)} {_winners(only)} alone {verb(len(set(only)), 'have')} no failure",
+            alone and f"on {len(alone)} the fastest without one is {_winners(alone)}",
+            near and f"on {near} several are within {noise.UNMEASURED:g} times the fastest"]
+    theirs = sum(any(cell["role"] != "competitor" for cell in cells) for cells in first)
     # Ours beside theirs: how wrong at worst.
-    errors = [part.loc[part["max_error"].fillna(-1).idxmax()] for part in
-              (rows[rows["role"] == "competitor"], rows[rows["role"] != "competitor"]) if part["max_error"].notna().any()]
+    errors = [part.loc[part["max_error"].fillna(-1).idxmax()] for part in (rows[role], rows[~role])
+              if part["max_error"].notna().any()]
     off = [f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']}"
            f"{', a witness' if worst['role'] != 'competitor' else ''})" for worst in errors]
-    return text + (f"; the worst {'errors are' if len(off) > 1 else 'error is'} {listing(off)}." if off else ".")
+    return clauses(
+        f"{where} by one timing of each, so that only ratios beyond {noise.UNMEASURED:g} are told: of "
+        f"{plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {listing(filter(None, said))}",
+        not role.all() and (f"a witness is among the fastest on {theirs}" if theirs else "no witness is among the fastest"),
+        off and f"the worst {'errors are' if len(off) > 1 else 'error is'} {listing(off)}") + "."
 
 
 def _winners(names):
     """Who is named how often; one who is named every time needs no number."""
     several = sorted(set(names), key=lambda name: (-names.count(name), name))
     return several[0] if len(several) == 1 else listing([f"{name} ({names.count(name)})" for name in several])
+
+
+ROW, CELL, HEAD = 0.22, 0.4, 0.3  # inches
+
+
+def clean(ledger):
+    """The rows of the ledgers (stage, dimension, precision) in which no method fails."""
+    parts = [part for _, part in ledger.groupby(PARTS, sort=True) if not failure.in_ledger(part)]
+    return pd.concat(parts) if parts else ledger[:0]
+
+
+@of_store("ledger_clean", 82, SECTION,
+          "Ledgers without a failure", "No ledger without a failure is in this store.", made_by=MADE_BY)
+def ledger_clean(context):
+    rows = clean(context.store.ledger())
+    return [_chart(context, rows)] if len(rows) else []
+
+
+def counted(rows):
+    """One row per stage, dimension and method, with its precisions; one column per kinds of shape, or per family of inputs
+    where a stage has no kinds: numbers of questions."""
+    rows = rows.assign(pair=["–".join((a, b)) if a or b else "" for a, b in zip(rows["kind_a"], rows["kind_b"])])
+    kinds = rows[(rows["axis"] == "all") & (rows["pair"] != "")].assign(column=lambda part: part["pair"])
+    families = rows[(rows["axis"] == "family") & (rows["pair"] == "")].assign(column=lambda part: part["value"])
+    whole = rows[(rows["axis"] == "all") & (rows["pair"] == "") & ~rows["stage"].isin(families["stage"])].assign(column="all")
+    found = pd.concat([kinds, families, whole])
+    precisions = found.groupby(["stage", "dimension", "method"])["precision"].agg(lambda p: " ".join(sorted(set(p)))).rename("in")
+    table = found.groupby(["stage", "dimension", "method", "column"], sort=True)["asked"].sum().reset_index()
+    return table.join(precisions, on=["stage", "dimension", "method"])
+
+
+def _chart(context, rows):
+    table = counted(rows)
+    stages = [stage for stage in [*NOUNS, *sorted(set(table["stage"]) - set(NOUNS))] if stage in set(table["stage"])]
+    lines = {stage: table[table["stage"] == stage][["dimension", "method", "in"]].drop_duplicates().values.tolist()
+             for stage in stages}
+    name = lambda line: f"{context.name(line[1])}, {line[0]}D, {line[2]}"  # noqa: E731
+    left = 0.3 + 0.068 * max(len(name(line)) for found in lines.values() for line in found)
+    feet = {stage: 0.15 + 0.04 * max(map(len, table[table["stage"] == stage]["column"])) for stage in stages}
+    height = sum(HEAD + ROW * len(lines[stage]) + feet[stage] for stage in stages)
+    figure, top = plt.figure(figsize=(WIDTH, height)), height
+    for stage in stages:
+        part = table[table["stage"] == stage]
+        columns = sorted(set(part["column"]))
+        wide, high = min(WIDTH - left - 0.15, CELL * 1.6 * len(columns)), ROW * len(lines[stage])
+        ax = figure.add_axes((left / WIDTH, (top - HEAD - high) / height, wide / WIDTH, high / height))
+        asked = {(row.dimension, row.method, row.column): row.asked for row in part.itertuples()}
+        for y, (dimension, method, _) in enumerate(lines[stage]):
+            for x, column in enumerate(columns):
+                number = asked.get((dimension, method, column))
+                ax.add_patch(Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=RIGHT if number else NOT_ASKED, lw=0))
+                ax.text(x, y, _short(number) if number else "–", ha="center", va="center", fontsize=7,
+                        color="#2F5D44" if number else "#888888")
+        ax.set_xlim(-0.5, len(columns) - 0.5)
+        ax.set_ylim(len(lines[stage]) - 0.5, -0.5)
+        ax.set_xticks(range(len(columns)))
+        ax.set_xticklabels([column.replace("_", " ") for column in columns], rotation=35, ha="right", rotation_mode="anchor",
+                           fontsize=7.5)
+        ax.set_yticks(range(len(lines[stage])))
+        ax.set_yticklabels([name(line) for line in lines[stage]], fontsize=8)
+        ax.set_title(f"{NOUNS.get(stage, stage)}: questions, none failed")
+        ax.grid(False)
+        ax.tick_params(length=0)
+        for side in ax.spines.values():
+            side.set_visible(False)
+        top -= HEAD + high + feet[stage]
+    everything = rows[rows["axis"] == "all"]
+    ledgers = everything[PARTS].drop_duplicates()
+    text = (f"Nothing fails in {plural(len(ledgers), 'ledger')}: "
+            + listing([f"{NOUNS.get(stage, stage)} {listing([f'{d}D {p}' for d, p in zip(part['dimension'], part['precision'])])}"
+                       for stage, part in ledgers.groupby("stage", sort=True)])
+            + f"; {int(everything['asked'].sum()):,} questions to {everything['method'].nunique()} methods.")
+    numbers = table.rename(columns={"in": "precisions", "column": "kinds or family"})
+    unsure = int(everything["undecided"].sum())
+    return Chart("ledger_clean", SECTION, "Ledgers without a failure", text, "", figure, numbers, [],
+                 f"A number is how many questions were asked. {failure.DEFINITION}"
+                 + (f" On {plural(unsure, 'question')} the referee's interval was too wide to judge." if unsure else ""),
+                 made_by=MADE_BY)
+
+
+def _short(number):
+    """Of questions, in a narrow cell."""
+    return f"{number}" if number < 10000 else f"{number / 1000:.0f}k" if number < 1e6 else f"{number / 1e6:.1f}M"

@@ -11,11 +11,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 import noise
-from chart import Chart, Headline, listing, plural
+from chart import Chart, Headline, of_store
+from sentences import clauses, listing, plural, sentence
 from style import ZeroLog, grid_of_axes, legend_right, letter, si
 from table import quantity
 
-PLACE = 49
 SECTION = "What does this scene need of its model?"
 OWN, AGAIN, SEED = "minimal", "minimal, again", "another seed"
 SWITCHED = {"cache": "cache", "continuous": "continuous", "sleeping": "sleep"}  # features that are one stage each
@@ -24,7 +24,6 @@ WITHIN, UNKNOWN, EQUAL = "time within the noise", "too few seeds to measure the 
 IDLE = "nothing to measure"
 TIME, FARTHEST = "time, times that of minimal [1]", "way from where bodies end, farthest [m]"  # columns
 INK, FAR = "#0072B2", "#D55E00"
-ABSENT = Chart("needs", SECTION, "Needs", "No scene was asked for its needs in this store.", "", made_by="needs pyramid")
 
 
 @dataclass
@@ -51,7 +50,9 @@ class Seen:
     cost: float = math.nan  # of the scene's own (ms per step)
 
 
-def of_store(context):
+@of_store("needs", 49, SECTION,
+          "Needs", "No scene was asked for its needs in this store.", made_by="needs pyramid")
+def needs(context):
     return [_chart(context, name) for name in context.store.sweeps() if "needs" in context.store.sweep(name).report]
 
 
@@ -203,22 +204,20 @@ def _told(table):
 
 def _finding(seen, table, scene):
     told = sorted(_told(table), key=lambda pair: -pair[1])
-    said = [f"{scene}, {plural(seen.seeds, 'seed')}: " + (
-        f"times the time of its own model, {listing([f'{name} {ratio:.2f}' for name, ratio in told])}." if told else
-        "no switch changes its time beyond the noise.")]
-    for meaning in (IDLE, EQUAL, WITHIN, UNKNOWN):
-        named = [row["model"] for _, row in table.iterrows() if row["remark"].startswith(meaning)]
-        said += [f"{meaning[0].upper()}{meaning[1:]}: {listing(named)}."] if named else []
     ways = {row["model"]: row[FARTHEST] for _, row in table.iterrows() if math.isfinite(row[FARTHEST])}
     least = ways.pop(SEED, None)
     beyond = sorted((name for name in ways if ways[name] > (least or 0)), key=lambda name: -ways[name])
-    if beyond:
-        than = f" than {SEED} takes them ({si(least, 'm')})" if least is not None else ""
-        far = listing([f"{name} {si(ways[name], 'm')}" for name in beyond])
-        said.append(f"Bodies end farther from their places{than}: up to {far}.")
-    still = [name for name in ways if ways[name] == 0]
-    said += [f"Where bodies end is the same with {listing(still)}."] if still else []
-    return " ".join(said)
+    far, still = [f"{name} {si(ways[name], 'm')}" for name in beyond], [name for name in ways if ways[name] == 0]
+    alike = [(meaning, [row["model"] for _, row in table.iterrows() if row["remark"].startswith(meaning)])
+             for meaning in (IDLE, EQUAL, WITHIN, UNKNOWN)]
+    than = f" than {SEED} takes them ({si(least, 'm')})" if least is not None else ""
+    return clauses(
+        f"{scene}, {plural(seen.seeds, 'seed')}: " + (
+            f"times the time of its own model, {listing(f'{name} {ratio:.2f}' for name, ratio in told)}." if told else
+            "no switch changes its time beyond the noise."),
+        *(sentence(f"{meaning}: {listing(named)}") for meaning, named in alike if named),
+        beyond and f"Bodies end farther from their places{than}: up to {listing(far)}.",
+        still and f"Where bodies end is the same with {listing(still)}.", between=" ")
 
 
 def _headline(seen, table, scene):

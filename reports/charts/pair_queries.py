@@ -9,27 +9,29 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 import failure
+import measured
 import metrics
 import noise
-from chart import Chart, Headline, Needs, dimension_of, holes, listing, plural
-from load import one_machine
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
+from load import one_machine, varying
+from sentences import clauses, listing, plural, sentence, verb
 from style import (NOT_ASKED, OUTCOMES, RIGHT, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si,
                    times)
 from table import quantity
 
-PLACE = 70
 SECTION = "Which pair query is fast and right?"
 FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
 TIME = "ns_single"  # libraries are asked one by one: a time in batches, of lanes, has no rank beside theirs
 BATCH = "ns_per_query"
 ERRORS = ("median_error", "p99_error", "max_error")
-NEEDS = Needs("pairs", metrics=(TIME, *ERRORS))
 SINGLE = ("A time is that of a query by itself, between two readings of the clock, which are in it; the numbers have that in "
           "batches, too, which wide registers make shorter.")
-ABSENT = Chart("pair_queries", SECTION, "Time against error", "No timed sweep of pair queries is in this store.", "pair_queries")
 
 
-def of_sweep(context, cells):
+@of_sweeps("pair_queries", 70, SECTION,
+           Needs("pairs", metrics=(TIME, *ERRORS)),
+           "Time against error", "No timed sweep of pair queries is in this store.", "pair_queries")
+def pair_queries(context, cells):
     if "wrong" not in cells:
         return [Chart(f"{cells['sweep'].iloc[0]}_uncounted", SECTION, "Time against error",
                       "These trials of pairs do not count wrong answers: they are older than the definition of a failure. The "
@@ -99,21 +101,19 @@ def finding(cells, dimension, least):
     only = [part["method"].iloc[0] for part in parts if len(part) == 1]
     first = [tuple(sorted(cell["method"] for cell in noise.leaders(part, TIME, least))) for part in parts if len(part) > 1]
     wins = sorted(set(first), key=lambda names: (-first.count(names), names))
-    said = [f"{names[0]} on {first.count(names)}" for names in wins if len(names) == 1]
-    shared = [f"{' or '.join(names)} on {first.count(names)}" for names in wins if len(names) > 1]
-    told = [f"the fastest without a failure is {listing(said)}"] if said else []
-    told += [f"{_alike(least)}, {listing(shared)}"] if shared else []
-    told += [f"without a rival, {listing([f'{m} on {only.count(m)}' for m in sorted(set(only))])}"] if only else []
-    text = f"In {dimension}D, of {plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {'; '.join(told)}"
-    errors, failed = metrics.column(good, "max_error"), sorted(set(good["method"][~passed]))
+    alone, shared = ([f"{' or '.join(names)} on {first.count(names)}" for names in wins if (len(names) > 1) == several]
+                     for several in (False, True))
+    told = clauses(alone and f"the fastest without a failure is {listing(alone)}",
+                   shared and f"{_alike(least)}, {listing(shared)}",
+                   only and f"without a rival, {listing(f'{m} on {only.count(m)}' for m in sorted(set(only)))}")
+    text = f"In {dimension}D, of {plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {told}"
+    errors, failed, at = metrics.column(good, "max_error"), sorted(set(good["method"][~passed])), judged_at(good)
     worst = good.iloc[int(np.nanargmax(errors))] if np.isfinite(errors).any() else None
     off = f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']})" if worst is not None else "unknown"
-    who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
-    at = judged_at(good)
     if not failed:
         return f"{text}. No method fails {at}, and no error is above {off}."
-    return (f"{text}. {at[0].upper()}{at[1:]}, {who} {'fails' if len(failed) == 1 else 'fail'} somewhere; "
-            f"the worst error is {off}.")
+    who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
+    return f"{text}. " + sentence(f"{at}, {who} {verb(len(failed), 'fail')} somewhere; the worst error is {off}")
 
 
 def judged_at(cells):
@@ -145,7 +145,7 @@ def _told_failing(cells, passed, pair, dimension, least):
     numbers = lambda part: listing([f"{n:,.0f}" for n in sorted(set(part["asked"]))])  # noqa: E731
     names = listing([f"{m} ({si(ns, 'ns')} a query)" for m, ns in zip(right["method"], right[TIME])])
     text = (f"On {pair} in {dimension}D, {judged_at(cells)}, {'only ' if len(wrong) > len(right) else ''}{names} never "
-            f"{'fails' if len(right) == 1 else 'fail'}, in {numbers(right)} queries{' each' if len(right) > 1 else ''}; ")
+            f"{verb(len(right), 'fail')}, in {numbers(right)} queries{' each' if len(right) > 1 else ''}; ")
     quick = wrong.sort_values(TIME, kind="stable").iloc[0]
     if len(wrong) == 1:
         text += f"{quick['method']} ({si(quick[TIME], 'ns')}) fails on {share_of(failure.in_pairs(wrong)[0], quick['asked'])}"
@@ -314,3 +314,146 @@ def _failures(context, cells, dimension):
                  + (f"; where none failed, a share of up to {listing(unseen)} queries may have stayed unseen (95 %)" if unseen
                     else "")
                  + f". {failure.DEFINITION}")
+
+
+WHAT = ("dimension", "pair", "vertices", "drawing")  # a row, besides what else differs in the sweep
+
+
+@of_sweeps("peers", 71, SECTION,
+           Needs("pairs", metrics=(TIME, "max_error"), also="ours and a witness on the same pairs of shapes"),
+           "Beside packaged libraries", "No timed sweep asks ours and witnesses about the same pairs.", "pair_queries")
+def peers(context, cells):
+    if "wrong" not in cells or "stream" in cells:
+        return []
+    cells, refused = one_machine(context.store, cells)
+    cells = cells.assign(dimension=dimension_of(cells),
+                         pair=["–".join(sorted((str(a), str(b)))) for a, b in zip(cells["kind_a"], cells["kind_b"])],
+                         ours=[context.store.role(m) == "competitor" for m in cells["method"]],
+                         failures=failure.in_pairs(cells))
+    asked = metrics.column(cells, "asked")
+    known = np.isfinite(metrics.column(cells, TIME)) & np.isfinite(cells["failures"]) & (asked > 0)
+    others = varying(context.store, cells, ("dimension", "kind_a", "kind_b", "vertices", "drawing", "n"))
+    cells = cells[cells["outcome"].isin(["ok", "wrong"]).to_numpy() & known]
+    least = noise.floor_of(context, cells["sweep"].iloc[0], TIME) if len(cells) else 1.0
+    rows = rows_of(cells, least, others)
+    return [_chart(context, cells, rows, refused)] if rows else []
+
+
+def rows_of(cells, least, others=()):
+    """One entry per question that one of ours answers without a failure and a witness answers at all."""
+    what = [name for name in WHAT if name in cells] + list(others)
+    found = []
+    for key, part in cells.groupby(what, sort=True, dropna=False):
+        ours = part[part["ours"] & (part["failures"] == 0)]
+        peers = part[~part["ours"]]
+        if not len(ours) or not len(peers):
+            continue
+        best = ours.loc[ours[TIME].idxmin()]
+        where = describe(part.iloc[0], others)
+        row = {"what": _named(dict(zip(what, key))) + (f", {where}" if where else ""), "ours": best, "peers": []}
+        for _, peer in peers.sort_values(TIME, kind="stable").iterrows():
+            row["peers"].append({"name": peer["method"], "ratio": float(peer[TIME] / best[TIME]), "cell": peer,
+                                 "share": float(peer["failures"] / peer["asked"]),
+                                 "told": noise.tells(best, peer, TIME, least)})
+        found.append(row)
+    return found
+
+
+def _named(key):
+    text = f"{key['pair']}, {key['dimension']}D"
+    if "vertices" in key:
+        text += f", {key['vertices']:.0f} vertices"
+    return text + (f", {key['drawing']}" if isinstance(key.get("drawing"), str) else "")
+
+
+def right(row):
+    """The fastest of the row's peers that fails nowhere, or None."""
+    return next((peer for peer in row["peers"] if peer["share"] == 0), None)
+
+
+def _silence(*cells):
+    """Why times are not told apart."""
+    return noise.FEW if any(0 < len(measured.runs(cell, TIME)) < noise.FEWEST for cell in cells) else noise.NOISE
+
+
+def finding_of_peers(rows):
+    told = [(row, peer) for row in rows if (peer := right(row))]
+    none = [row for row in rows if not right(row)]
+    said = [f"on {len(told)} a library fails nowhere, either: {_ahead_of(told)}" if told else ""]
+    if none:
+        quick = sum(any(peer["ratio"] < 1 and peer["told"] for peer in row["peers"]) for row in none)
+        said.append(f"on {len(none)} every library fails, and " +
+                    (f"on {quick} of these one is faster than ours" if quick else "none is faster than ours"))
+    return (f"Of {plural(len(rows), 'question that ours answer', 'questions that ours answer')} without a failure, "
+            f"{clauses(*said)}.")
+
+
+def _ahead_of(found):
+    """On how many questions ours is faster, slower or not told from the fastest library that fails nowhere."""
+    told = sorted((peer["ratio"], row["what"], peer["name"]) for row, peer in found if peer["told"])
+    ahead, behind = [one for one in told if one[0] > 1], [one for one in told if one[0] < 1]
+    faster, slower = f"ours is faster than the fastest such on {len(ahead)}", f"slower on {len(behind)}"
+    if ahead:
+        (least, *_), (most, what, name) = ahead[0], ahead[-1]
+        ends = f"{times(least)} to {times(most)} times, most" if len(ahead) > 1 else f"{times(most)} times,"
+        faster += f" ({ends} on {what} against {name})"
+    if behind:
+        slower += f" (most on {behind[0][1]}, where {behind[0][2]} takes {times(behind[0][0])} of our time)"
+    silent = [_silence(row["ours"], peer["cell"]) for row, peer in found if not peer["told"]]
+    return clauses(faster, slower, *(f"{noise.IN_WORDS[why]} on {silent.count(why)}" for why in (noise.NOISE, noise.FEW)
+                                     if why in silent), between=", ")
+
+
+def headline_of_peers(rows):
+    """The question on which the fastest library that fails nowhere is farthest from ours, either way."""
+    told = [(row, right(row)) for row in rows if right(row) and right(row)["told"]]
+    if not told:
+        return None
+    row, peer = max(told, key=lambda found: abs(math.log(found[1]["ratio"])))
+    first, last = sorted((row["ours"], peer["cell"]), key=lambda cell: cell[TIME])
+    return Headline(f"On {row['what']}, {first['method']} takes 1/{times(float(last[TIME] / first[TIME]))} of the time of "
+                    f"{last['method']}; neither fails.", {first["method"]: first[TIME], last["method"]: last[TIME]}, "ns",
+                    "time per query")
+
+
+def _chart(context, cells, rows, refused):
+    sweep = cells["sweep"].iloc[0]
+    names = sorted({peer["name"] for row in rows for peer in row["peers"]})
+    legend_width = legend_room(list(map(context.name, names)) + ["hollow: fails somewhere"], 2.0)
+    left = 0.25 + 0.075 * max(len(row["what"]) + len(row["ours"]["method"]) + 3 for row in rows)
+    height = 0.75 + 0.24 * len(rows)
+    figure, ax = plt.subplots(figsize=(WIDTH, height))
+    figure.subplots_adjust(left=left / WIDTH, right=1 - (legend_width + 0.15) / WIDTH, top=1 - 0.1 / height, bottom=0.6 / height)
+    looks = context.looks(cells)
+    scale = ZeroLog(ax, "x", [peer["ratio"] for row in rows for peer in row["peers"]] + [1.0], "1", failed_name="none")
+    ax.axvline(scale.place(1.0), color="#555555", lw=1)
+    for y, row in enumerate(rows):
+        for peer in reversed(row["peers"]):
+            look = looks(peer["name"])
+            ax.plot([scale.place(peer["ratio"])], [y], ls="none", marker=look.get("marker", "o"), ms=6.5,
+                    mec=look["color"], mew=1.4, mfc=look["color"] if peer["share"] == 0 else "none")
+    ax.set_yticks(range(len(rows)))
+    ax.set_yticklabels([f"{row['what']} ({context.name(row['ours']['method'])})" for row in rows], fontsize=8)
+    ax.set_ylim(len(rows) - 0.5, -0.5)
+    ax.set_xlabel("their time over that of our fastest that fails nowhere, which is named on the left")
+    handles = [Line2D([], [], ls="none", marker=looks(n).get("marker", "o"), mec=looks(n)["color"], mfc=looks(n)["color"],
+                      label=context.name(n)) for n in names]
+    handles.append(Line2D([], [], ls="none", marker="o", mec="#555555", mfc="none", label="hollow: fails somewhere"))
+    legend_right(figure, handles, legend_width)
+    return Chart(identifier(f"{sweep} peers"), SECTION, f"Beside packaged libraries: {sweep}", finding_of_peers(rows), sweep,
+                 figure, _table(rows), refused,
+                 f"{failure.DEFINITION} Right of the line ours is faster. A library is asked in a process of its own, ours in "
+                 "that of the trial; of both a query is asked by itself, between two readings of the clock, which are in the "
+                 "time.",
+                 headline=headline_of_peers(rows))
+
+
+def _table(rows):
+    pairs = [(row, peer) for row in rows for peer in row["peers"]]
+    return pd.DataFrame({"question": [row["what"] for row, _ in pairs], "ours": [row["ours"]["method"] for row, _ in pairs],
+                         **quantity("time of ours", "ns", [row["ours"][TIME] for row, _ in pairs]),
+                         "library": [peer["name"] for _, peer in pairs],
+                         **quantity("time of the library", "ns", [peer["cell"][TIME] for _, peer in pairs]),
+                         "ratio [1]": [peer["ratio"] for _, peer in pairs],
+                         "failures [1]": [peer["cell"]["failures"] for _, peer in pairs],
+                         "asked [1]": [peer["cell"]["asked"] for _, peer in pairs]})

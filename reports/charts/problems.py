@@ -9,19 +9,18 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
+import over_steps
 import ranking
-from chart import Chart, Needs, describe, holes, identifier, listing
+from chart import Chart, Needs, describe, holes, identifier, of_sweeps
 from load import one_machine, split
+from sentences import clauses, does, listing, methods, span
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
 from table import quantity
 
-PLACE = 36
-SECTION = "Which method solves a step's problem?"
+SOLVES = "Which method solves a step's problem?"
 RESIDUAL, COST, TO = "problem_residual", "multiply_adds", "multiply_adds_to_thousandth"
 TIME = "ns_per_solve"
 RATE, PREDICTED = "rate", "predicted_rate"
-NEEDS = Needs("problems", methods=(2, math.inf))  # a store of before this kind has none of its metrics
-ABSENT = Chart("problems", SECTION, "Residual over multiply-adds", "No sweep of frozen problems is in this store.", "problems")
 FLOOR = 1e-12  # of g dt: below it all is rounding
 ROWS, COLUMNS = 3, 3  # of panels
 FAR = 100.0  # the profiles end where a method takes so many times as much as the best
@@ -29,7 +28,10 @@ SOLVED = 1e-3  # of g dt: what may be left, as in the metric TO
 ALIKE = 2.0  # times that were measured once, in less than such a ratio, are not told apart
 
 
-def of_sweep(context, cells):
+@of_sweeps("problems", 36, SOLVES,
+           Needs("problems", methods=(2, math.inf)),
+           "Residual over multiply-adds", "No sweep of frozen problems is in this store.", "problems")
+def frozen_problems(context, cells):
     rates = _rates(context, cells)
     cells = cells[cells["outcome"] != "unsupported"]
     starts = split(cells, ["start"], sort=True) if "start" in cells else [cells]
@@ -157,7 +159,7 @@ def _over_cost(context, cells):
     said, numbers = _counted(least), {}
     for name in (name for name in context.metrics("problems", "cost", "error") if name in cells):
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} curves"), SECTION,
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} curves"), SOLVES,
                  f"What is left over multiply-adds, {_start(cells)} start",
                  (f"Of {len(parts)} problems, with all iterations, the least is left by {listing(said)}." if said else
                   "No problem was solved.") + _not_ranked(context, parts),
@@ -195,7 +197,7 @@ def _over_time(context, cells):
     counted, title = _counted(quickest), f"{context.title(TIME)}, to {SOLVED:g} g dt"
     numbers = quantity(context.title(TIME), context.unit(TIME), metrics.column(cells, TIME)) | quantity(
         title, context.unit(TIME), [took.get(trial, math.nan) for trial in cells["key_timed"]])
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} times"), SECTION,
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} times"), SOLVES,
                  f"What is left over time, {_start(cells)} start",
                  (f"Of {len(parts)} problems, less than {SOLVED:g} g dt is left in less than {ALIKE:g} times the time of the "
                   f"first by {listing(counted)}." if counted else f"No method leaves less than {SOLVED:g} g dt of a problem.")
@@ -238,9 +240,9 @@ def _profile(context, cells):
     count = len(next(iter(costs.values())))
     table = pd.DataFrame([{"method": m, "share solved": shares[m], "share cheapest": wins[m],
                            "median multiple": float(np.median(found[m][0])) if len(found[m][0]) else math.nan} for m in costs])
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SECTION, "Performance profile of multiply-adds",
-                 f"Of {count} problems {listing(surest)} {'solves' if len(surest) == 1 else 'solve'} most, "
-                 f"{si(100 * max(shares.values()))} %. {listing(firsts)} {'is' if len(firsts) == 1 else 'are each'} the cheapest "
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SOLVES, "Performance profile of multiply-adds",
+                 f"Of {count} problems {does(surest, 'solve')} most, "
+                 f"{si(100 * max(shares.values()))} %. {does(firsts, 'are each', one='is')} the cheapest "
                  f"for {si(100 * most_wins)} %." + _not_ranked(context, problems(context, cells)),
                  cells["sweep"].iloc[0], figure, table,
                  [f"{method}: {text}, not drawn" for method, text in _beyond(found, count).items()],
@@ -284,9 +286,119 @@ def _rates(context, cells):
     off = max(need.max(), 1 / need[need > 0].min()) if (need > 0).any() else math.inf
     table = good[["problems", "method"]].assign(**{name: good[name] for name in ("problem", "order") if name in good},
                                                 predicted=good[PREDICTED].astype(float), measured=good[RATE].astype(float))
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} rates"), SECTION, "Predicted and measured convergence",
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} rates"), SOLVES, "Predicted and measured convergence",
                  f"On {len(plain)} frictionless cells the matrix tells catto's number of iterations to within "
                  f"{times(off)} times.",
                  cells["sweep"].iloc[0], figure, table, [],
                  "The spectral radius of the Gauss-Seidel iteration, catto's, on the rows that push in the converged "
                  "answer, in the order in which they are solved; hollow: coloured order. Only without friction and joints.")
+
+
+MORE_ITERATIONS = "Do more iterations solve the contacts?"
+SERIES, NORMALISED = "residual", "residual_median"
+
+
+@of_sweeps("residual", 35, MORE_ITERATIONS,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
+                 also="one seed, contacts and several values of a setting"),
+           "Residual", "No sweep of several methods with residuals is in this store.", "resolvers")
+def residual(context, cells):
+    if NORMALISED not in context.store.metrics or (cells["seeds"].map(len) > 1).any():
+        return []  # a store of an earlier program; an ensemble, of which one run says little
+    made = []
+    for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        if nothing(part):
+            continue  # no contacts, no residual
+        shown, left_out, setting = over_steps.scenes(context, part)
+        if setting and metrics.column(part[part["outcome"] == "ok"], NORMALISED).size:
+            made.append(_chart(context, part, shown, left_out, setting))
+    return made
+
+
+def slopes(cells, setting):
+    """Per method: its residual at the least and at the most of the setting that most methods finished both at, so that all are
+    compared over the same span; nothing where there is no such span."""
+    good = cells[(cells["outcome"] == "ok") & np.isfinite(metrics.column(cells, NORMALISED))].drop_duplicates(["method", setting])
+    table = good.pivot(index="method", columns=setting, values=NORMALISED).sort_index(axis=1)
+    values = list(table.columns)
+    spans = [(least, most) for i, least in enumerate(values) for most in values[i + 1:]]
+    # Of spans that as many methods have, the widest.
+    least, most = max(spans, key=lambda span: (len(table[list(span)].dropna()), span[1] / span[0] if span[0] > 0 else math.inf),
+                      default=(None, None))
+    rows = [] if least is None else [(method, least, row[least], most, row[most])
+                                     for method, row in table[[least, most]].dropna().iterrows()]
+    return pd.DataFrame(rows, columns=["method", "least", "before", "most", "after"])
+
+
+def nothing(cells):
+    """Whether no run of these has a residual above 0: a scene without contacts has none."""
+    return not (metrics.column(cells, NORMALISED) > 0).any()
+
+
+def finding(where, cells, setting):
+    table, values = slopes(cells, setting), cells[setting].dropna().unique()
+    if nothing(cells):
+        return f"on {where} every residual is 0"
+    if len(values) == 1:
+        return f"on {where} only {setting}={values[0]:g} was run"
+    if not len(table):
+        return f"on {where} no method finished at two values of {setting}"
+    over = f"from {table['least'].iloc[0]:g} to {table['most'].iloc[0]:g} {setting}"
+    before, after = (table[name].where(table[name] > FLOOR, 0.0) for name in ("before", "after"))
+    falls = table.assign(before=before, after=after)[after < before]
+    if not (before.any() or after.any()):
+        return f"on {where} every residual is below {si(FLOOR)}, which is rounding, {over}"
+    if not len(falls):
+        return f"on {where} no residual falls {over}"
+    idle, small = int(((before > 0) & (after >= before)).sum()), int(((before == 0) & (after == 0)).sum())
+    everyone, solved = sorted(cells["method"].unique()), falls[falls["after"] == 0]
+    if len(solved):  # all of them: beyond that the one that falls most would be the one that starts worst
+        starts = [si(v) for v in sorted(solved["before"])]
+        told = (f"{methods(sorted(solved['method']), everyone)} falls {over} below {si(FLOOR)}, from "
+                f"{span(starts[0], starts[-1])}")
+    else:
+        best = falls.loc[(falls["before"] / falls["after"]).idxmax()]
+        equals = sorted(falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]["method"])
+        most = f" most of {len(table)} methods" if len(table) > len(equals) else ""
+        told = f"{methods(equals, everyone)} falls{most} {over}, from {si(best['before'])} to {si(best['after'])}"
+    return clauses(f"on {where} the residual of {told}", idle and f"that of {idle} of {len(table)} methods does not fall",
+                   small and f"that of {small} of {len(table)} methods is below {si(FLOOR)} from the first")
+
+
+def _chart(context, cells, shown, left_out, setting):
+    dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
+    figure, axes, width = over_steps.grid(context, cells, 2, len(shown))
+    looks, said = context.looks(cells), []
+    for column, (where, part) in enumerate(shown):
+        above, below = axes[0][column], axes[1][column]
+        good = part[(part["outcome"] == "ok") & np.isfinite(part[NORMALISED].astype(float))]
+        up = ZeroLog(above, "y", list(good[NORMALISED]), failures=False, floor=FLOOR)
+        plain_log(above, "x", [float(v) for v in part[setting].dropna()] or [1.0])
+        for method, mine in good.groupby("method", sort=True):
+            mine = mine.sort_values(setting)
+            above.plot(mine[setting].astype(float), [up.place(v) for v in mine[NORMALISED]], **looks(method))
+        above.set_xlabel(setting)
+        above.set_title(f"{where}, {dimension}D")
+        middle = over_steps.at_middle(part, setting)
+        tracks = {key: context.store.series(key, SERIES) for key in middle["key"] if key is not None}
+        values = [v for track in tracks.values() if track is not None for v in over_steps.stretches(track)[1] if math.isfinite(v)]
+        scale = ZeroLog(below, "y", values, failures=False, floor=FLOOR)
+        over_steps.lines(context, below, middle, lambda cell, tracks=tracks: tracks[cell["key"]], scale.place)
+        ranked = ranking.eligible(context, part)
+        said.append(finding(where, ranked, setting) if len(ranked) else f"on {where} no method has a rank")
+    axes[0][0].set_ylabel("residual, median of steps")
+    axes[1][0].set_ylabel("residual")
+    over_steps.legend(context, figure, cells, width)
+    drawn = pd.concat([part.assign(where=where) for where, part in shown])
+    table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], setting: drawn[setting],
+                          "outcome": drawn["outcome"],
+                          **quantity(context.title(NORMALISED), "1", metrics.column(drawn, NORMALISED))})
+    return Chart(f"{cells['sweep'].iloc[0]}_residual_{dimension}d", MORE_ITERATIONS,
+                 f"Residual over {setting} and over steps, {dimension}D",
+                 f"In {dimension}D " + "; ".join(said) + "." + ranking.tail_of(context, shown),
+                 cells["sweep"].iloc[0], figure, table,
+                 left_out + holes(drawn, ["scene", "method", setting]),
+                 "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, "
+                 f"over m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks "
+                 "where a run failed. Engines that tell no contacts have none. Falls are compared over one span: the widest "
+                 "whose two ends the most methods finished at.")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """Where the time of a step goes over a director's script (2009 report, figures 7.1 and 7.2)."""
 
+import math
 from collections import OrderedDict
 
 import numpy as np
@@ -8,24 +9,28 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing
-from load import split, varying
-from style import PALETTE, grid_of_axes, legend_right, si
+import metrics
+import noise
+from chart import Chart, Headline, Needs, describe, holes, identifier, of_store, of_sweeps
+from load import one_machine, split, varying
+from over_steps import stretches
+from sentences import listing, verb
+from style import PALETTE, WIDTH, figures, grid_of_axes, legend_right, plt, si, times
 
-PLACE = 100
-SECTION = "Where does the time of a step go?"
+WHERE = "Where does the time of a step go?"
 COST = "ms_per_step_median"
 # A comparison of many methods is no place for timelines.
-NEEDS = Needs("world", methods=(1, 2), fixed=("model", "precision", "setting"), metrics=(COST,),
-              series=("seconds", "sec_solver", "bodies", "awake", "points"))
-ABSENT = Chart("stages", SECTION, "Stage timelines", "No timed sweep of at most two methods is in this store.", "stages")
 # From the bottom of a stack of stage times upwards, as World::step goes.
 STAGES = {"boxes": 4, "broadphase": 0, "cache": 9, "contacts": 1, "listeners": 10, "sleep": 3, "solver": 2, "other": 11}
 COUNTS = OrderedDict([("bodies", "#000000"), ("awake", "#D55E00"), ("points", "#0072B2")])
 STRETCHES = 240
 
 
-def of_sweep(context, cells):
+@of_sweeps("stages", 100, WHERE,
+           Needs("world", methods=(1, 2), fixed=("model", "precision", "setting"), metrics=(COST,),
+                 series=("seconds", "sec_solver", "bodies", "awake", "points")),
+           "Stage timelines", "No timed sweep of at most two methods is in this store.", "stages")
+def stages(context, cells):
     axes = context.store.method_axes(cells["sweep"].iloc[0])
     side = None if cells["method"].nunique() < 2 else axes[0] if len(axes) == 1 else "method"
     others = varying(context.store, cells)
@@ -41,7 +46,7 @@ def medians(values, edges):
     return np.array([np.median(values[a:b]) for a, b in zip(edges[:-1], edges[1:])])
 
 
-def stretches(steps):
+def edges_of(steps):
     return np.unique(np.linspace(0, steps, min(STRETCHES, steps) + 1).astype(int))
 
 
@@ -81,7 +86,7 @@ def _timeline(context, cells, side, axes):
             above.text(0.5, 0.5, f"no stage times: {cell['outcome']}\n{cell['reason']}", ha="center", va="center",
                        transform=above.transAxes, color="#8A3B12")
         else:
-            edges = stretches(len(total))
+            edges = edges_of(len(total))
             at = edges[:-1]
             shown = {k: medians(v, edges) * 1e3 for k, v in stages.items()}
             staged = np.sum(list(shown.values()), axis=0) if shown else 0
@@ -104,7 +109,7 @@ def _timeline(context, cells, side, axes):
                 if values is None and key is not None:
                     values = context.store.series(key, count)
             if values is not None and len(values):
-                edges = stretches(len(values))
+                edges = edges_of(len(values))
                 below.plot(edges[:-1], medians(values, edges), color=colour, lw=1.3)
                 high = max(high, float(np.max(values)))
     for ax in panels[0]:
@@ -120,7 +125,7 @@ def _timeline(context, cells, side, axes):
     handles += [Line2D([], [], color=colour, label={"points": "contact points"}.get(count, count))
                 for count, colour in COUNTS.items()]
     legend_right(figure, handles, legend_width)
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} timeline {where}"), SECTION,
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} timeline {where}"), WHERE,
                  f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, [*axes, side] if side else axes),
                  f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show. Each is one run: "
@@ -149,3 +154,290 @@ def _finding(where, side, peaks, rows):
     tail = (f"; the dearest stage is {most['stage']} ({100 * most['share of the time [1]']:.1f} % of the time, {most['run']})"
             if most else "")
     return f"On {where}, {side + ' ' if side else ''}{listing(said)}{tail}."
+
+
+# The report's name of a phase, and the scope of ours that does the same.
+PHASES = {"findPairs": "sec_broadphase", "findContacts": "sec_contacts", "applyForces": "sec_solver_integrate",
+          "resolveVelocities": "sec_solver_velocity", "moveApart": "sec_solver_position",
+          "cache": "sec_cache", "sleep": "sec_sleep"}  # the last two are ours: the report has no name for them
+OTHER = "other"
+# What the report says of its own runs of director script 1, on its machine.
+REPORTED = {"heritage_sleeping": "The report has a peak just over 7 ms and 6.5 ms at the end without sleeping, 5.5 and 4 ms with "
+            "it, and calls that about 20 %; its own numbers are 21 % at the peak and 38 % at the end.",
+            "heritage_resolvers": "The report has 16 ms a step at the firework under its first resolver, against 3 ms under "
+            "Catto's, and about 50 against 4 ms at the end, with bodies that never fall asleep."}
+
+
+@of_sweeps("script_profile", 99, WHERE,
+           Needs("world", methods=(1, 4), fixed=("model", "precision", "setting"), metrics=(COST,),
+                 series=("seconds", "sec_*", "bodies", "awake", "points"), also="`report` that names it"),
+           "A script under the names of 2009",
+           "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_sleeping")
+def script_profile(context, cells):
+    if "script_profile" not in context.store.sweep(cells["sweep"].iloc[0]).report:
+        return []
+    cells, refused = one_machine(context.store, cells)
+    made = []
+    for part in split(cells, [name for name in ("scene", "script", "dimension") if name in cells]):
+        made.append(_profile_chart(context, part.drop_duplicates("method").sort_values("method"), refused))
+    return made
+
+
+def wholes(store, cell):
+    """Seconds of each step, a row per timed repeat that stored them and ran as far as the first that did."""
+    found = [store.series(key, "seconds") for key in cell["keys_timed"]]
+    found = [values for values in found if values is not None and len(values)]
+    return np.array([values for values in found if len(values) == len(found[0])])
+
+
+def phases(store, cell):
+    """({phase: seconds of each step}, seconds of whole steps); what is no phase of the report's is OTHER. A whole step is the
+    median of the repeats. Phases are of one repeat, which stored them, and are scaled to it: what the machine did to that repeat
+    alone is in none of them."""
+    key, whole = cell["key_timed"], np.median(wholes(store, cell), axis=0)
+    own = store.series(key, "seconds")
+    found = {name: store.series(key, scope) for name, scope in PHASES.items()}
+    found = {name: values for name, values in found.items() if values is not None}
+    found[OTHER] = np.maximum(0, own - sum(found.values()))
+    scale = np.divide(whole, own, out=np.ones_like(whole), where=own > 0)
+    return {name: values * scale for name, values in found.items()}, whole
+
+
+def times_of(whole, half):
+    """{what: s}: before step `half`, at the peak, in the last tenth."""
+    tenth = max(1, len(whole) // 10)
+    return {"before": float(np.median(whole[max(0, half - tenth // 5):half])), "peak": float(np.max(stretches(whole)[1])),
+            "end": float(np.median(whole[-tenth:]))}
+
+
+def course(store, cell, half):
+    """What is told of one run: times_of the medians, (least, most) of a repeat of each, contact points a body before step `half`,
+    and who is awake."""
+    runs = wholes(store, cell)
+    each = [times_of(run, half) for run in runs]
+    bodies, awake = (store.series(cell["key_timed"], name) for name in ("bodies", "awake"))
+    points = store.series(cell["key_timed"], "points")
+    before = slice(max(0, half - max(1, len(points) // 10) // 5), half)
+    return {"method": cell["method"], **times_of(np.median(runs, axis=0), half), "repeats": len(runs),
+            "spread": {what: (min(found[what] for found in each), max(found[what] for found in each)) for what in each[0]},
+            "bodies": int(bodies[-1]), "awake": int(awake[-1]), "least": int(np.min(awake[half:])),
+            "touching": float(np.median(points[before] / bodies[before]))}
+
+
+def _time(run, what):
+    low, high = run["spread"][what]
+    return si(run[what], "s") + (f" ({si(low, 's')} to {si(high, 's')})" if run["repeats"] > 1 else "")
+
+
+def finding_of_profile(runs, cells, floor):
+    """Numbers of each run, then the ratios of whole runs, which have repeats."""
+    if not runs:
+        return "no run finished with times of its phases."
+    said = [f"{r['method']}: {_time(r, 'before')} a step and {figures(r['touching'], 2)} contact points a body before the "
+            f"half, {_time(r, 'peak')} at the peak, {_time(r, 'end')} in the last tenth, {r['awake']} of {r['bodies']} "
+            f"bodies awake in the end and at least {r['least']} in each step of the second half" for r in runs]
+    by, first, told = cells.set_index("method", drop=False), runs[0]["method"], []
+    for run in runs[1:]:
+        ratio = noise.said(by.loc[first], by.loc[run["method"]], COST, floor)
+        told.append(f"{run['method']} {ratio + ' times' if ratio[:1].isdigit() else noise.IN_WORDS.get(ratio, ratio)}")
+    tail = f". By the median step of the whole run, and {first} as 1: {listing(told)}" if told else ""
+    least, most = (of(run["repeats"] for run in runs) for of in (min, max))
+    of = (" These times are of one repeat, where whatever else the machine did shows." if most == 1 else
+          f" Each step's time is the median of {least if least == most else f'{least} to {most}'} repeats; in brackets the least "
+          "and the most of one.")
+    return "; ".join(said) + tail + "." + of
+
+
+def _half(store, key):
+    """The step at which the rain stops."""
+    half = metrics.Trial(store, key).parameter("rain_until")
+    return len(store.series(key, "seconds")) // 2 if math.isnan(half) else int(half)
+
+
+def _profile_chart(context, cells, refused):
+    store, sweep = context.store, cells["sweep"].iloc[0]
+    where = cells["scene"].iloc[0] + (f" with {cells['script'].iloc[0]}" if "script" in cells else "")
+    where += f", {int(cells['dimension'].iloc[0])}D" if "dimension" in cells else ""
+    figure, panels = grid_of_axes(2, len(cells), 2.3, 1.75, left=0.75, gap_x=0.35, gap_y=0.5)
+    runs, rows, top, high, seen = [], [], 0.0, 1.0, {}
+    for column, (_, cell) in enumerate(cells.iterrows()):
+        above, below, key = panels[0][column], panels[1][column], cell["key_timed"]
+        above.set_title(cell["method"] if cell["outcome"] == "ok" else f"{cell['method']} ({cell['outcome']})")
+        below.set_xlabel("step")
+        whole = None if key is None else store.series(key, "seconds")
+        if whole is None or not len(whole):
+            above.text(0.5, 0.5, f"no times: {cell['outcome']}", ha="center", va="center", transform=above.transAxes)
+            continue
+        (parts, whole), half = phases(store, cell), _half(store, key)
+        shown = {name: stretches(values)[1] * 1e3 for name, values in parts.items()}
+        above.stackplot(stretches(whole)[0], list(shown.values()), colors=[PALETTE[i] for i in map(_colour, shown)], lw=0,
+                        alpha=0.85)
+        seen.update(dict.fromkeys(shown))
+        top = max(top, float(np.max(sum(shown.values()))))
+        for name, colour in COUNTS.items():
+            values = store.series(key, name)
+            below.plot(*stretches(values), color=colour, lw=1.3)
+            high = max(high, float(np.max(values)))
+        if cell["outcome"] == "ok":  # what failed has no end to compare
+            runs.append(course(store, cell, half))
+            for ax in (above, below):
+                ax.axvline(half, color="#777777", lw=0.8, ls=":")
+        rows += [{"run": cell["method"], "phase": name, "median [s]": float(np.median(values)),
+                  "median of the last tenth [s]": float(np.median(values[-max(1, len(values) // 10):])),
+                  "share of the time [1]": float(np.sum(values) / max(1e-300, np.sum(whole)))}
+                 for name, values in [*parts.items(), ("whole step", whole)]]
+    for row, limit in zip(panels, (top, high)):
+        for ax in row:
+            ax.set_ylim(0, limit * 1.08 or 1)
+        for ax in row[1:]:
+            ax.tick_params(labelleft=False)
+    panels[0][0].set_ylabel("time of a step (ms)")
+    panels[1][0].set_ylabel("count")
+    handles = [Patch(color=PALETTE[_colour(name)], alpha=0.85, label=name) for name in reversed(seen)]
+    handles += [Line2D([], [], color=colour, label={"points": "contact points"}.get(name, name)) for name, colour in
+                COUNTS.items()]
+    legend_right(figure, handles, 1.75)
+    floor = noise.floor_of(context, sweep, COST)
+    ends = {run["method"]: run["end"] for run in runs}
+    told = None
+    if len(ends) > 1:
+        slow, fast = max(ends, key=ends.get), min(ends, key=ends.get)
+        awake = {run["method"]: run["awake"] for run in runs}
+        told = Headline(f"At the end of {where} a step takes {si(ends[slow], 's')} with {slow} ({awake[slow]} bodies awake) and "
+                        f"{si(ends[fast], 's')} with {fast} ({awake[fast]}).", ends, "s", "time per step at the end")
+    return Chart(f"{sweep}_script_profile", WHERE, f"A script under the names of 2009: {sweep}, {where}",
+                 f"On {where} " + finding_of_profile(runs, cells, floor), sweep, figure, pd.DataFrame(rows),
+                 refused + holes(cells, ["scene", "method"]),
+                 "Medians of stretches of the run. Their height is the median of the repeats, what is stacked in it the shares "
+                 "of the one that stored its phases; dotted is the half, where the rain stops and the firework goes off. "
+                 f"{', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the "
+                 f"rest. Bodies are counted with ground and walls. {REPORTED.get(sweep, '')} " + noise.rule(floor), headline=told)
+
+
+def _colour(phase):
+    return [*PHASES, OTHER].index(phase) if phase != OTHER else 11
+
+
+SINGLE = "What do single calls cost?"
+PER_PANEL = 12  # columns, so that times stay readable
+SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
+
+
+@of_store("micro", 110, SINGLE,
+          "Micro-benchmarks", "No micro-benchmark was imported into this store.", made_by="import-benchmark bench.json")
+def micro(context):
+    """Of every import the newest result of a benchmark counts; names are stage/dimension/algorithm/case.../size."""
+    groups, machines, found = OrderedDict(), [], {}
+    for imported, data in context.store.benchmarks():
+        machine = data.get("context", {})
+        machines.append(f"{imported}: {machine.get('num_cpus', '?')} CPUs at {machine.get('mhz_per_cpu', '?')} MHz, load "
+                        f"{', '.join(f'{x:.1f}' for x in machine.get('load_avg', [])) or 'not recorded'}")
+        fresh = {}
+        for run in data.get("benchmarks", []):
+            if run.get("run_type", "iteration") == "iteration" or run.get("aggregate_name") == "median":
+                fresh.setdefault(run.get("run_name", run["name"]), []).append(run)
+        found.update(fresh)
+    for name, runs in found.items():
+        stage, algorithm, case = parts(name)
+        groups.setdefault(stage, OrderedDict()).setdefault(algorithm, OrderedDict())[case] = runs
+    return [_micro_chart(context, stage, table, machines) for stage, table in groups.items()]
+
+
+def parts(name):
+    """(stage with dimension, algorithm, case) of a benchmark's name; what is not ours becomes stage and case."""
+    words = [w for w in name.removeprefix("BM_").split("/") if w not in ("manual_time", "real_time")]
+    if len(words) > 2 and words[1] in ("2D", "3D"):
+        return f"{words[0]} {words[1]}", words[2], "/".join(words[3:]) or "call"
+    return words[0], words[1] if len(words) > 1 else words[0], "/".join(words[2:]) or "call"
+
+
+def seconds(runs):
+    """(median time of one iteration, why it failed). Where the benchmark times itself its own clock counts."""
+    medians = [run for run in runs if run.get("aggregate_name") == "median"] or runs
+    errors = [run.get("error_message", "failed") for run in medians if run.get("error_occurred")]
+    if errors:
+        return math.nan, errors[0]
+    clock = "real_time" if "manual_time" in medians[0]["name"] else "cpu_time"
+    return float(np.median([run[clock] * SECONDS[run.get("time_unit", "ns")] for run in medians])), ""
+
+
+def finding_of_micro(stage, values):
+    best = values.min(axis=0)
+    wins = {name: int(sum(values.loc[name] == best)) for name in values.index}
+    first = [name for name in wins if wins[name] == max(wins.values())]
+    cases = int(best.notna().sum())
+    if not cases:
+        return f"No benchmark of {stage} finished."
+    ratio = (values / best).max().max()
+    case = (values / best).max().idxmax()
+    worst = (values[case] / best[case]).idxmax()
+    return (f"Of {stage} the fastest in most cases {verb(len(first), 'are')} {listing(first)} "
+            f"({max(wins.values())} of {cases}); the widest gap is {times(ratio)} times, {worst} on {case}.")
+
+
+def headline(stage, values):
+    """The call on which the algorithms differ most."""
+    gap = (values.max(axis=0) / values.min(axis=0)).dropna()
+    if not len(gap):
+        return None
+    case = gap.idxmax()
+    found = values[case].dropna().to_dict()
+    first, last = min(found, key=found.get), max(found, key=found.get)
+    return Headline(f"A single call of {stage} on {case} takes {first} {si(found[first], 's')} and {last} "
+                    f"{si(found[last], 's')}.", found, "s", "time of one call")
+
+
+def _micro_chart(context, stage, table, machines):
+    cases = list(OrderedDict.fromkeys(case for runs in table.values() for case in runs))
+    names = sorted(table)
+    values = pd.DataFrame(math.nan, index=names, columns=cases)
+    errors = {}
+    for name in names:
+        for case, runs in table[name].items():
+            values.loc[name, case], error = seconds(runs)
+            if error:
+                errors[(name, case)] = error
+    panels = math.ceil(len(cases) / PER_PANEL)
+    columns = math.ceil(len(cases) / panels)
+    row, head, foot = 0.25, 0.1, 0.35 + 0.045 * max(map(len, cases))
+    height = panels * (len(names) * row + head + foot)
+    # As wide as its columns need: few of them in a wide picture would leave it half empty.
+    left = max(min(4.2, 0.4 + 0.072 * max(len(context.name(name)) for name in names)),
+               0.1 + 0.065 * max(map(len, cases[::columns])))
+    width = min(WIDTH, left + 0.78 * columns + 0.2)
+    figure, axes = plt.subplots(panels, 1, figsize=(width, height), squeeze=False)
+    figure.subplots_adjust(left=left / width, right=1 - 0.2 / width, top=1 - head / height, bottom=foot / height,
+                           hspace=(head + foot) / (len(names) * row))
+    best = values.min(axis=0)
+    for panel in range(panels):
+        _panel(context, axes[panel][0], values, best, errors, cases[panel * columns:(panel + 1) * columns], columns)
+    shown = values.add_suffix(" [s]").rename_axis("algorithm").reset_index()
+    return Chart("micro_" + stage.replace(" ", "_").lower(), SINGLE, f"Micro-benchmark: {stage}", finding_of_micro(stage, values),
+                 "", figure, shown, [f"{name} on {case}: {error}" for (name, case), error in errors.items()],
+                 "Median time of a call. White is the fastest of its column, dark ten times slower or more; grey was not "
+                 "measured. Imported " + "; ".join(machines) + ".", headline=headline(stage, values))
+
+
+def _panel(context, ax, values, best, errors, cases, columns):
+    for y, name in enumerate(values.index):
+        for x, case in enumerate(cases):
+            value = values.loc[name, case]
+            if math.isfinite(value):
+                share = min(1.0, math.log10(value / best[case])) if value > 0 and best[case] > 0 else 0.0
+                colour, ink, text = plt.cm.Blues(0.75 * share), "white" if share > 0.75 else "black", si(value, "s")
+            elif (name, case) in errors:
+                colour, ink, text = "#D55E00", "white", "failed"
+            else:
+                colour, ink, text = "#EEEEEE", "black", ""
+            ax.add_patch(plt.Rectangle((x - 0.49, y - 0.46), 0.98, 0.92, facecolor=colour, lw=0))
+            ax.text(x, y, text, ha="center", va="center", fontsize=7.5, color=ink)
+    ax.set_xlim(-0.5, columns - 0.5)
+    ax.set_ylim(len(values) - 0.5, -0.5)
+    ax.set_xticks(range(len(cases)))
+    ax.set_xticklabels(cases, rotation=25, ha="right", fontsize=8)
+    ax.set_yticks(range(len(values)))
+    ax.set_yticklabels([context.name(name) for name in values.index])
+    ax.grid(False)
+    ax.tick_params(length=0)
+    for side in ax.spines.values():
+        side.set_visible(False)

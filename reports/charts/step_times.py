@@ -6,25 +6,28 @@ import math
 import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
+import measured
 import metrics
 import noise
 import over_steps
 import ranking
-from chart import Chart, Needs, holes
+from chart import Chart, Headline, Needs, dimension_of, holes, of_sweeps
 from load import one_machine, split
-from style import ZeroLog, grid_of_axes, legend_right, letter, si, times
+from sentences import clauses, listing, span
+from style import ZeroLog, figures, grid_of_axes, legend_right, letter, si, times
 from table import quantity
 
-PLACE = 38
-SECTION = "How long does the slowest step take?"
+SLOWEST = "How long does the slowest step take?"
 MEDIAN, SLOW, WORST = "ms_per_step_median", "ms_per_step_p99", "ms_per_step_worst"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(MEDIAN,))
-ABSENT = Chart("step_times", SECTION, "Times of whole steps", "No timed sweep of several methods is in this store.", "resolvers")
 MARKS = ((MEDIAN, "o", 5), (SLOW, "|", 9), (WORST, "x", 5))
 
 
-def of_sweep(context, cells):
+@of_sweeps("step_times", 38, SLOWEST,
+           Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(MEDIAN,)),
+           "Times of whole steps", "No timed sweep of several methods is in this store.", "resolvers")
+def step_times(context, cells):
     if not {SLOW, WORST} <= set(context.store.metrics):  # a store of an earlier program
         return []
     cells, refused = one_machine(context.store, cells)
@@ -34,7 +37,7 @@ def of_sweep(context, cells):
         shown = [(where, over_steps.at_middle(mine, setting)) for where, mine in shown]
         at = over_steps.setting_of(pd.concat([mine for _, mine in shown]), setting)
         shown = [(where, mine.drop_duplicates("method")) for where, mine in shown]
-        made.append(_chart(context, part, shown, left_out + refused, at))
+        made.append(_step_times_chart(context, part, shown, left_out + refused, at))
     return made
 
 
@@ -45,31 +48,29 @@ def finding(context, where, cells):
     if not len(good):
         return f"on {where} no timed run finished"
     ratios = good[WORST] / good[MEDIAN]
-    most, least = good.loc[ratios.idxmax()], good.loc[ratios.idxmin()]
-    text = f"on {where} the slowest step takes "
+    most, least, high, low = good.loc[ratios.idxmax()], good.loc[ratios.idxmin()], times(ratios.max()), times(ratios.min())
     if len(good) == 1 or _spread(most)[0] <= _spread(least)[1]:  # the order of slowest steps is noise
-        ends = [times(float(ratios.min())), times(float(ratios.max()))]
-        text += f"{' to '.join(dict.fromkeys(ends))} times the median"
+        told = f"{span(low, high)} times the median"
     else:
         # Whose ranges meet that of the one at the end are not told from it.
         slow = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[1] >= _spread(most)[0]]
         calm = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[0] <= _spread(least)[1]]
-        text += (f"{times(float(ratios.max()))} times the median with {_named(most, slow, good)} and "
-                 f"{times(float(ratios.min()))} times with {_named(least, calm, good)}")
+        told = f"{high} times the median with {_named(most, slow, good)} and {low} times with {_named(least, calm, good)}"
     ours = good[good["method"].map(context.store.role) != "engine"]
     floor = noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)
-    for _, engine in engines.iterrows():
-        if not len(ours):
-            break
-        best = ours.loc[ours[MEDIAN].idxmin()]
-        ratio = noise.said(best, engine, MEDIAN, floor)
-        told = f"{ratio} times the time of our fastest, {best['method']}" if ratio[:1].isdigit() else (
-            f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}")
-        mine, other = ranking.precision(engine), ranking.precision(best)
-        if mine != other:  # of two precisions no ratio is told
-            told = f"{si(engine[MEDIAN], 'ms')} in {mine}"
-        text += f"; a step of {engine['method']} takes {told}"
-    return text
+    beside = [f"a step of {engine['method']} takes {_beside(ours.loc[ours[MEDIAN].idxmin()], engine, floor)}"
+              for _, engine in engines.iterrows() if len(ours)]
+    return clauses(f"on {where} the slowest step takes {told}", *beside)
+
+
+def _beside(best, engine, floor):
+    """The time of an engine beside the fastest of ours; of two precisions no ratio is told."""
+    mine, ratio = ranking.precision(engine), noise.said(best, engine, MEDIAN, floor)
+    if mine != ranking.precision(best):
+        return f"{si(engine[MEDIAN], 'ms')} in {mine}"
+    if ratio[:1].isdigit():
+        return f"{ratio} times the time of our fastest, {best['method']}"
+    return f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}"
 
 
 def _named(cell, alike, good):
@@ -80,11 +81,11 @@ def _named(cell, alike, good):
 
 def _spread(cell):
     """The interval of the slowest step over the repeats, as a multiple of the median."""
-    low, high = noise.interval(noise.runs(cell, WORST) or [cell[WORST]])
+    low, high = noise.interval(measured.runs(cell, WORST) or [cell[WORST]])
     return low / cell[MEDIAN], high / cell[MEDIAN]
 
 
-def _chart(context, cells, shown, gaps, at):
+def _step_times_chart(context, cells, shown, gaps, at):
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     looks, labels, called = context.looks(cells), sorted(cells["method"].unique()), ranking.names(context, cells)
     left = 0.3 + 0.078 * max(map(len, called.values()))
@@ -122,10 +123,147 @@ def _chart(context, cells, shown, gaps, at):
     columns = {"scene": drawn["where"], "method": drawn["method"], "outcome": drawn["outcome"]}
     for name, _, _ in MARKS:
         columns |= quantity(context.title(name), context.unit(name), metrics.column(drawn, name))
-    return Chart(f"{cells['sweep'].iloc[0]}_step_times_{dimension}d", SECTION, f"Times of whole steps, {dimension}D",
+    return Chart(f"{cells['sweep'].iloc[0]}_step_times_{dimension}d", SLOWEST, f"Times of whole steps, {dimension}D",
                  f"In {dimension}D{at} " + "; ".join(finding(context, where, part) for where, part in shown) + "."
                  + ranking.tail_of(context, [(where, part[part["method"].map(context.store.role) != "engine"])
                                              for where, part in shown]),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(columns), gaps + holes(drawn, ["scene", "method"]),
                  "Processor time of a step, broadphase to integration; medians over repeats, without each run's first ten steps. "
                  "Engines stand beside our methods. " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)))
+
+
+SIXTY = "How many bodies keep sixty steps a second?"
+LIMIT = 1000 / 60  # ms
+WITHIN, TOP, BELOW, UNKNOWN = "within the ladder", "the ladder ended", "below the ladder", "unknown"
+
+
+@of_sweeps("bodies_at_rate", 39, SIXTY,
+           Needs("world", methods=(1, math.inf), metrics=(MEDIAN,), also="`report` that names it"),
+           "Bodies at sixty steps a second",
+           "No timed sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_bodies")
+def bodies_at_rate(context, cells):
+    if "bodies_at_rate" not in context.store.sweep(cells["sweep"].iloc[0]).report:
+        return []
+    cells, refused = one_machine(context.store, cells)
+    return [_rate_chart(context, cells.assign(dimension=dimension_of(cells)), refused)]
+
+
+def largest(rungs, limit=LIMIT):
+    """(number of bodies, how it is known) of a ladder [(bodies, ms or NaN)]: interpolated on log-log axes between the last rung
+    that stays within the limit before the first that does not, and that one. A rung without a time is one that does not: then the
+    number is that of the rung before."""
+    rungs = sorted(rungs)
+    if not any(math.isfinite(ms) for _, ms in rungs):
+        return math.nan, UNKNOWN
+    before = None
+    for bodies, ms in rungs:
+        if not math.isfinite(ms):
+            return (math.nan, UNKNOWN) if before is None else (before[0], TOP)
+        if ms > limit:
+            if before is None:
+                return bodies, BELOW
+            share = math.log(limit / before[1]) / math.log(ms / before[1])
+            return math.exp(math.log(before[0]) + share * math.log(bodies / before[0])), WITHIN
+        before = (bodies, ms)
+    return before[0], TOP
+
+
+def rows_of(cells):
+    found = []
+    for (scene, dimension), part in cells.groupby(["scene", "dimension"], sort=True):
+        for method in dict.fromkeys(cells["method"]):
+            mine = part[part["method"] == method]
+            if not len(mine) or (mine["outcome"] == "unsupported").all():
+                continue
+            bodies = [float(b) for b in mine["bodies"]]
+            row = {"scene": scene, "dimension": dimension, "method": method, "rungs": len(mine)}
+            for name, metric in (("slow", SLOW), ("median", MEDIAN)):
+                good = (mine["outcome"] == "ok").to_numpy()
+                times = [ms if fine else math.nan for ms, fine in zip(metrics.column(mine, metric), good)]
+                # A run that failed may have no number of bodies: its rung is beyond those that have.
+                top = max([b for b in bodies if math.isfinite(b)], default=0) + 1
+                row[name], row[name + " known"] = largest([(b if math.isfinite(b) else top, ms) for b, ms in zip(bodies, times)])
+            found.append(row)
+    return found
+
+
+def words(number, known):
+    sign = {TOP: "≥ ", BELOW: "< "}.get(known, "")
+    return "unknown" if known == UNKNOWN else f"{sign}{figures(float(f'{number:.1e}'))}"  # rungs are far apart
+
+
+def finding_of_rate(rows):
+    said = []
+    for place in dict.fromkeys((row["scene"], row["dimension"]) for row in rows):
+        mine = [row for row in rows if (row["scene"], row["dimension"]) == place]
+        told = [f"{row['method']} {words(row['slow'], row['slow known'])} (by the median "
+                f"{words(row['median'], row['median known'])})"
+                for row in mine]
+        said.append(f"on {place[0]} in {place[1]}D {listing(told)}")
+    return ("Bodies whose slow steps, the 99th percentile, stay within a sixtieth of a second: " + "; ".join(said) + "."
+            if said else "No ladder was run.")
+
+
+def _bar(ax, y, row, name, colour, height, alpha):
+    number, known = row[name], row[name + " known"]
+    if known in (WITHIN, TOP):
+        ax.barh(y, number, height=height, color=colour, alpha=alpha, hatch="///" if known == TOP else None, edgecolor="white",
+                lw=0)
+    at = number if known in (WITHIN, TOP) else 0
+    ax.annotate(words(number, known), (at, y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8)
+    return at
+
+
+def _rate_chart(context, cells, refused):
+    sweep, rows, looks = cells["sweep"].iloc[0], rows_of(cells), context.looks(cells)
+    places = list(dict.fromkeys((row["scene"], row["dimension"]) for row in rows))
+    methods = [m for m in dict.fromkeys(cells["method"]) if any(row["method"] == m for row in rows)]
+    called, kept = ranking.names(context, cells), set(ranking.whole(context, cells)["method"])
+    left, ranked = 0.3 + 0.078 * max(len(called[m]) for m in methods), [row for row in rows if row["method"] in kept]
+    figure, axes = grid_of_axes(1, max(1, len(places)), 0.5 * len(methods) + 0.1, 1.9, left=left, gap_x=0.3, bottom=0.55)
+    for ax, place in zip(axes[0], places):
+        mine, most = [row for row in rows if (row["scene"], row["dimension"]) == place], 1.0
+        for row in mine:
+            y, colour = methods.index(row["method"]), looks(row["method"])["color"]
+            most = max(most, _bar(ax, y - 0.2, row, "slow", colour, 0.36, 0.95),
+                       _bar(ax, y + 0.2, row, "median", colour, 0.36, 0.45))
+        ax.set_xlim(0, 1.42 * most)
+        ax.set_ylim(len(methods) - 0.4, -0.6)
+        ax.set_yticks(range(len(methods)), [called[m] for m in methods] if ax is axes[0][0] else [])
+        ax.tick_params(axis="y", length=0)
+        ax.locator_params(axis="x", nbins=3)
+        ax.xaxis.set_major_formatter("{x:,.0f}")
+        ax.set_title(f"{place[0]}, {place[1]}D")
+        ax.set_xlabel("bodies")
+    legend_right(figure, [Patch(color="#555555", alpha=0.95, label="99th percentile"), Patch(color="#555555", alpha=0.45,
+                          label="median"), Patch(facecolor="#555555", hatch="///", edgecolor="white", label="ladder ended"),
+                          Line2D([], [], ls="none", label="<: the first rung\nwas too slow")], 1.9)
+    table = {**{name: [r[name] for r in rows] for name in ("scene", "dimension", "method")},
+             **quantity("bodies by the 99th percentile", "1", [r["slow"] for r in rows]),
+             "how known": [r["slow known"] for r in rows],
+             **quantity("bodies by the median", "1", [r["median"] for r in rows]),
+             "how known of the median": [r["median known"] for r in rows]}
+    return Chart(f"{sweep}_bodies_at_rate", SIXTY, "Bodies at sixty steps a second",
+                 finding_of_rate(ranked) + ranking.tail(context, cells), sweep, figure, pd.DataFrame(table),
+                 refused + holes(cells, ["scene", "dimension", "method", *_ladders(cells)]),
+                 "Processor time of a step; between two rungs of a ladder interpolated on logarithmic axes. Bodies are counted "
+                 "with the ground. Hatched bars, ≥: the largest size of the ladder, or the last before one that failed, is still "
+                 "within a sixtieth of a second.", headline=_headline(ranked))
+
+
+def _ladders(cells):
+    return [name for name in ("n", "base") if name in cells]
+
+
+def _headline(rows):
+    """Where the most and the fewest bodies of one place are farthest apart, of ladders that have an end."""
+    best = None
+    for place in dict.fromkeys((row["scene"], row["dimension"]) for row in rows):
+        known = {row["method"]: row["slow"] for row in rows if (row["scene"], row["dimension"]) == place and
+                 row["slow known"] == WITHIN}
+        if len(known) > 1:
+            most, least = max(known, key=known.get), min(known, key=known.get)
+            told = Headline(f"On {place[0]} in {place[1]}D {most} keeps sixty steps a second with {figures(known[most])} bodies, "
+                            f"{least} with {figures(known[least])}.", known, quantity="bodies", larger=True)
+            best = told if best is None or told.effect > best.effect else best
+    return best

@@ -8,19 +8,18 @@ import textwrap
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
+import measured
 import noise
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
 from load import one_machine, split, varying
 from metrics import Trial
-from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, plt, si, times
+from sentences import does, listing
+from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, si, times
 from table import quantity
 
-PLACE = 43
 SECTION = "What passes through a wall, and what does it cost to stop it?"
 AXES = ("speed", "thickness")
 TIME = "ms_per_step_median"
-NEEDS = Needs("world", varies=AXES, also="a scene of `n` bullets of which a finished cell says how many tunnelled")
-ABSENT = Chart("tunnelling_map", SECTION, "What passes through", "No sweep of bullets at walls is in this store.", "continuous")
 MOST_COLUMNS = 5
 ROW = 0.34  # inches of a row of cells
 LEGIBLE = 0.27  # inches of a cell from which a number fits into it
@@ -31,7 +30,10 @@ SIGNS = {noise.NOISE: "≈", noise.FEW: "?", noise.SAME_WORK: "="}
 NOT_TOLD = {**noise.IN_WORDS, noise.SAME_WORK: "by all counts the same work"}
 
 
-def of_sweep(context, cells):
+@of_sweeps("tunnelling_map", 43, SECTION,
+           Needs("world", varies=AXES, also="a scene of `n` bullets of which a finished cell says how many tunnelled"),
+           "What passes through", "No sweep of bullets at walls is in this store.", "continuous")
+def tunnelling_map(context, cells):
     if "tunnelled" not in cells:  # a store of before trials counted them
         return []
     cells, refused = one_machine(context.store, cells)
@@ -53,7 +55,7 @@ def share(cell):
     """Of the bullets, those that tunnelled; under several seeds the most."""
     if cell["outcome"] != "ok":
         return math.nan
-    through = noise.values(cell, "tunnelled seeds") or [float(cell["tunnelled"])]
+    through = measured.seeds(cell, "tunnelled") or [float(cell["tunnelled"])]
     return max(through) / cell["bullets"]
 
 
@@ -98,7 +100,7 @@ def finding(cells, ratios, base):
     safe = [method for method, cell in worst.items() if cell["share"] == 0]
     for count in dict.fromkeys(finished[method] for method in safe):
         alike = [method for method in safe if finished[method] == count]
-        parts.append(f"{methods(alike, everyone)} let{'s' if len(alike) == 1 else ''} no bullet through in any of {count} cells")
+        parts.append(f"{does(alike, 'let', everyone)} no bullet through in any of {count} cells")
     failed = {method: int(planned[method] - finished.get(method, 0)) for method in everyone}
     parts += [f"{method} has no result in {count} of {planned[method]} cells" for method, count in failed.items() if count]
     text = f"{'Of ' + figures(of.pop()) + ' bullets a' if len(of) == 1 else 'A'}t {ends(cells['speed'], 'm/s')} and walls of "
@@ -136,7 +138,7 @@ def headline(cells, where):
     best = [m for m in known if known[m] == least]
     much = f"up to {percent(least)} through" if least > 0 else "no bullet through at any speed and thickness tried"
     return Headline(f"{where}: {first} lets up to {percent(known[first])} of the bullets through a wall of "
-                    f"{si(float(worst[first]['thickness']), 'm')}; {methods(best, everyone)} let{'s' if len(best) == 1 else ''} "
+                    f"{si(float(worst[first]['thickness']), 'm')}; {does(best, 'let', everyone)} "
                     f"{much}.", most, quantity="largest share that tunnelled", ends=final_states(cells))
 
 

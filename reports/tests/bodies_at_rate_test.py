@@ -13,9 +13,10 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import bodies_at_rate  # noqa: E402
+from charts import step_times  # noqa: E402
+from charts.step_times import bodies_at_rate  # noqa: E402
 
-LIMIT = bodies_at_rate.LIMIT
+LIMIT = step_times.LIMIT
 
 
 class BodiesAtRate(with_store.WithStore):
@@ -53,10 +54,10 @@ class BodiesAtRate(with_store.WithStore):
         self.assertEqual(len(hatched), 4, "of fast and of hung")
 
     def test_the_planted_bug_a_ladder_that_ended_is_no_answer(self):
-        self.assertEqual(bodies_at_rate.largest([(100, 1.0), (1000, 2.0)])[1], bodies_at_rate.TOP)
-        self.assertEqual(bodies_at_rate.largest([(100, 1.0), (1000, math.nan), (2000, 3.0)]), (100, bodies_at_rate.TOP))
-        self.assertEqual(bodies_at_rate.largest([(100, 1.0), (200, 20.0), (300, 2.0), (400, 99.0)])[1], bodies_at_rate.WITHIN)
-        self.assertLess(bodies_at_rate.largest([(100, 1.0), (200, 20.0), (300, 2.0), (400, 99.0)])[0], 200,
+        self.assertEqual(step_times.largest([(100, 1.0), (1000, 2.0)])[1], step_times.TOP)
+        self.assertEqual(step_times.largest([(100, 1.0), (1000, math.nan), (2000, 3.0)]), (100, step_times.TOP))
+        self.assertEqual(step_times.largest([(100, 1.0), (200, 20.0), (300, 2.0), (400, 99.0)])[1], step_times.WITHIN)
+        self.assertLess(step_times.largest([(100, 1.0), (200, 20.0), (300, 2.0), (400, 99.0)])[0], 200,
                         "the lowest bracket counts")
         self.assertIsNone(self.one(of={"a": {100: 0.1, 1000: 1.0}, "b": {100: 0.2, 1000: 2.0}}).headline)
 
@@ -65,7 +66,7 @@ class BodiesAtRate(with_store.WithStore):
         self.assertEqual(made.headline.text, "On rain in 2D b keeps sixty steps a second with 400 bodies, a with 200.")
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(bodies_at_rate, synthetic_store.resolvers), [bodies_at_rate.ABSENT])
+        self.assertEqual(self.made(bodies_at_rate, synthetic_store.resolvers), [bodies_at_rate.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

@@ -57,7 +57,7 @@ class Map(undrawn.Undrawn):
                                     "drift" if fell else "", 50 if fell else None,
                                     series={"points": [50] * 50} if left else None)
         maker.close()
-        found = chart.made(breaking_map, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        found = chart.made(breaking_map.breaking_map, chart.Context(load.Store(Path(folder.name) / "store.db")))
         self.assertEqual(len(found), 1)
         if self.draws:
             self.assertEqual(overlap.overlaps(found[0].figure), ([], []))
@@ -111,7 +111,7 @@ class Map(undrawn.Undrawn):
                         "resolver": "catto", "n": value, "seed": seed, "timed": False, "repeat": 0}
                 maker.trial("mine", axes, {"sunk": share}, "ok" if share <= 0.01 else "sank", "", 50)
         maker.close()
-        made, = chart.made(breaking_map, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        made, = chart.made(breaking_map.breaking_map, chart.Context(load.Store(Path(folder.name) / "store.db")))
         row = made.table.iloc[0]
         self.assertEqual(row["last that holds [1]"], 1)
         self.assertAlmostEqual(row["half have sunk by more than 10 % at [1]"], math.sqrt(8))

@@ -18,7 +18,7 @@ import ranking  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import breaking_points  # noqa: E402
+from charts.breaking_points import breaking_points  # noqa: E402
 
 EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations", "most": 256}
 

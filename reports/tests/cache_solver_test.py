@@ -13,7 +13,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import ranking  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import cache_solver  # noqa: E402
+from charts import breaking_points  # noqa: E402
+from charts.breaking_points import cache_solver  # noqa: E402
 
 EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations", "most": 64}
 HEIGHTS = {("catto", "none"): 0, ("catto", "by_feature"): 8, ("catto", "recycling"): 8,
@@ -67,8 +68,8 @@ class CacheSolver(with_store.WithStore):
 
     def test_the_planted_bug_that_takes_the_other_axis_is_seen(self):
         found = {pair: float(height) for pair, height in HEIGHTS.items()}
-        self.assertEqual(sorted(cache_solver.effects(found, 1)), [8, 20], "of each resolver over its caches")
-        self.assertEqual(sorted(cache_solver.effects(found, 0)), [0, 4, 16], "of each cache over its resolvers")
+        self.assertEqual(sorted(breaking_points.effects(found, 1)), [8, 20], "of each resolver over its caches")
+        self.assertEqual(sorted(breaking_points.effects(found, 0)), [0, 4, 16], "of each cache over its resolvers")
 
     @undrawn.drawn
     def test_times_stand_beside_and_the_letter_of_what_fell(self):
@@ -81,7 +82,7 @@ class CacheSolver(with_store.WithStore):
 
     def test_nothing_is_said_of_one_cache_or_where_all_fall(self):
         self.assertEqual(self.made(cache_solver, self.towers({pair: 8 for pair in HEIGHTS if pair[1] == "none"})),
-                         [cache_solver.ABSENT])
+                         [cache_solver.absent])
         none = self.made(cache_solver, self.towers(dict.fromkeys(HEIGHTS, 0)))[0]
         self.assertIn("every pair falls already at the smallest n tried", none.finding)
         self.assertIsNone(none.headline)

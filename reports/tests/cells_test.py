@@ -13,9 +13,11 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import chart  # noqa: E402
 import load  # noqa: E402
+import measured  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import cost_against_error, step_times  # noqa: E402
+from charts import cost_against_error  # noqa: E402
+from charts.step_times import step_times  # noqa: E402
 
 COST = "ms_per_step_median"
 ENGINE = {"precision": "f32", "engine": {"name": "box2d", "differs": "a skin of 1 cm"}, "pipeline": "engine=box2d{iterations=10}"}
@@ -46,10 +48,11 @@ class Cells(unittest.TestCase):
                                synthetic_store.registered("velocity", ["catto"]) +
                                synthetic_store.registered("engine", ["box2d"], "engine"))
         self.assertEqual([context.store.role(label) for label in ("catto", "erin", "mine")], ["competitor", "engine", "witness"])
-        self.assertIn("erin is a whole engine, here in f32: a skin of 1 cm", chart.made(cost_against_error, context)[0].note)
+        self.assertIn("erin is a whole engine, here in f32: a skin of 1 cm", 
+                      chart.made(cost_against_error.cost_against_error, context)[0].note)
         self.assertRegex(chart.made(step_times, context)[0].finding, r"a step of erin takes 30\d µs in f32")
         with unittest.mock.patch.object(cost_against_error.metrics, "pareto", wraps=cost_against_error.metrics.pareto) as front:
-            chart.made(cost_against_error, context)
+            chart.made(cost_against_error.cost_against_error, context)
         ranked = [sum(error == error for error in call.args[1]) for call in front.call_args_list]
         self.assertEqual(set(ranked), {2}, "the front is of catto and mine; erin is f32 among f64")
         with unittest.mock.patch.object(load.Store, "role", by_label):
@@ -89,7 +92,7 @@ class Cells(unittest.TestCase):
                 maker.trial("costs", axes, {COST: 1.0}, machine=1 if repeat < 3 else 2)
         context = self.context(fill)
         cells, said = load.one_machine(context.store, context.store.cells("costs"))
-        self.assertEqual(len(cells.iloc[0][f"{COST} runs"]), 3)
+        self.assertEqual(len(measured.runs(cells.iloc[0], COST)), 3)
         self.assertEqual(said, ["a: 2 timed trials on another machine are left out"])
 
 

@@ -23,7 +23,7 @@ import ranking  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import choose  # noqa: E402
+from charts.choose import what_to_take  # noqa: E402
 
 SEEDS = tuple(range(1, 11))
 FLAT = (1.0,) * len(SEEDS)
@@ -80,7 +80,7 @@ class Choose(undrawn.Undrawn):
                                 left=2e-3, extra={"pipeline": text})
         maker.close()
         context = chart.Context(load.Store(self.path))
-        made = choose.of_store(context)
+        made = what_to_take.make(context)
         self.addCleanup(style.plt.close, "all")
         for c in made:
             if c.figure is not None and self.draws:
@@ -144,7 +144,7 @@ class Choose(undrawn.Undrawn):
                                      "mean_penetration_poses_end": depth / 2, "jitter": speed * (1 + seed / 100)},
                                     extra={"pipeline": text})
             maker.close()
-            made, = choose.of_store(chart.Context(load.Store(path)))
+            made, = what_to_take.make(chart.Context(load.Store(path)))
             self.addCleanup(style.plt.close, "all")
             return (next(m for m, word in self.verdicts(made.table, "resolver").items() if word == "take"),
                     self.column(made.table, "resolver", "reason"), made)
@@ -241,12 +241,12 @@ class Choose(undrawn.Undrawn):
     def test_nobody_who_finished_is_no_error(self):
         _, made = self.made({m: (1.0, 1e-3, 1e-3, "collapsed", FLAT, FLAT) for m in ("catto+none", "soft_step")}, seeds=SEEDS[:1])
         self.assertIn("resolver: none of ours finished with a time", made[0].finding)
-        self.assertEqual(choose.to_run(chart.Context(load.Store(self.path))), "")
+        self.assertEqual(choice.to_run(chart.Context(load.Store(self.path))), "")
 
     def test_what_is_taken_is_run_as_a_whole_and_stands_beside_what_was_given(self):
         context, made = self.made()
         pasted = "broadphase=sort_and_sweep cache=by_feature solver=split_solver{position=none}"
-        self.assertEqual(choose.to_run(context), pasted)
+        self.assertEqual(choice.to_run(context), pasted)
         self.assertIn(f"Not yet run as a whole: --pipeline '{pasted}'", made[0].finding)
         self.assertIn("has not run as a whole", " ".join(made[0].holes))
         printed = io.StringIO()
@@ -254,7 +254,7 @@ class Choose(undrawn.Undrawn):
             self.assertEqual(make.main(["--store", str(self.path), "--taken"]), 0)
         self.assertEqual(printed.getvalue(), pasted + "\n")
         context, made = self.made(whole=1.0)
-        self.assertEqual(choose.to_run(context), "", "it has run")
+        self.assertEqual(choice.to_run(context), "", "it has run")
         self.assertRegex(made[0].finding, r"As a whole this takes 1\.0\d ms \(.* to .*\) a step, 0\.3\d times the time of what")
         self.assertIn("mean penetration of shapes at the end 2 mm", made[0].finding)
         self.assertIn(f"over 10 seeds). To paste: --pipeline '{pasted}'", made[0].finding)
@@ -268,7 +268,7 @@ class Choose(undrawn.Undrawn):
     def test_what_is_taken_may_have_run_anyway(self):
         context, made = self.made({"catto+split_impulse": (1.0, 0.01, 0.001, "ok", FLAT, FLAT)},
                                   broadphases={"region_tree": (1.0, 100.0), "naive": (1.0, 900.0)})
-        self.assertEqual(choose.to_run(context), "")
+        self.assertEqual(choice.to_run(context), "")
         self.assertRegex(made[0].finding, r"As a whole this takes 1\.0\d ms")
 
     def test_errors_and_times_have_intervals(self):

@@ -204,8 +204,8 @@ class Choosing(undrawn.Undrawn):
             synthetic_store.write(Path(folder) / "empty.db", themes=())
             context = chart.Context(load.Store(Path(folder) / "empty.db"))
         for needs in (chart.Needs("world", metrics=("ms_per_setp_median",)), chart.Needs("world", series=("max_sped",))):
-            bad = type("bad", (), {"NEEDS": needs, "ABSENT": None, "of_sweep": None, "__file__": "charts/planted.py"})
-            with self.assertRaisesRegex(load.UserError, "planted.py: no (metric|series) .*; valid: .*max_"):
+            bad = chart.of_sweeps("planted", 1, "", needs, "", "", "")(self.test_a_chart_that_needs_what_nobody_has_is_refused)
+            with self.assertRaisesRegex(load.UserError, "choosing_test.py: no (metric|series) .*; valid: .*max_"):
                 chart.made(bad, context)
 
 
@@ -220,7 +220,8 @@ class Engines(undrawn.Undrawn):
             made.close()
             store = load.Store(Path(folder) / "engines.db")
             context = chart.Context(store)
-            return next(c for c in make.all_charts(context) if c.figure is not None and c.section == cost_against_error.SECTION)
+            return next(c for c in make.all_charts(context)
+                        if c.figure is not None and c.section == cost_against_error.RIGHT_FOR_COST)
 
     @undrawn.drawn
     def test_an_engine_is_marked_kept_in_its_precision_and_told_apart(self):

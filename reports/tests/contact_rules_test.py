@@ -14,7 +14,8 @@ import ranking  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import contact_rules  # noqa: E402
+from charts import contacts  # noqa: E402
+from charts.contacts import contact_rules  # noqa: E402
 
 # Method: us of a step, points, then by seed: sag, drift, jitter
 RULES = {"sat_clip+spread": (100.0, 40, (0.001, 0.0011), (0.02, 0.021), (1e-4, 2e-4)),
@@ -27,7 +28,7 @@ class Rules(with_store.WithStore):
     @staticmethod
     def stack(of=None, axis="contacts", report=("contact_rules",), scenes=("tower",)):
         def fill(maker):
-            for name, unit in ((contact_rules.POINTS, "1"), ("sag_end", "m"), ("lateral_max", "m"), ("jitter", "m/s")):
+            for name, unit in ((contacts.POINTS, "1"), ("sag_end", "m"), ("lateral_max", "m"), ("jitter", "m/s")):
                 maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
                                  ("metric", name, "world", name.replace("_", " "), unit, "invented", "detail", "less", ""))
             maker.sweep("mine", baseline="sat_clip+spread", **{axis: "label"}, **({"report": list(report)} if report else {}))
@@ -41,7 +42,7 @@ class Rules(with_store.WithStore):
             if bought[0] is None:
                 maker.trial("mine", {**axes, "timed": False, "repeat": 0}, {}, "collapsed", "drift", 77)
                 return
-            facts = dict(zip(contact_rules.BOUGHT, (of_seeds[seed % 2] * (1 + seed / 1000) for of_seeds in bought)))
+            facts = dict(zip(contacts.BOUGHT, (of_seeds[seed % 2] * (1 + seed / 1000) for of_seeds in bought)))
             maker.trial("mine", {**axes, "timed": False, "repeat": 0}, {"contacts_end": points, **facts})
             for repeat in range(4):
                 maker.trial("mine", {**axes, "timed": True, "repeat": repeat},
@@ -78,8 +79,8 @@ class Rules(with_store.WithStore):
     def test_a_chart_for_each_scene_and_none_of_other_methods(self):
         self.assertEqual([c.id for c in self.made(contact_rules, self.stack(scenes=("pyramid", "tower")))],
                          ["mine_contact_rules_pyramid__3d", "mine_contact_rules_tower__3d"])
-        self.assertEqual(self.made(contact_rules, self.stack(axis="resolver", report=())), [contact_rules.ABSENT])
-        self.assertEqual(self.made(contact_rules, synthetic_store.resolvers), [contact_rules.ABSENT])
+        self.assertEqual(self.made(contact_rules, self.stack(axis="resolver", report=())), [contact_rules.absent])
+        self.assertEqual(self.made(contact_rules, synthetic_store.resolvers), [contact_rules.absent])
 
     def test_without_the_baseline_it_says_so(self):
         self.assertIn("it has no result", self.one(of={m: RULES[m] for m in ("deepest_point", "sat_clip+deepest")}).finding)

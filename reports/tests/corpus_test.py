@@ -64,7 +64,7 @@ class Corpus(undrawn.Undrawn):
                 maker.db.execute("INSERT INTO meta VALUES (?, ?)", (name, value))
         maker.close()
         store = load.Store(Path(folder.name) / "s.db")
-        found = corpus.of_store(chart.Context(store))[0]
+        found = corpus.corpus.make(chart.Context(store))[0]
         if self.draws:
             self.assertEqual(overlap.overlaps(found.figure), ([], []))
         return store, found

@@ -24,7 +24,7 @@ import pages  # noqa: E402, F401
 import readme  # noqa: E402, F401
 import with_store  # noqa: E402, F401
 
-chart.modules()
+chart.kinds()
 
 
 def run(file):

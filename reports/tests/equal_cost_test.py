@@ -15,11 +15,13 @@ import pandas as pd  # noqa: E402
 import chart  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
+import measured  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 from charts import equal_cost  # noqa: E402
+from measured import Measured  # noqa: E402
 
 EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations"}
 
@@ -30,7 +32,7 @@ def cells(rows):
     for method, outcome, found in rows:
         seeds = list(found) if isinstance(found, (list, tuple)) else [found]
         made.append({"method": method, "outcome": outcome, "error": seeds[len(seeds) // 2], "seeds": list(range(len(seeds))),
-                     **({"error seeds": seeds} if len(seeds) > 1 else {})})
+                     measured.MEASURED: {"error": Measured(seeds=tuple(seeds if len(seeds) > 1 else ()))}})
     return pd.DataFrame(made)
 
 

@@ -20,7 +20,8 @@ import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import failing_pairs  # noqa: E402
+from charts import corpus  # noqa: E402
+from charts.corpus import failing_pairs  # noqa: E402
 
 STILL = {2: {"t": [0, 0], "cos_sin": [1, 0]}, 3: {"t": [0, 0, 0], "q_wxyz": [1, 0, 0, 0]}}
 
@@ -67,17 +68,17 @@ class Gallery(undrawn.Undrawn):
         self.assertNotEqual(check_outlines(without_rounding), "", "the planted bug was not seen")
 
     def test_every_panel_says_what_is_wrong(self):
-        told = lambda failure, error=1e-9: failing_pairs.told(case("m", failure, error, 1.0))[2:]  # noqa: E731
+        told = lambda failure, error=1e-9: corpus.told(case("m", failure, error, 1.0))[2:]  # noqa: E731
         self.assertEqual(told("wrong_distance"), ["wrong distance", "500 mm for 1 m", "off by 1.0e-09"])
         self.assertEqual(told("wrong_normal"), ["wrong normal", "off by 1.0e-09 along it"], "its distance is right")
         self.assertEqual(told("wrong_side"), ["wrong side", "500 mm for 1 m", "off by 1.0e-09"])
         self.assertEqual(told("wrong_side", None), ["wrong side", "true: 1 m"], "a witness that knows the side alone")
         self.assertEqual(told("not_finite", None), ["no answer: not finite", "true: 1 m"])
-        wrong = {name: {"worst": (0, case(name, name, 0.1 * i, 1.0))} for i, name in enumerate(failing_pairs.WRONG)}
+        wrong = {name: {"worst": (0, case(name, name, 0.1 * i, 1.0))} for i, name in enumerate(corpus.WRONG)}
         self.assertIn("are wrong, 1 in distance, 1 in normal and 1 in side; the worst of all is wrong_side's on sphere–sphere "
-                      "(ties), a wrong side, off by 0.2", failing_pairs.finding(wrong, 2, "f64"))
+                      "(ties), a wrong side, off by 0.2", corpus.finding_of_pairs(wrong, 2, "f64"))
         del wrong["wrong_side"]
-        self.assertIn("off by 0.1 of the size along its normal alone", failing_pairs.finding(wrong, 2, "f64"))
+        self.assertIn("off by 0.1 of the size along its normal alone", corpus.finding_of_pairs(wrong, 2, "f64"))
 
     def test_an_outline_that_is_given_is_drawn_and_one_that_is_missing_is_told(self):
         known = case("m", "wrong_distance", 0.1, 1.0)
@@ -89,7 +90,7 @@ class Gallery(undrawn.Undrawn):
         for kind in ("half_space", "custom"):
             older = {**known, "shapeA": {"type": kind}}
             self.assertIsNone(silhouette.of_case(older, "A"))
-            made = failing_pairs._chart(Names, {"m": {"simplest": (0, older), "worst": (0, given)}}, 2, "f64")
+            made = corpus._pairs_chart(Names, {"m": {"simplest": (0, older), "worst": (0, given)}}, 2, "f64")
             self.assertEqual(made.holes, [f"m, simplest: no outline of {kind} is in the store, which an older program wrote"])
             self.assertNotIn("outline", made.table["input"].iloc[1])
             style.plt.close(made.figure)
@@ -109,7 +110,7 @@ class Gallery(undrawn.Undrawn):
                                 (error, json.dumps(case("fcl_libccd", "wrong_distance", error, 0.5 + error)), kinds))
             made.close()
             context = chart.Context(load.Store(Path(folder) / "s.db"))
-            charts = failing_pairs.of_store(context)
+            charts = failing_pairs.make(context)
             self.assertEqual([c.id for c in charts], ["failing_pairs_2d_f64"])
             shown = charts[0].table.set_index("which")
             self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")

@@ -19,7 +19,8 @@ import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import distinctness, pair_queries, within_tolerance  # noqa: E402
+from charts import measurements, tolerances  # noqa: E402
+from charts.pair_queries import pair_queries  # noqa: E402
 
 MANUAL = HERE.parent.parent / "docs" / "manual.md"
 
@@ -88,7 +89,7 @@ class Failure(Synthetic):
 
     def test_a_store_that_does_not_count_wrong_answers_is_told(self):
         cells = self.store.cells("pair_queries").drop(columns="wrong")
-        made = pair_queries.of_sweep(self.context, cells)
+        made = pair_queries.make(self.context, cells)
         self.assertEqual(len(made), 1)
         self.assertIn("do not count wrong answers", made[0].finding)
 
@@ -98,7 +99,7 @@ def check_at_the_ledgers_tolerance(rows, outside):
     """At the referee's tolerance the failures are those of the ledger; a wider one never has more."""
     for _, row in rows.iterrows():
         part = rows.loc[[row.name]]
-        found = [outside(part, decade) for decade in within_tolerance.DECADES]
+        found = [outside(part, decade) for decade in tolerances.DECADES]
         if outside(part, -12) != failure.in_ledger(part):
             return f"{row['method']}: {outside(part, -12)} at 1e-12, {failure.in_ledger(part)} in the ledger"
         if found != sorted(found, reverse=True):
@@ -117,13 +118,13 @@ class WithinTolerance(Synthetic):
         return rows[(rows["stage"] == "pair_query") & (rows["axis"] == "all")]
 
     def test_at_the_ledgers_tolerance_it_is_the_ledger(self):
-        self.assertEqual(check_at_the_ledgers_tolerance(self.rows(), within_tolerance.outside), "")
+        self.assertEqual(check_at_the_ledgers_tolerance(self.rows(), tolerances.outside), "")
         self.assertNotEqual(check_at_the_ledgers_tolerance(self.rows(), answers_alone), "", "the planted bug was not seen")
 
     def test_a_wrong_side_without_a_value_is_outside_at_every_tolerance(self):
         rows = self.rows().head(1).copy()
         rows["wrong"] = rows["wrong"] + 3
-        self.assertEqual(within_tolerance.outside(rows, 0), within_tolerance.outside(self.rows().head(1), 0) + 3)
+        self.assertEqual(tolerances.outside(rows, 0), tolerances.outside(self.rows().head(1), 0) + 3)
 
     def test_ranks_that_turn_are_named(self):
         """One is always off by 1e-7; the other seldom, but by the whole size."""
@@ -133,14 +134,14 @@ class WithinTolerance(Synthetic):
         often = rows["method"] == "fcl_libccd"
         rows["wrong"] = np.where(often, rows["asked"] * 7 // 10, rows["asked"] * 32 // 100)
         rows["histogram"] = [{"-14": n - w, "-7" if o else "-1": w} for n, w, o in zip(rows["asked"], rows["wrong"], often)]
-        text = within_tolerance.finding(rows, 3, "f64")
+        text = tolerances.finding_of_right(rows, 3, "f64")
         self.assertIn("judged at 1e-12 of the size fcl_libccd fails on 70% of its questions and libccd_mpr on 32%", text)
         self.assertIn("at 1e-3 it is 0 and 32%: the rank turns round", text)
         apart = rows[often | (rows["kind_a"] == "box")]
-        self.assertIn("no two witnesses change ranks", within_tolerance.finding(apart, 3, "f64"), "asked of other kinds")
+        self.assertIn("no two witnesses change ranks", tolerances.finding_of_right(apart, 3, "f64"), "asked of other kinds")
         tight = rows[often].assign(method="fcl_libccd{tolerance=1e-14}", wrong=0,
                                    histogram=[{"-15": n} for n in rows[often]["asked"]])
-        text = within_tolerance.finding(load.pd.concat([rows, tight], ignore_index=True), 3, "f64")
+        text = tolerances.finding_of_right(load.pd.concat([rows, tight], ignore_index=True), 3, "f64")
         self.assertIn("The tightest setting of a library helps fcl_libccd most: 70% become 0", text)
 
 
@@ -159,18 +160,19 @@ def check_paths(agreements):
         store = load.Store(Path(folder) / "s.db")
         table = agreements(store, store.cells("resolvers"))
         store.db.close()
-    found = distinctness.paths(table)
-    return "" if found == [["catto+linear", "catto+none"]] else f"paths {found}\n{table}", distinctness.finding(table, {})
+    found = measurements.paths(table)
+    return "" if found == [["catto+linear", "catto+none"]] else f"paths {found}\n{table}", (
+        measurements.finding_of_alike(table, {}))
 
 
 def any_iterations(store, cells):
     """Planted bug: cells are not told apart by their setting, so the last one stands for all."""
-    return distinctness.agreements(store, cells.drop(columns="iterations").assign(outcome="ok"))
+    return measurements.agreements(store, cells.drop(columns="iterations").assign(outcome="ok"))
 
 
 class Distinctness(undrawn.Undrawn):
     def test_methods_that_end_in_the_same_bits_are_one_path(self):
-        wrong, text = check_paths(distinctness.agreements)
+        wrong, text = check_paths(measurements.agreements)
         self.assertEqual(wrong, "")
         self.assertIn("In resolvers catto+linear and catto+none are one path (3 of 4 comparisons", text)
         self.assertNotEqual(check_paths(any_iterations)[0], "", "the planted bug was not seen")

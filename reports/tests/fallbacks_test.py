@@ -110,22 +110,18 @@ def left(method):
 
 class Fallbacks(with_store.WithStore):
     def test_each_chart_of_worlds_is_here(self):
-        charts = {chart.name_of(module) for module in chart.modules() if hasattr(module, "NEEDS") and module.NEEDS.kind in KINDS}
+        charts = {kind.name for kind in chart.kinds() if kind.needs and kind.needs.kind in KINDS}
         self.assertEqual(charts, set(FIRST) | set(NONE_FIRST))
         self.assertFalse(set(FIRST) & set(NONE_FIRST))
 
     def told(self, name, fill):
         """(what names methods that have a rank, what names those that have none) of all charts of a file."""
-        found = self.made(self.module(name), fill)
+        found = self.made(next(kind for kind in chart.kinds() if kind.name == name), fill)
         texts = [made.finding for made in found]
         heads = [made.headline for made in found if made.headline]
         said = [OUT.sub("", text) for text in texts] + [OUT.sub("", head.text) for head in heads]
         said += [method for head in heads for method, value in head.values.items() if value == value]
         return said, [part for text in texts for part in OUT.findall(text)]
-
-    @staticmethod
-    def module(name):
-        return next(module for module in chart.modules() if chart.name_of(module) == name)
 
     def test_what_left_rows_to_gauss_seidel_has_no_rank(self):
         for name, (fill, first) in FIRST.items():

@@ -52,7 +52,7 @@ def made_of(falling, contacts=True, gone=(), steps=300):
         maker.close()
         store = load.Store(Path(folder) / "store.db")
         try:
-            return chart.made(falls, chart.Context(store))
+            return chart.made(falls.falls, chart.Context(store))
         finally:
             store.db.close()
 
@@ -168,7 +168,7 @@ class Falls(undrawn.Undrawn):
                         "collapsed", "body 2 is 1.2 m away", 90)
             maker.close()
             store = load.Store(Path(folder) / "store.db")
-            found = chart.made(falls, chart.Context(store))
+            found = chart.made(falls.falls, chart.Context(store))
             store.db.close()
         self.assertEqual([c.id for c in found], ["falls"])
         self.assertTrue(found[0].finding.endswith("That is without equal, which names other charts."), found[0].finding)

@@ -15,14 +15,21 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import numpy as np  # noqa: E402
 
+import budget  # noqa: E402
 import chart  # noqa: E402
 import noise  # noqa: E402
 import over_steps  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import (broadphase, budgets, cost_against_error, distinctness, energy, ensembles, residual, stages,  # noqa: E402
-                    steadiness)
+from charts import broadphase, standing  # noqa: E402
+from charts.conserved import energy  # noqa: E402
+from charts.cost_against_error import cost_against_error, error_within_budgets  # noqa: E402
+from charts.ensembles import ensembles  # noqa: E402
+from charts.measurements import distinctness  # noqa: E402
+from charts.problems import residual  # noqa: E402
+from charts.stages import stages  # noqa: E402
+from charts.standing import steadiness  # noqa: E402
 
 COST = "ms_per_step_median"
 
@@ -113,13 +120,13 @@ class Findings(with_store.WithStore):
         context = self.context(self.cut([1.022, 1.023, 1.024, 1.025, 1.026]))
         cells = context.store.cells("costs")
         least = 1.028
-        self.assertEqual(sorted(budgets.within(cells, COST, "penetration_poses", 1.02, least)), ["catto", "naive"])
-        self.assertEqual(sorted(budgets.within(cells, COST, "penetration_poses", 1.02)), ["naive"], "the bug was not seen")
+        self.assertEqual(sorted(budget.within(cells, COST, "penetration_poses", 1.02, least)), ["catto", "naive"])
+        self.assertEqual(sorted(budget.within(cells, COST, "penetration_poses", 1.02)), ["naive"], "the bug was not seen")
         cells = self.context(self.cut([1.2, 1.21, 1.22, 1.23, 1.24])).store.cells("costs")
-        self.assertEqual(sorted(budgets.within(cells, COST, "penetration_poses", 1.02, least)), ["naive"])
+        self.assertEqual(sorted(budget.within(cells, COST, "penetration_poses", 1.02, least)), ["naive"])
         cells = self.context(self.cut([1.01, 1.2, 1.21, 1.23, 1.24])).store.cells("costs")
-        self.assertEqual(sorted(budgets.within(cells, COST, "penetration_poses", 1.02, least)), ["catto", "naive"], "whiskers")
-        found = chart.made(budgets, context)[0]
+        self.assertEqual(sorted(budget.within(cells, COST, "penetration_poses", 1.02, least)), ["catto", "naive"], "whiskers")
+        found = chart.made(error_within_budgets, context)[0]
         self.assertRegex(found.finding, r"within 1\.02 ms, .*per step that of catto \(1 mm\)\.")
         self.assertIn("a time above the budget by no more than the noise is within it", found.note)
 
@@ -131,7 +138,7 @@ class Findings(with_store.WithStore):
                 for label, work in zip(("catto", "naive"), works):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, iterations / 10, 1e-2 / iterations, work=work)
-        found = self.made(budgets, fill)[0]
+        found = self.made(error_within_budgets, fill)[0]
         self.assertEqual(len(found.figure.axes), 2, "a panel for each cost")
         drawn = found.figure.axes[1].lines
         self.assertTrue(all(x > 0 for line in drawn for x in line.get_xdata()), "0 has no place on a log axis")
@@ -144,20 +151,20 @@ class Findings(with_store.WithStore):
                 for label, error in zip(("catto", "naive"), errors):
                     maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
                                 iterations / 10, error)
-        found = self.made(budgets, fill)[0]
+        found = self.made(error_within_budgets, fill)[0]
         self.assertRegex(found.finding, r"^On stack, 2D the smallest penetration is, within 4\d\d µs and 8\d\d µs per step "
                          r"that of catto \(4 mm\), within \S+ ms that of naive \(2 mm\), within \S+ ms that of naive "
                          r"\(1 mm\); within \S+ .*multiply-adds per step that of catto \(4 mm\), .* naive \(1 mm\)\.$")
 
     def test_what_is_below_rounding_has_no_rank_in_rest(self):
-        said = steadiness.finding("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
+        said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
                                   ["catto", "soft_step", "millington", "naive"])
         self.assertEqual(said, "on pyramid catto and soft_step come to rest (below 1 nm/s in the last quarter); it is most "
                          "restless with millington (100 mm/s); naive fails")
-        said = steadiness.finding("pyramid", {"catto": 6.6e-13, "soft_step": 0.0}, [], ["catto", "soft_step"])
+        said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 0.0}, [], ["catto", "soft_step"])
         self.assertEqual(said, "on pyramid catto and soft_step come to rest (below 1 nm/s in the last quarter)")
-        with unittest.mock.patch.object(steadiness, "at_rest", lambda speeds: speeds):
-            bad = steadiness.finding("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13}, [], ["catto", "soft_step"])
+        with unittest.mock.patch.object(standing, "at_rest", lambda speeds: speeds):
+            bad = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13}, [], ["catto", "soft_step"])
         self.assertIn("calmest with soft_step", bad, "the planted bug was not seen")
 
     def test_who_fails_is_told_beside_the_speeds_of_the_others(self):
@@ -222,17 +229,17 @@ class Findings(with_store.WithStore):
         steady = (1.0, 1.001, 1.002, 1.003, 1.004)
         runs = lambda last: lambda method, n, _: [n * (n if method == "naive" else 100) * v  # noqa: E731
                                                   for v in (steady if method == "naive" else (*steady[:4], last))]
-        found = self.made(broadphase, self.boxes(runs(8.0)))[0]
+        found = self.made(broadphase.broadphase, self.boxes(runs(8.0)))[0]
         self.assertIn("other is as fast as it at the largest size, within the noise", found.finding)
-        found = self.made(broadphase, self.boxes(runs(1.004)))[0]
+        found = self.made(broadphase.broadphase, self.boxes(runs(1.004)))[0]
         self.assertIn("other overtakes naive at about 100", found.finding)
         with unittest.mock.patch.object(noise, "interval", lambda values: (math.nan, math.nan)):
-            bad = chart.made(broadphase, self.context(self.boxes(runs(8.0))))[0]
+            bad = chart.made(broadphase.broadphase, self.context(self.boxes(runs(8.0))))[0]
         self.assertIn("other overtakes naive", bad.finding, "a rule without whiskers was not seen")
 
     def test_boxes_over_another_axis_are_two_charts(self):
-        found = self.made(broadphase, self.boxes(lambda method, n, frames: [n * frames * (1 + 0.01 * i) for i in range(5)],
-                                                 frames=(10, 40)))
+        runs = lambda method, n, frames: [n * frames * (1 + 0.01 * i) for i in range(5)]  # noqa: E731
+        found = self.made(broadphase.broadphase, self.boxes(runs, frames=(10, 40)))
         self.assertEqual([c.id for c in found], ["boxes_2d_frames_10", "boxes_2d_frames_40"])
         for c in found:
             self.assertEqual(len(c.table), 8)

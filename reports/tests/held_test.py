@@ -13,7 +13,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import ranking  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import held  # noqa: E402
+from charts import falls  # noqa: E402
+from charts.falls import held  # noqa: E402
 
 # (method, n) -> milliseconds, sideways drift in m; none: it falls
 RUNS = {("catto", 10): (1.0, 1e-3), ("catto", 100): (2.0, None), ("newton", 10): (2.0, 1e-6), ("newton", 100): (3.0, 1e-5)}
@@ -91,13 +92,13 @@ class Held(with_store.WithStore):
 
     def test_a_chart_that_counts_what_fell_as_held_is_seen(self):
         chart, = self.made(held, self.fill())
-        right, held.holders = held.holders, lambda column, limit=0.01: sorted(column.index)
-        self.addCleanup(setattr, held, "holders", right)
+        right, falls.holders = falls.holders, lambda column, limit=0.01: sorted(column.index)
+        self.addCleanup(setattr, falls, "holders", right)
         wrong, = self.made(held, self.fill())
         self.assertNotEqual(wrong.finding, chart.finding)
 
     def test_it_is_made_where_a_sweep_asks_for_it(self):
-        self.assertEqual(self.made(held, self.fill(asks=False)), [held.ABSENT])
+        self.assertEqual(self.made(held, self.fill(asks=False)), [held.absent])
 
 
 if __name__ == "__main__":

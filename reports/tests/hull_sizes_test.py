@@ -16,7 +16,8 @@ import noise  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import hull_sizes  # noqa: E402
+from charts import pair_times  # noqa: E402
+from charts.pair_times import hull_sizes  # noqa: E402
 
 SIZES = (8, 16, 32, 64, 128, 256)
 # Method: ns a query, support points, axis tests, of V vertices of each hull.
@@ -30,7 +31,7 @@ class Hulls(with_store.WithStore):
     @staticmethod
     def sizes(of=None, repeats=4, noisy=0.01, drawings=("apart",), hung=(), dimensions=(3,), counted=True):
         def fill(maker):
-            for name in hull_sizes.WORK if counted else ():
+            for name in pair_times.WORK if counted else ():
                 maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
                                  ("metric", name, "pairs", name.replace("_", " "), "1", "invented", "detail", "cheaper", ""))
             maker.sweep("hull_sizes", "pairs", pair_query="stage", report=["hull_sizes"])
@@ -43,7 +44,7 @@ class Hulls(with_store.WithStore):
         def one(maker, dimension, drawing, method, v, costs):
             axes = {"kind": "pairs", "dimension": dimension, "pair_query": method, "kind_a": "polytope", "kind_b": "polytope",
                     "precision": "f64", "timed": True, "drawing": drawing, "vertices": v}
-            work = dict(zip(hull_sizes.WORK, (math.nan if cost is None else cost(v) for cost in (*costs[1:], lambda v: 0))))
+            work = dict(zip(pair_times.WORK, (math.nan if cost is None else cost(v) for cost in (*costs[1:], lambda v: 0))))
             for repeat in range(repeats):
                 outcome = ("timeout", "too long", 0) if (method, v) in hung else ("ok",)
                 facts = {"ns_single": costs[0](v) * (1 + noisy * (repeat % 2)), "max_error": 1e-15,
@@ -80,18 +81,18 @@ class Hulls(with_store.WithStore):
     def test_the_planted_bug_noise_makes_no_verdict(self):
         made = self.one(of={"sat": (lambda v: v**1.1, *METHODS["sat"][1:])}, noisy=0.6)
         self.assertIn("not told from linear: sat", made.finding)
-        real, hull_sizes.last_step = hull_sizes.last_step, lambda n, values, least: (1.1, 1.1)  # as if the noise were none
+        real, pair_times.last_step = pair_times.last_step, lambda n, values, least: (1.1, 1.1)  # as if the noise were none
         try:
             self.assertIn("steeper than linear: sat", self.one(
                 of={"sat": (lambda v: v**1.1, *METHODS["sat"][1:])}, noisy=0.6).finding)
         finally:
-            hull_sizes.last_step = real
+            pair_times.last_step = real
 
     def test_a_fit_is_that_of_the_power(self):
         n = np.array(SIZES, float)
-        self.assertAlmostEqual(hull_sizes.exponent(n, 3 * n**1.5)[0], 1.5)
-        self.assertTrue(math.isnan(hull_sizes.exponent(n, np.where(n > 32, math.nan, n))[0]), "three sizes are too few")
-        slope, half = hull_sizes.exponent(n, n * np.array([1, 2, 1, 2, 1, 2]))
+        self.assertAlmostEqual(pair_times.exponent(n, 3 * n**1.5)[0], 1.5)
+        self.assertTrue(math.isnan(pair_times.exponent(n, np.where(n > 32, math.nan, n))[0]), "three sizes are too few")
+        slope, half = pair_times.exponent(n, n * np.array([1, 2, 1, 2, 1, 2]))
         self.assertGreater(half, abs(slope - 1), "the interval holds the power under the noise")
 
     @undrawn.drawn
@@ -112,7 +113,7 @@ class Hulls(with_store.WithStore):
         self.assertEqual([c.id for c in found], ["hull_sizes_2d", "hull_sizes_3d"])
 
     def test_without_sizes_or_counts_there_is_no_chart(self):
-        self.assertEqual(self.made(hull_sizes, synthetic_store.queries), [hull_sizes.ABSENT])
+        self.assertEqual(self.made(hull_sizes, synthetic_store.queries), [hull_sizes.absent])
         asked = self.made(hull_sizes, self.sizes(counted=False))
         self.assertIn("hull_sizes asks for this chart and has not what it needs", asked[0].finding)
 

@@ -16,7 +16,7 @@ import overlap  # noqa: E402
 import style  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import steadiness  # noqa: E402
+from charts.standing import steadiness  # noqa: E402
 
 LABELS = ["admm", "avbd", "catto+baumgarte", "catto+linear", "catto+ngs", "catto+none", "catto+nonlinear", "catto+split_impulse",
           "direct_lcp", "jacobi", "millington", "naive", "nncg", "pgs_soft", "proximal_newton", "shock_propagation", "soft_step",

@@ -14,7 +14,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import momenta  # noqa: E402
+from charts import conserved  # noqa: E402
+from charts.conserved import momenta  # noqa: E402
 
 # (of p, of L) that a method changes; p is 50 kg m/s and L 5 kg m^2/s.
 CHANGED = {"catto": (0.0, 1e-15), "naive": (1e-16, 0.0), "soft_step": (2e-14, 0.25), "avbd": (0.03, 0.05)}
@@ -56,7 +57,7 @@ class Momenta(with_store.WithStore):
         many = {**CHANGED, "avbd": (0.03, 0.68), "soft_step": (0.0, 0.45)}
         made = self.made(momenta, self.free(many))[0]
         self.assertIn("avbd (68 %) and soft_step (45 %) change most.", made.headline.text)
-        with unittest.mock.patch.object(momenta, "ALIKE", 1.0):
+        with unittest.mock.patch.object(conserved, "ALIKE", 1.0):
             self.assertNotIn("soft_step (", self.made(momenta, self.free(many))[0].headline.text, "the planted bug was not seen")
 
     @undrawn.drawn
@@ -110,8 +111,8 @@ class Momenta(with_store.WithStore):
         self.assertEqual(made.finding, "In 2D 4 of 4 methods keep both momenta to rounding (1e-12 of what there is); no "
                          "method changes linear momentum; no method changes angular momentum.")
         self.assertIsNone(made.headline)
-        self.assertEqual(self.made(momenta, self.free(momentum=0)), [momenta.ABSENT])
-        self.assertTrue(math.isnan(self.context(self.free(momentum=0)).cells("mine", momenta.SHARES)["momentum_share"].iloc[0]))
+        self.assertEqual(self.made(momenta, self.free(momentum=0)), [momenta.absent])
+        self.assertTrue(math.isnan(self.context(self.free(momentum=0)).cells("mine", conserved.SHARES)["momentum_share"].iloc[0]))
 
 
 if __name__ == "__main__":

@@ -15,20 +15,26 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
+import measured  # noqa: E402
 import noise  # noqa: E402
 import ranking  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import (broadphase, cost_against_error, ensembles, noise_floor, precision, step_times,  # noqa: E402
-                    unneeded)
+from charts import broadphase, ensembles, measurements  # noqa: E402
+from charts.cost_against_error import cost_against_error  # noqa: E402
+from charts.measurements import noise_floor  # noqa: E402
+from charts.one_change import precision, unneeded  # noqa: E402
+from charts.step_times import step_times  # noqa: E402
+from measured import Measured  # noqa: E402
 
 COST = "ms_per_step_median"
 
 
 def cell(runs, **more):
-    return {COST: float(np.median(runs)), f"{COST} runs": runs, "outcome": "ok", "arithmetic": (2, "f64"), **more}
+    return {COST: float(np.median(runs)), measured.MEASURED: {COST: Measured(tuple(runs))}, "outcome": "ok",
+            "arithmetic": (2, "f64"), **more}
 
 
 def check_interval(interval_of):
@@ -102,8 +108,8 @@ class OfStores(with_store.WithStore):
     def test_all_repeats_are_kept(self):
         context = self.context(self.features(1.0))
         cells = context.store.cells("features")
-        self.assertEqual({len(runs) for runs in cells[f"{COST} runs"]}, {5})
-        self.assertEqual(float(np.median(cells[f"{COST} runs"].iloc[0])), cells[COST].iloc[0])
+        self.assertEqual({len(measured.runs(cell, COST)) for _, cell in cells.iterrows()}, {5})
+        self.assertEqual(float(np.median(measured.runs(cells.iloc[0], COST))), cells[COST].iloc[0])
         self.assertEqual(cells["load"].iloc[0], 0.4)
 
     @undrawn.drawn
@@ -114,7 +120,7 @@ class OfStores(with_store.WithStore):
                 maker.trial("noisy", axes, {COST: 1 + spread * (repeat % 2)})
         context = self.context(fill)
         self.assertAlmostEqual(noise.floor(context.store.cells("noisy"), COST), 1.2)
-        few = context.store.cells("noisy").assign(**{f"{COST} runs": [[1.0, 1.1, 1.0]]})
+        few = context.store.cells("noisy").assign(measured=[{COST: Measured((1.0, 1.1, 1.0))}])
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
         row = chart.made(noise_floor, context)[0]
         self.assertIn("a method differs by at most 20 % in noisy (95 of 100 cells of each)", row.finding)
@@ -159,7 +165,7 @@ class OfStores(with_store.WithStore):
                         ns = ns * (1 + 0.02 * (repeat % 2))
                         maker.trial("boxes", axes, {"ns_per_frame_median": ns, "ns_per_frame_p25": ns, "ns_per_frame_p75": ns,
                                                     "box_tests_mean": 5.0, "load": 0.1})
-        found = self.made(broadphase, fill)[0]
+        found = self.made(broadphase.broadphase, fill)[0]
         for text in (found.finding, found.headline.text):
             self.assertIn("other and third, alike within the noise,", text)
             self.assertIn("other overtakes naive at about 91 (between 64 and 128)", text)
@@ -177,11 +183,11 @@ class OfStores(with_store.WithStore):
                             "precision": "f64", "timed": True, "repeat": 0}
                     maker.trial("boxes", axes, {"ns_per_frame_median": time, "ns_per_frame_p25": time, "ns_per_frame_p75": time,
                                                 "box_tests_mean": 5.0 if method == "naive" else 7.0})
-        found = self.made(broadphase, fill)[0]
+        found = self.made(broadphase.broadphase, fill)[0]
         self.assertEqual(found.finding, f"In 2D on uniform boxes no time was taken ({broadphase.WHY_UNTIMED}).")
         self.assertEqual(found.holes, [f"no time of naive and widest: {broadphase.WHY_UNTIMED}"])
         self.assertNotIn("one line", found.note)
-        found = self.made(broadphase, lambda maker: fill(maker, 1.0))[0]
+        found = self.made(broadphase.broadphase, lambda maker: fill(maker, 1.0))[0]
         self.assertNotIn("no time", found.finding + " ".join(found.holes))
 
     def test_a_broadphase_within_the_noise_crosses_nothing(self):
@@ -195,7 +201,7 @@ class OfStores(with_store.WithStore):
                         ns = (1.02 if method == "other" else 1.0) * n**power * (1 + 0.05 * (repeat % 2))
                         maker.trial("boxes", axes, {"ns_per_frame_median": ns, "ns_per_frame_p25": ns, "ns_per_frame_p75": ns,
                                                     "box_tests_mean": 5.0, "load": 0.1})
-        found = self.made(broadphase, fill)[0]
+        found = self.made(broadphase.broadphase, fill)[0]
         self.assertIn("other is as fast as it at the largest size, within the noise", found.finding)
         self.assertNotIn("times faster", found.finding)
 
@@ -218,8 +224,9 @@ class OfStores(with_store.WithStore):
             with maker.db:
                 maker.db.execute("DELETE FROM planned WHERE sweep='features' AND axes GLOB '*repeat\": [34]*'")
         context, said = self.context(fill), ""
-        for module in (unneeded, cost_against_error, precision, broadphase, step_times):
-            for made in chart.made(module, context):
+        for kind in (unneeded, cost_against_error, precision, broadphase.broadphase,
+                     step_times):
+            for made in chart.made(kind, context):
                 self.assertNotIn("within the noise", made.finding + (made.headline.text if made.headline else ""), made.id)
                 self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
                 said += made.finding
@@ -249,7 +256,7 @@ class OfStores(with_store.WithStore):
             bad = chart.made(cost_against_error, context)
         self.assertFalse(all(everywhere in found.note for found in bad), "the planted bug was not seen")
         for path in (HERE.parent / "charts").glob("*.py"):
-            if path.stem not in ("noise_floor", "choose"):  # choose compares whole pipelines of several sweeps
+            if path.stem not in ("measurements", "choose"):  # choose compares whole pipelines of several sweeps
                 self.assertNotRegex(path.read_text(encoding="utf-8"), r"noise\.floor\(", "a floor of a chart's own cells")
 
     def test_each_role_has_a_floor_of_its_own(self):
@@ -273,7 +280,7 @@ class OfStores(with_store.WithStore):
         self.assertIn("2 % in pairs", found.finding)
         self.assertIn("in pairs (witness)", found.finding)
         self.assertIn("drawn at it: marks of pairs (witness) (a factor of up to 1.9)", found.note)
-        with unittest.mock.patch.object(noise_floor, "WIDEST", 200.0):
+        with unittest.mock.patch.object(measurements, "WIDEST", 200.0):
             self.assertNotIn("drawn at it", chart.made(noise_floor, context)[0].note)
 
     def test_a_cell_of_few_repeats_is_not_judged_as_if_it_had_many(self):
@@ -301,24 +308,24 @@ class OfStores(with_store.WithStore):
         context = self.context(self.ensemble(failing=(3, 4)))
         cells = context.store.cells("ensemble").set_index("method")
         self.assertEqual(len(cells), 2)
-        self.assertEqual(len(cells.loc["catto", "max_penetration seeds"]), 10)
+        self.assertEqual(len(measured.seeds(cells.loc["catto"], "max_penetration")), 10)
         self.assertEqual(cells.loc["naive", "failed_seeds"], 2)
         self.assertEqual(cells.loc["naive", "outcome"], "collapsed", "one seed that fails is not hidden by nine that do not")
         self.assertAlmostEqual(cells.loc["catto", "max_penetration"], 1e-3 * 1.055)
 
     def test_ranks_over_seeds(self):
-        found = self.made(ensembles, self.ensemble(failing=(3, 4)))[0]
+        found = self.made(ensembles.ensembles, self.ensemble(failing=(3, 4)))[0]
         self.assertIn("catto has the smallest penetration over 10 seeds", found.finding)
         self.assertIn("; naive fails under 2 of 10 seeds (of all, 6 to 51 %)", found.finding)
         self.assertIn(", worst 1.1 mm)", found.finding)
         self.assertIn("catto", found.headline.text)
         chances = [list(found.table[f"chance of a failure, {end} [1]"].round(3)) for end in ("low end", "high end")]
         self.assertEqual(chances, [[0, 0.057], [0.278, 0.510]], "of catto and naive")
-        found = self.made(ensembles, self.ensemble(turned=True))[0]
+        found = self.made(ensembles.ensembles, self.ensemble(turned=True))[0]
         self.assertIn("catto and naive tie", found.finding)
         self.assertIsNone(found.headline, "a tie is no headline")
         with unittest.mock.patch.object(ranking, "better", lambda a, b, metric, zero, many: a[metric] < b[metric]):
-            bad = self.made(ensembles, self.ensemble(turned=True))[0]
+            bad = self.made(ensembles.ensembles, self.ensemble(turned=True))[0]
         self.assertNotIn("tie", bad.finding, "a rank by medians was not seen")
 
     def test_the_interval_of_a_chance_of_failure_is_wilsons(self):
@@ -339,20 +346,20 @@ class OfStores(with_store.WithStore):
                     for label, error in zip(("catto+linear", "catto+split_impulse", "soft_step"), errors):
                         axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
                         maker.world("ensemble", axes, 1.0, error * (1 + seed / 100), repeats=0, hash=f"{error}{seed:02x}")
-        found = self.made(ensembles, fill)[0]
+        found = self.made(ensembles.ensembles, fill)[0]
         self.assertEqual(found.headline.text,
                          "On stack, 2D, started in 10 places, catto+linear and catto+split_impulse tie for the smallest "
                          "penetration at perturb=1e-06, soft_step at perturb=0.001 (the numbers: medians at perturb=0.001).")
         self.assertIn("catto+split_impulse ends in the same state as catto+linear under 10 of 10 seeds", found.finding)
-        cell = lambda name, errors: {"method": name, "e": 1.0, "e seeds": errors, "outcome": "ok",  # noqa: E731
-                                     "seeds": [1, 2], "hashes": [f"{v}" for v in errors]}
+        cell = lambda name, errors: {"method": name, "e": 1.0, "measured": {"e": Measured(seeds=errors)},  # noqa: E731
+                                     "outcome": "ok", "seeds": [1, 2], "hashes": [f"{v}" for v in errors]}
         for errors, alike in (([1.0, 1.0], (2, 2)), ([1.0, 2.0], (1, 1)), ([0.5, 2.0], (0, 0))):
             self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), alike)
 
     def test_seeds_that_change_nothing_are_told(self):
-        found = self.made(ensembles, self.ensemble(idle=True))[0]
+        found = self.made(ensembles.ensembles, self.ensemble(idle=True))[0]
         self.assertIn("seeds change nothing here: all 10 end in the same state", " ".join(found.holes))
-        found = self.made(ensembles, self.ensemble())[0]
+        found = self.made(ensembles.ensembles, self.ensemble())[0]
         self.assertNotIn("seeds change nothing", " ".join(found.holes))
 
     def test_a_rank_that_flips_is_a_tie_in_cost_against_error(self):

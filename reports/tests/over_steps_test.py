@@ -16,8 +16,13 @@ import overlap  # noqa: E402
 import style  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import (broadphase, budgets, cost_against_error, energy, ensembles, momenta, over_time, residual,  # noqa: E402
-                    steadiness, step_times)
+from charts.broadphase import broadphase  # noqa: E402
+from charts.conserved import energy, momenta  # noqa: E402
+from charts.cost_against_error import cost_against_error, error_within_budgets  # noqa: E402
+from charts.ensembles import ensembles  # noqa: E402
+from charts.problems import residual  # noqa: E402
+from charts.standing import over_time, steadiness  # noqa: E402
+from charts.step_times import step_times  # noqa: E402
 
 
 def letters_one_by_one(ax, spots, **kwargs):
@@ -27,8 +32,8 @@ def letters_one_by_one(ax, spots, **kwargs):
 
 
 class OverSteps(with_store.WithStore):
-    def made(self, module, fill):  # planted bugs overlap
-        return chart.made(module, self.context(fill))
+    def made(self, kind, fill):  # planted bugs overlap
+        return chart.made(kind, self.context(fill))
 
     @staticmethod
     def two_that_fail_alike(maker):
@@ -40,9 +45,9 @@ class OverSteps(with_store.WithStore):
 
     @undrawn.drawn
     def test_runs_that_fail_at_one_place_are_one_letter_with_their_number(self):
-        for module in (energy, residual, steadiness):
-            figure = self.made(module, self.two_that_fail_alike)[0].figure
-            self.assertEqual(overlap.overlaps(figure), ([], []), module.__name__)
+        for kind in (energy, residual, steadiness):
+            figure = self.made(kind, self.two_that_fail_alike)[0].figure
+            self.assertEqual(overlap.overlaps(figure), ([], []), kind.name)
         figure = self.made(energy, self.two_that_fail_alike)[0].figure
         self.assertIn("E×2", [text.get_text() for ax in figure.axes for text in ax.texts])
         with unittest.mock.patch.object(over_steps, "fallen", letters_one_by_one):
@@ -59,8 +64,8 @@ class OverSteps(with_store.WithStore):
                         axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations, "seed": seed}
                         maker.world("mine", axes, 1.0, 1e-3)
         asks = "mine asks for this chart and has not what it needs: one seed"
-        for module in (steadiness, residual, energy):
-            found = self.made(module, fill)
+        for kind in (steadiness, residual, energy):
+            found = self.made(kind, fill)
             self.assertEqual([c.figure for c in found], [None])
             self.assertTrue(found[0].finding.startswith(asks), found[0].finding)
             self.assertNotIn("trials of kind world", found[0].finding, "it has these")
@@ -89,9 +94,9 @@ class OverSteps(with_store.WithStore):
                 for iterations in settings:
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2, "direct_lcp": 0.05}[label])
-        for module in (steadiness, energy, step_times):
-            found = self.made(module, fill)[0]
-            self.assertEqual(set(found.table["method"]), {"catto", "direct_lcp", "naive"}, module.__name__)
+        for kind in (steadiness, energy, step_times):
+            found = self.made(kind, fill)[0]
+            self.assertEqual(set(found.table["method"]), {"catto", "direct_lcp", "naive"}, kind.name)
             self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", found.finding)
         self.assertIn("calmest with direct_lcp", self.made(steadiness, fill)[0].finding)
 
@@ -104,13 +109,13 @@ class OverSteps(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label}
                     axes |= {} if iterations is None else {"iterations": iterations}
                     maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2, "direct_lcp": 0.05}[label])
-        for module in (steadiness, energy, step_times):
-            self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", self.made(module, fill)[0].finding)
-            older = self.made(module, lambda maker: fill(maker, False))[0]
+        for kind in (steadiness, energy, step_times):
+            self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", self.made(kind, fill)[0].finding)
+            older = self.made(kind, lambda maker: fill(maker, False))[0]
             self.assertIn("(direct_lcp and naive have none)", older.finding, "the planted guess was not seen")
-        for module in (residual, budgets, cost_against_error, over_time, momenta):
-            for chart in self.made(module, fill):
-                self.assertNotIn("nan", f"{chart.finding} {chart.note}", module.__name__)
+        for kind in (residual, error_within_budgets, cost_against_error, over_time, momenta):
+            for chart in self.made(kind, fill):
+                self.assertNotIn("nan", f"{chart.finding} {chart.note}", chart.id)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import over_time  # noqa: E402
+from charts import standing  # noqa: E402
+from charts.standing import over_time  # noqa: E402
 
 import numpy as np  # noqa: E402
 
@@ -53,13 +54,13 @@ class OverTime(with_store.WithStore):
         self.assertEqual(list(made.table["height at the end [m]"]), [10.0, 10.0, 2.0])
 
     def test_the_planted_bug_half_is_half(self):
-        self.assertIsNone(over_time.fallen_at([10, 6, 5.1, 5]))
-        self.assertEqual(over_time.fallen_at([10, 6, 4.9, 6]), 2)
-        real, over_time.LOST = over_time.LOST, 0.0
+        self.assertIsNone(standing.fallen_at([10, 6, 5.1, 5]))
+        self.assertEqual(standing.fallen_at([10, 6, 4.9, 6]), 2)
+        real, standing.LOST = standing.LOST, 0.0
         try:
-            self.assertIsNone(over_time.fallen_at([10, 6, 4.9, 6]))
+            self.assertIsNone(standing.fallen_at([10, 6, 4.9, 6]))
         finally:
-            over_time.LOST = real
+            standing.LOST = real
 
     def test_what_the_report_says_of_linear_is_borne_or_not(self):
         said = lambda **falls: self.one(falls={name.replace("_", "+"): at for name, at in falls.items()}).finding  # noqa: E731
@@ -76,17 +77,17 @@ class OverTime(with_store.WithStore):
             made = self.made(over_time, self.piles(falls={"catto+linear": None, "catto+ngs": None}, apart=apart))[0]
             return len([line for line in made.figure.axes[0].lines])
         self.assertEqual([drawn(1e-5), drawn(1.0)], [1, 2])
-        real, over_time.SEEN = over_time.SEEN, 1.0
+        real, standing.SEEN = standing.SEEN, 1.0
         try:
             self.assertEqual(drawn(1.0), 1)
         finally:
-            over_time.SEEN = real
+            standing.SEEN = real
 
     def test_where_all_stand_there_is_no_headline(self):
         self.assertIsNone(self.one(falls={"catto+linear": None, "catto+ngs": None}).headline)
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(over_time, synthetic_store.resolvers), [over_time.ABSENT])
+        self.assertEqual(self.made(over_time, synthetic_store.resolvers), [over_time.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

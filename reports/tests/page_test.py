@@ -30,11 +30,12 @@ import load  # noqa: E402
 import make  # noqa: E402
 import overlap  # noqa: E402
 import pages  # noqa: E402
+import sentences  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import table  # noqa: E402
 import undrawn  # noqa: E402
-from charts import coverage as coverage_chart  # noqa: E402
+from charts.measurements import coverage_of_plan  # noqa: E402
 
 CASES = 60 if undrawn.ALL else 20  # of pictures that are drawn at random
 PREFIXED = re.compile(r"^-?[\d.]+(e[-+]?\d+)? ?([pnµmk]?(m|s|J|m/s)|%)$")  # a number that was rounded for eyes
@@ -173,16 +174,16 @@ class Pictures(unittest.TestCase):
     def test_many_lines_on_one_another_are_counted_in_one_line(self):
         alike = {f"a method with a long name {i}": [float(i // 3)] for i in range(9)}
         said = []
-        self.figure(lambda ax: (style.one_line(ax, style.same(alike), chart.listing),
+        self.figure(lambda ax: (style.one_line(ax, style.same(alike), sentences.listing),
                                 said.extend(t.get_text() for t in ax.texts)))
         self.assertEqual(said, ["9 methods are 3 lines here"])
 
     def test_lines_without_room_for_their_names_are_named_in_the_caption(self):
         alike = {f"a method with a long name {i}": [1.0, 2.0] for i in range(9)}
-        told, names = [], chart.listing(alike)
-        self.figure(lambda ax: told.append(style.one_line(ax, style.same(alike), chart.listing)))
+        told, names = [], sentences.listing(alike)
+        self.figure(lambda ax: told.append(style.one_line(ax, style.same(alike), sentences.listing)))
         self.assertEqual(told, [f"{names} are one line"])
-        self.figure(lambda ax: told.append(style.one_line(ax, style.same({"a": [1.0], "b": [1.0]}), chart.listing)))
+        self.figure(lambda ax: told.append(style.one_line(ax, style.same({"a": [1.0], "b": [1.0]}), sentences.listing)))
         self.assertEqual(told[1], "", "named in the picture")
         self.assertEqual(style.caption_of_lines([("left", told[0]), ("middle", ""), ("right", told[0])]),
                          f" left, right: {names} are one line.")
@@ -261,7 +262,7 @@ class Words(undrawn.Undrawn):
                 maker.trial("s", {"kind": "world", "n": i}, {}, outcome, "why", 1)
             maker.plan("s", kind="world", n=9)
             maker.close()
-            made = coverage_chart.of_store(chart.Context(load.Store(Path(folder) / "s.db")))[0]
+            made = coverage_of_plan.make(chart.Context(load.Store(Path(folder) / "s.db")))[0]
         self.assertIn("2 of 4 planned trials ran, 1 of them ok; not ok: 1 unsupported, 1 collapsed and 1 not run.", made.finding)
         self.assertIn("2 of 4", [text.get_text() for text in made.figure.axes[0].texts])
         style.plt.close(made.figure)

@@ -63,7 +63,7 @@ class PairQueries(undrawn.Undrawn):
             {**entry, "in_float": entry["name"] in in_float} for entry in algorithms])
         queries(maker, **kwargs)
         maker.close()
-        found = chart.made(pair_queries, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        found = chart.made(pair_queries.pair_queries, chart.Context(load.Store(Path(folder.name) / "store.db")))
         for made in found:
             if self.draws:
                 self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)

@@ -12,7 +12,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import parameters  # noqa: E402
+from charts import broadphase  # noqa: E402
+from charts.broadphase import parameters  # noqa: E402
 
 TIMES = {"grid": 100, "grid{cell=1}": 50, "grid{cell=8}": 400, "tree": 200, "tree{depth=4}": 204}
 
@@ -53,17 +54,17 @@ class Parameters(with_store.WithStore):
     def test_the_planted_bug_noise_is_no_gain(self):
         about = {"of": {"grid": 100, "grid{cell=1}": 90}, "noisy": 0.4}
         self.assertIn("no parameter of grid changes its time beyond the noise", self.one(**about).finding)
-        real, parameters.noise.tells = parameters.noise.tells, lambda a, b, metric, least: True
+        real, broadphase.noise.tells = broadphase.noise.tells, lambda a, b, metric, least: True
         try:
             self.assertIn("grid gains most by grid{cell=1}", self.one(**about).finding)
         finally:
-            parameters.noise.tells = real
+            broadphase.noise.tells = real
 
     def test_a_lower_median_within_the_noise_is_told_where_the_picture_shows_it(self):
         rows = [{"panel": "here", "family": "tree", "method": f"tree{{{m}}}", "ratio": ratio, "told": told} for m, ratio, told in
                 (("a", 0.7, True), ("b", 0.6, False), ("c", 0.5, True), ("d", 1.2, False))]
-        self.assertEqual(parameters._not_told(rows, rows[0], -1), "; the median of tree{b} is farther off, but within the noise")
-        self.assertEqual(parameters._not_told(rows, rows[2], -1), "")
+        self.assertEqual(broadphase._not_told(rows, rows[0], -1), "; the median of tree{b} is farther off, but within the noise")
+        self.assertEqual(broadphase._not_told(rows, rows[2], -1), "")
 
     def test_what_failed_is_told(self):
         made = self.one(hung=("grid{cell=8}",))
@@ -71,7 +72,7 @@ class Parameters(with_store.WithStore):
         self.assertNotIn("cell=8", made.finding)
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(parameters, synthetic_store.broadphase), [parameters.ABSENT])
+        self.assertEqual(self.made(parameters, synthetic_store.broadphase), [parameters.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

@@ -13,7 +13,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import noise  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import peers  # noqa: E402
+from charts import pair_queries  # noqa: E402
+from charts.pair_queries import peers  # noqa: E402
 
 # Of each pair: {method: (ns a query, failures of 96)}.
 CALLS = {("box", "box"): {"sat": (100, 0), "closed_form": (50, 3), "libccd_mpr": (210, 0), "fcl": (40, 5)},
@@ -55,7 +56,7 @@ class Peers(with_store.WithStore):
         self.assertAlmostEqual(row["ratio [1]"], 0.4, places=1)
         hollow = [line for line in made.figure.axes[0].lines if line.get_markerfacecolor() == "none"]
         self.assertEqual(len(hollow), 2)
-        with unittest.mock.patch.object(peers, "right", lambda row: row["peers"][0]):
+        with unittest.mock.patch.object(pair_queries, "right", lambda row: row["peers"][0]):
             self.assertIn("slower on 2", self.one().finding, "the planted bug: whoever is fastest is right")
 
     def test_no_lead_within_the_noise(self):

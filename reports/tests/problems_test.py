@@ -15,6 +15,7 @@ import ranking  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import problems  # noqa: E402
+from charts.problems import frozen_problems  # noqa: E402
 
 def invented(maker, dear=False, ns=None, swept=()):
     """`ns`: {method: time of an iteration}, of a sweep that is timed; `swept`: methods that leave half of their rows to
@@ -47,7 +48,7 @@ def invented(maker, dear=False, ns=None, swept=()):
 class Problems(with_store.WithStore):
     @undrawn.drawn
     def test_who_solves_how_much_at_which_cost(self):
-        curves, profile, rates = self.made(problems, invented)
+        curves, profile, rates = self.made(frozen_problems, invented)
         self.assertEqual(curves.finding, "Of 2 problems, with all iterations, the least is left by nncg on 2 and catto on 1.",
                          "0.5^40 is rounding as 0.25^40 is")
         self.assertEqual([ax.get_title("left") or ax.get_title() for ax in curves.figure.axes if ax.get_visible()],
@@ -64,17 +65,18 @@ class Problems(with_store.WithStore):
     def test_what_left_rows_to_gauss_seidel_solves_nothing(self):
         ns = {"catto": 1000.0, "nncg": 1250.0, "soft_step": 1.0}
         for about in ({}, {"ns": ns}):
-            made = self.made(problems, lambda maker, about=about: invented(maker, swept=("nncg",), **about))
+            made = self.made(frozen_problems, lambda maker, about=about: invented(maker, swept=("nncg",), **about))
             for chart in made[:-1]:
                 self.assertTrue(chart.finding.endswith("Not ranked: nncg on 2 of 2 (50 % Gauss-Seidel)."), chart.finding)
                 self.assertNotIn("nncg", chart.finding.split(" Not ranked")[0], chart.id)
             self.assertIn("catto solves most, 50 %.", made[-2].finding)
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
-            self.assertIn("left by nncg on 2", self.made(problems, lambda maker: invented(maker, swept=("nncg",)))[0].finding)
+            found = self.made(frozen_problems, lambda maker: invented(maker, swept=("nncg",)))
+            self.assertIn("left by nncg on 2", found[0].finding)
 
     def test_who_solves_beyond_the_chart_is_named(self):
-        self.assertEqual(self.made(problems, invented)[1].holes, [])
-        profile = self.made(problems, lambda maker: invented(maker, dear=True))[1]
+        self.assertEqual(self.made(frozen_problems, invented)[1].holes, [])
+        profile = self.made(frozen_problems, lambda maker: invented(maker, dear=True))[1]
         self.assertIn("direct_lcp and nncg solve most, 100 %", profile.finding)
         self.assertEqual(profile.holes, ["direct_lcp: 1 more of 2 problems at 200 times the best, not drawn"])
 
@@ -82,7 +84,7 @@ class Problems(with_store.WithStore):
     def test_what_is_timed_has_curves_over_time(self):
         # On easy catto has 10 iterations to a thousandth and nncg 5: 1.6 times the time. On hard nncg is alone.
         ns = {"catto": 1000.0, "nncg": 1250.0, "soft_step": 1.0}
-        curves, over_time, *_ = self.made(problems, lambda maker: invented(maker, ns=ns))
+        curves, over_time, *_ = self.made(frozen_problems, lambda maker: invented(maker, ns=ns))
         self.assertEqual((curves.id, over_time.id), ("mine_cold_curves", "mine_cold_times"))
         self.assertEqual(over_time.finding, "Of 2 problems, less than 0.001 g dt is left in less than 2 times the time of the "
                          "first by nncg on 2 and catto on 1.")
@@ -95,9 +97,10 @@ class Problems(with_store.WithStore):
         table = over_time.table.set_index(["problem", "method"])["time per solve, to 0.001 g dt [s]"]
         self.assertEqual(list(table)[:4], [1e-5, 6.25e-6, math.inf, 1.25e-5])
         # Beside a cheaper catto nncg takes 2.1 times as long on easy.
-        dear = self.made(problems, lambda maker: invented(maker, ns={**ns, "catto": 300.0}))[1]
+        dear = self.made(frozen_problems, lambda maker: invented(maker, ns={**ns, "catto": 300.0}))[1]
         self.assertTrue(dear.finding.endswith("catto on 1 and nncg on 1."), dear.finding)
-        self.assertEqual([chart.id for chart in self.made(problems, invented) if "times" in chart.id], [], "nothing was timed")
+        self.assertEqual([chart.id for chart in self.made(frozen_problems, invented) if "times" in chart.id], [],
+                         "nothing was timed")
 
     def test_the_time_to_a_residual_is_that_from_which_on_it_stays(self):
         time, left = [math.nan, 1.0, 2.0, 3.0, 4.0], [1.0, 1e-4, 1e-2, 1e-4, 1e-5]

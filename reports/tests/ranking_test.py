@@ -16,15 +16,19 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import pandas as pd  # noqa: E402
 
-import noise  # noqa: E402
+import measured  # noqa: E402
 import ranking  # noqa: E402
 import with_store  # noqa: E402
-from charts import budgets, cost_against_error, ensembles, equal_cost  # noqa: E402
+from charts import ensembles  # noqa: E402
+from charts.cost_against_error import cost_against_error, error_within_budgets  # noqa: E402
+from charts.equal_cost import equal_cost  # noqa: E402
+from measured import Measured  # noqa: E402
 
 
 def cell(*values):
     """One method under seeds 1, 2, ...; a NaN failed."""
-    return {"e": values[0], "e seeds": list(values), "seeds": list(range(1, len(values) + 1)), "outcome": "ok"}
+    return {"e": values[0], measured.MEASURED: {"e": Measured(seeds=tuple(values))}, "seeds": list(range(1, len(values) + 1)),
+            "outcome": "ok"}
 
 
 def false_ranks(better, methods=5, seeds=20, trials=400):
@@ -84,7 +88,7 @@ class Intervals(unittest.TestCase):
         self.assertLessEqual(false_ranks(ranking.better), 0.05)
         # The planted bugs: pairs as if each were alone, and medians without an interval.
         self.assertGreater(false_ranks(lambda a, b, metric, many: ranking.better(a, b, metric)), 0.1)
-        self.assertGreater(false_ranks(lambda a, b, metric, many: noise.values(a, "e seeds")[0] < b["e"], trials=20), 0.5)
+        self.assertGreater(false_ranks(lambda a, b, metric, many: measured.seeds(a, "e")[0] < b["e"], trials=20), 0.5)
 
 
 METHODS = {"catto": 3e-3, "admm": 1e-3, "naive": 4e-3, "box2d": 5e-4}
@@ -122,9 +126,10 @@ class WithoutRank(with_store.WithStore):
     CALIBRATED = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations"}
 
     def all_charts(self, **more):
-        found = {module: self.made(module, self.sweep(**more)) for module in (cost_against_error, budgets, ensembles)}
+        found = {kind: self.made(kind, self.sweep(**more)) for kind in (
+            cost_against_error, error_within_budgets, ensembles.ensembles)}
         found[equal_cost] = self.made(equal_cost, self.sweep(about=self.CALIBRATED, **more))
-        return {module.__name__: made for module, (made, *_) in found.items()}
+        return {kind.name: made for kind, (made, *_) in found.items()}
 
     def test_what_others_have_computed_and_what_has_other_digits_has_no_rank(self):
         for name, made in self.all_charts().items():
@@ -162,13 +167,14 @@ class WithoutRank(with_store.WithStore):
     def test_an_overlap_at_the_start_ranks_nobody(self):
         for start, words in ((1.5e-3, "no method has a rank, since bodies overlap by up to 1.5 mm at the start"),
                              (1e-9, "catto has the smallest penetration")):
-            made = self.made(ensembles, self.sweep(start=start))[0]
+            made = self.made(ensembles.ensembles, self.sweep(start=start))[0]
             self.assertIn(words, made.finding)
             self.assertEqual(made.headline is None, start > 1e-6)
             made = self.made(equal_cost, self.sweep(start=start, about=self.CALIBRATED))[0]
             self.assertEqual("Bodies overlap by up to 1.5 mm at the start" in made.finding, start > 1e-6)
         with unittest.mock.patch.object(ranking, "overlapping", lambda cells: 0.0):
-            self.assertIn("catto has", self.made(ensembles, self.sweep(start=1.5e-3))[0].finding, "the planted bug was not seen")
+            self.assertIn("catto has", self.made(ensembles.ensembles, self.sweep(start=1.5e-3))[0].finding,
+                          "the planted bug was not seen")
 
     def test_what_a_method_keeps_on_purpose_is_told_apart(self):
         """The raw depth ranks; beyond the slop another may be first."""
@@ -179,7 +185,7 @@ class WithoutRank(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "perturb": 1e-3, "resolver": name, "seed": seed}
                     maker.world("mine", axes, 1.0, error * (1 + seed / 1000), repeats=0,
                                 extra={"pipeline": f"solver=split_solver{{velocity={name},position=linear{{slop={slop:g}}}}}"})
-        made = self.made(ensembles, fill)[0]
+        made = self.made(ensembles.ensembles, fill)[0]
         self.assertIn("naive has the smallest penetration over 20 seeds (median 3.03 mm", made.finding)
         self.assertIn("beyond the slop that each keeps on purpose catto is first (1.06 mm)", made.finding)
         self.assertIn("What ranks is raw: largest penetration. Beyond the slop", made.note)

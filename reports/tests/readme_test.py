@@ -16,7 +16,7 @@ import readme  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import cost_against_error  # noqa: E402
+from charts.cost_against_error import cost_against_error  # noqa: E402
 
 ROOT = HERE.parent.parent
 

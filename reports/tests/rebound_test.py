@@ -13,7 +13,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import rebound  # noqa: E402
+from charts import contacts  # noqa: E402
+from charts.contacts import rebound  # noqa: E402
 
 
 def track(fall, back):
@@ -57,11 +58,11 @@ class Rebound(with_store.WithStore):
         self.assertAlmostEqual(rows["speed [m/s]"].iloc[0], 5.0)
 
     def test_the_planted_bug_the_fall_itself_is_no_rebound(self):
-        self.assertEqual(rebound.thrown([10, 5, 0.9, 1, 1]), (9.0, 0.0))
+        self.assertEqual(contacts.thrown([10, 5, 0.9, 1, 1]), (9.0, 0.0))
         self.assertGreater(max([10, 5, 0.9, 1, 1]) - 1, 0, "as the highest place of the whole run would have it")
 
     def test_no_line_where_no_speed_was_tried(self):
-        xs, ys = rebound.joined([(20.0, 1.0), (20.5, 2.0), (40.0, 3.0), (40.4, 4.0)])
+        xs, ys = contacts.joined([(20.0, 1.0), (20.5, 2.0), (40.0, 3.0), (40.4, 4.0)])
         self.assertEqual((xs[:2], xs[3:], ys[3:]), ([20.0, 20.5], [40.0, 40.4], [3.0, 4.0]))
         self.assertTrue(math.isnan(xs[2]) and math.isnan(ys[2]))
 
@@ -78,7 +79,7 @@ class Rebound(with_store.WithStore):
         self.assertAlmostEqual(made.table["speed [m/s]"].max(), 20.0, msg="the planted bug: who sinks fell faster")
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(rebound, synthetic_store.resolvers), [rebound.ABSENT])
+        self.assertEqual(self.made(rebound, synthetic_store.resolvers), [rebound.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

@@ -22,12 +22,16 @@ import coverage  # noqa: E402
 import failure  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
+import measured  # noqa: E402
 import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
-from charts import breaking_points, broadphase, ledger, ledger_clean, micro  # noqa: E402
-from charts import coverage as coverage_chart  # noqa: E402
+from charts import broadphase, ledger  # noqa: E402
+from charts.breaking_points import breaking_points  # noqa: E402
+from charts.ledger import ledger_clean  # noqa: E402
+from charts.measurements import coverage_of_plan  # noqa: E402
+from charts.stages import micro  # noqa: E402
 
 
 class WithStore(undrawn.Undrawn):
@@ -201,7 +205,7 @@ class Loading(WithStore):
         row = cells[(cells["scene"] == "pyramid") & (cells["method"] == "catto+linear") & (cells["iterations"] == 4)].iloc[0]
         self.assertEqual(row["planned_trials"], 6)
         self.assertGreater(row["ms_per_step_median"], 1.2)
-        self.assertEqual(len(row["ms_per_step_median runs"]), 5)
+        self.assertEqual(len(measured.runs(row, "ms_per_step_median")), 5)
         self.assertNotEqual(row["key"], row["key_timed"])
 
     def test_a_null_metric_is_nan_and_stays(self):
@@ -240,7 +244,7 @@ class Loading(WithStore):
             store = load.Store(Path(folder) / "again.db")
             self.assertEqual(store.superseded, 1)
             self.assertEqual(list(store.cells("resolvers")["max_penetration"]), [2.0])
-            made = coverage_chart.of_store(chart.Context(store))[0]
+            made = coverage_of_plan.make(chart.Context(store))[0]
             self.assertIn("1 older plan of the same cells", made.finding)
             style.plt.close(made.figure)
 
@@ -316,7 +320,7 @@ class Findings(WithStore):
         self.assertIn("at 1e-12 of the size, ", ledger.finding("pair_query", 3, "f64", rows))
 
     def test_who_fails_is_named_with_the_share(self):
-        made = {c.id: c for c in ledger.of_store(self.context)}
+        made = {c.id: c for c in ledger.ledger.make(self.context)}
         solid = made["ledger_pair_query_3d_f64"]
         self.assertNotIn("ledger_pair_query_2d_f64", made, "what never failed has no heat map")
         self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
@@ -340,9 +344,9 @@ class Findings(WithStore):
 
     def test_ledgers_without_a_failure_share_a_matrix_and_lose_no_question(self):
         questions = self.store.ledger()
-        self.assertEqual(check_clean(questions, ledger_clean.clean), "")
+        self.assertEqual(check_clean(questions, ledger.clean), "")
         self.assertNotEqual(check_clean(questions, with_failures), "", "the planted bug was not seen")
-        made = ledger_clean.of_store(self.context)[0]
+        made = ledger_clean.make(self.context)[0]
         failing = (questions["stage"] == "pair_query") & (questions["dimension"] == 3)
         everything = questions[(questions["axis"] == "all") & ~failing]
         asked = everything["asked"].sum()
@@ -368,7 +372,7 @@ class Findings(WithStore):
         self.assertEqual(len(table), len(self.store.planned))
 
     def test_micro_benchmarks_use_their_own_clock_and_show_failures(self):
-        made = micro.of_store(self.context)[0]
+        made = micro.make(self.context)[0]
         self.assertIn("broken on uniform/100: did not start", made.holes)
         row = made.table.set_index("algorithm").loc["naive"]
         self.assertAlmostEqual(row["uniform/1000 [s]"], 0.9e-9 * 1e6, delta=1e-18)

@@ -14,7 +14,8 @@ import numpy as np  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import script_profile  # noqa: E402
+from charts import stages  # noqa: E402
+from charts.stages import script_profile  # noqa: E402
 
 STEPS = 1000
 # Method: µs of a step in the first and in the second half, awake in the second half
@@ -33,7 +34,7 @@ class ScriptProfile(with_store.WithStore):
                 series = {"seconds": whole, "bodies": np.full(STEPS, 50), "awake": np.where(half, awake, 45),
                           "points": np.full(STEPS, 60),
                           **{scope: whole * share for scope, share in
-                             zip(script_profile.PHASES.values(), (0.1, 0.2, 0.05, 0.4, 0.05))}}
+                             zip(stages.PHASES.values(), (0.1, 0.2, 0.05, 0.4, 0.05))}}
                 axes = {"kind": "world", "scene": "director_1", "dimension": 2, "resolver": method, "precision": "f64"}
                 outcome = ("exploded", "speed", STEPS - 1) if method in failed else ("ok",)
                 maker.trial("heritage_sleeping", {**axes, "timed": False, "repeat": 0}, {"bodies": 50}, *outcome)
@@ -72,11 +73,11 @@ class ScriptProfile(with_store.WithStore):
     def test_the_planted_bug_a_ratio_without_repeats_is_not_told(self):
         runs = {"first": (100, 100, 3), "second": (70, 70, 3)}
         self.assertIn("second with too few repeats to measure a difference", self.one(runs=runs, repeats=1).finding)
-        real, script_profile.noise.said = script_profile.noise.said, lambda a, b, metric, least: "0.70"
+        real, stages.noise.said = stages.noise.said, lambda a, b, metric, least: "0.70"
         try:
             self.assertIn("second 0.70 times", self.one(runs=runs, repeats=1).finding)
         finally:
-            script_profile.noise.said = real
+            stages.noise.said = real
 
     def test_times_of_several_repeats_are_medians_with_their_range(self):
         even = self.one(slow={}).finding
@@ -95,11 +96,11 @@ class ScriptProfile(with_store.WithStore):
                     abs(share.at["resolveVelocities", "median of the last tenth [s]"] - 80e-6) < 1e-9,
                     abs(share.at["whole step", "median of the last tenth [s]"] - 200e-6) < 1e-9)
         self.assertEqual(check(), (True,) * 4)
-        real, script_profile.wholes = script_profile.wholes, lambda store, cell: real(store, cell)[:1]
+        real, stages.wholes = stages.wholes, lambda store, cell: real(store, cell)[:1]
         try:
             self.assertEqual(check(), (False,) * 4)
         finally:
-            script_profile.wholes = real
+            stages.wholes = real
 
     def test_what_failed_has_no_end_to_compare(self):
         made = self.one(failed=("second",))
@@ -108,7 +109,7 @@ class ScriptProfile(with_store.WithStore):
         self.assertIn("exploded at step 999", " ".join(made.holes))
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual([c.id for c in self.made(script_profile, synthetic_store.stages)], [script_profile.ABSENT.id])
+        self.assertEqual([c.id for c in self.made(script_profile, synthetic_store.stages)], [script_profile.absent.id])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

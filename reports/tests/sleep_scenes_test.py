@@ -13,7 +13,7 @@ import with_store  # noqa: E402
 
 import sleep_scenes  # noqa: E402
 import undrawn  # noqa: E402
-from charts import sleeping  # noqa: E402
+from charts.sleeping import sleeping  # noqa: E402
 
 # policy: (woken, steps) of a wave of 5, woken by a touch at 0.05 m/s, from which step rollers sleep at 0.001 and 0.1 m/s
 POLICIES = {"none": ((0, None), 0, None, None), "millington": ((5, 4), 0, 60, 68), "split_average": ((5, 4), 0, 1, None),

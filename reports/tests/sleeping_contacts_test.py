@@ -11,7 +11,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import sleeping_contacts  # noqa: E402
+from charts import sleeping  # noqa: E402
 
 # policy: pair queries and ms with contacts left and made anew, how far the second body ends apart, steps of the wave with each
 POLICIES = {"none": (100, 100, 1.0, 1.0, 0.0, (0, 0)), "quick": (20, 100, 0.2, 0.8, 0.0, (3, 3)),
@@ -44,7 +44,7 @@ class SleepingContacts(with_store.WithStore):
 
     @undrawn.drawn
     def test_what_is_saved_and_what_it_changes(self):
-        made = self.made(sleeping_contacts, self.stack())
+        made = self.made(sleeping.sleeping_contacts, self.stack())
         self.assertEqual(len(made), 1)
         self.assertEqual(made[0].finding, "Contacts of sleepers that are left as they were save at most 80 % of the pair queries "
                          "(quick on stack); made anew they make a step at most 4.0 times as dear (quick on stack), and differ in "
@@ -63,12 +63,13 @@ class SleepingContacts(with_store.WithStore):
         self.assertIn("by quick 4.0 times as dear, for the same bits", made[0].headline.text)
 
     def test_the_planted_bug_that_the_first_poses_are_compared_would_be_seen(self):
-        self.assertAlmostEqual(self.made(sleeping_contacts, self.stack())[0].table["ends apart, largest [m]"].max(), 0.002)
+        made, = self.made(sleeping.sleeping_contacts, self.stack())
+        self.assertAlmostEqual(made.table["ends apart, largest [m]"].max(), 0.002)
 
     @undrawn.drawn
     def test_times_within_the_noise_are_no_headline(self):
         same = {name: (kept, anew, 1.0, 1.001, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
-        made = self.made(sleeping_contacts, self.stack(same))[0]
+        made = self.made(sleeping.sleeping_contacts, self.stack(same))[0]
         self.assertIn("in time they differ in none of 2 pairs (within the noise)", made.finding)
         self.assertTrue(made.finding.endswith("the end is the same to the bit in all of 2 pairs; which bodies wake, and when, "
                                               "is the same everywhere."), made.finding)
@@ -77,26 +78,26 @@ class SleepingContacts(with_store.WithStore):
 
     def test_too_few_repeats_are_told(self):
         slight = {name: (kept, anew, 1.0, 1.3, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
-        self.assertIn("too few repeats", self.made(sleeping_contacts, self.stack(slight, repeats=2))[0].finding)
+        self.assertIn("too few repeats", self.made(sleeping.sleeping_contacts, self.stack(slight, repeats=2))[0].finding)
 
     def test_what_failed_is_told(self):
-        made = self.made(sleeping_contacts, self.stack(fails=[("slow", 1)]))[0]
+        made = self.made(sleeping.sleeping_contacts, self.stack(fails=[("slow", 1)]))[0]
         self.assertTrue(made.finding.endswith("not both finish of slow on stack."), made.finding)
         self.assertTrue(made.table.set_index("policy")["ends apart, largest [m]"].isna()["slow"])
-        made = self.made(sleeping_contacts, self.stack(fails=[("slow", 1), ("quick", 0)]))[0]
+        made = self.made(sleeping.sleeping_contacts, self.stack(fails=[("slow", 1), ("quick", 0)]))[0]
         self.assertTrue(made.finding.startswith("No policy that lets bodies sleep finishes"), made.finding)
 
     def test_runs_that_end_elsewhere_in_time_have_no_distance(self):
-        made = self.made(sleeping_contacts, self.stack(ends=500))[0]
+        made = self.made(sleeping.sleeping_contacts, self.stack(ends=500))[0]
         self.assertTrue(made.table["ends apart, largest [m]"].isna().all())
 
     def test_where_nobody_sleeps_nothing_is_ranked(self):
         awake = {name: (100, 100, 1.0, 1.0, 0.0, (0, 0)) for name in POLICIES}
-        made = self.made(sleeping_contacts, self.stack(awake))[0]
+        made = self.made(sleeping.sleeping_contacts, self.stack(awake))[0]
         self.assertEqual(made.finding, "No body falls asleep where contacts of sleepers were left as they were and made anew.")
 
     def test_a_sweep_without_the_switch_has_no_chart(self):
-        self.assertEqual(self.made(sleeping_contacts, self.stack(values=(0,))), [sleeping_contacts.ABSENT])
+        self.assertEqual(self.made(sleeping.sleeping_contacts, self.stack(values=(0,))), [sleeping.sleeping_contacts.absent])
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ class Sleeping(with_store.WithStore):
 
     @undrawn.drawn
     def test_savings_distances_and_the_wave(self):
-        made = self.made(sleeping, self.stack())
+        made = self.made(sleeping.sleeping, self.stack())
         self.assertEqual(len(made), 1)
         self.assertEqual(made[0].finding, "On stack, 2D slow saves most, 80 % of the multiply-adds; its bodies end at most 30 mm "
                          "from where they end awake; quick moves no body; those that wake do so within 0 steps by quick and 4 by "
@@ -57,19 +57,19 @@ class Sleeping(with_store.WithStore):
     @undrawn.drawn
     def test_time_saved_where_it_was_timed_with_the_count_beside_it(self):
         times = {"none": (10, 10, 10), "quick": (6, 6, 6), "slow": (2, 3, 9)}
-        made = self.made(sleeping, self.stack(times=times))[0]
+        made = self.made(sleeping.sleeping, self.stack(times=times))[0]
         self.assertIn("slow saves most, 80 % of the multiply-adds and 70 % of the time, 10 to 80 over 3 repeats", made.finding)
         self.assertEqual({ax.get_xlabel() for ax in made.figure.axes}, {"time saved (%)"})
         table = made.table.set_index("policy")
         self.assertAlmostEqual(table.at["slow", "time saved [1]"], 0.7)
         self.assertAlmostEqual(table.at["slow", "multiply-adds saved [1]"], 0.8)
-        untimed = self.made(sleeping, self.stack(times={"none": (10,), "quick": (6,)}))[0]
+        untimed = self.made(sleeping.sleeping, self.stack(times={"none": (10,), "quick": (6,)}))[0]
         self.assertEqual({ax.get_xlabel() for ax in untimed.figure.axes}, {"multiply-adds saved (%)"})
         self.assertNotIn("of the time", untimed.finding)
 
     @undrawn.drawn
     def test_no_mark_is_cut_by_the_frame(self):
-        low, high = self.made(sleeping, self.stack())[0].figure.axes[1].get_ylim()
+        low, high = self.made(sleeping.sleeping, self.stack())[0].figure.axes[1].get_ylim()
         self.assertTrue(low < 0 and high > 4, (low, high))
 
     def test_the_planted_bug_that_the_first_poses_are_compared_would_be_seen(self):
@@ -81,17 +81,17 @@ class Sleeping(with_store.WithStore):
 
     def test_runs_that_end_elsewhere_or_with_other_bodies_have_no_distance(self):
         for fill in (self.stack(ends=500), self.stack(bodies=2)):
-            made = self.made(sleeping, fill)[0]
+            made = self.made(sleeping.sleeping, fill)[0]
             self.assertTrue(made.table.set_index("policy")["largest distance from the end without sleep [m]"].isna()["slow"])
 
     def test_what_failed_saves_nothing_and_is_told(self):
-        made = self.made(sleeping, self.stack(outcomes={"slow": "exploded"}))[0]
+        made = self.made(sleeping.sleeping, self.stack(outcomes={"slow": "exploded"}))[0]
         self.assertTrue(made.finding.startswith("On stack, 2D quick saves most, 60 %"), made.finding)
         self.assertTrue(made.finding.endswith("slow fails."), made.finding)
         self.assertIsNone(made.headline)
 
     def test_where_nobody_sleeps_nothing_is_ranked(self):
-        made = self.made(sleeping, self.stack({name: (100, 5, 0, 0, 0.0) for name in POLICIES}))[0]
+        made = self.made(sleeping.sleeping, self.stack({name: (100, 5, 0, 0, 0.0) for name in POLICIES}))[0]
         self.assertEqual(made.finding, "On stack, 2D no body falls asleep.")
         self.assertIsNone(made.headline)
 
@@ -99,11 +99,11 @@ class Sleeping(with_store.WithStore):
         context = self.context(self.stack())
         for key in context.store.trials.index:
             context.store.trials.at[key, "canonical"]["pipeline"] = "sleep=none"
-        self.assertEqual(sleeping.of_sweep(context, context.cells("mine")), [])
+        self.assertEqual(sleeping.sleeping.make(context, context.cells("mine")), [])
 
     def test_a_baseline_that_sleeps_is_none(self):
         for fill in (self.stack(baseline="quick"), self.stack(baseline="none", outcomes={"none": "exploded"})):
-            self.assertEqual(self.made(sleeping, fill), [sleeping.ABSENT])
+            self.assertEqual(self.made(sleeping.sleeping, fill), [sleeping.sleeping.absent])
 
 
 if __name__ == "__main__":

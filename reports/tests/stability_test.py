@@ -12,7 +12,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import stability  # noqa: E402
+from charts import standing  # noqa: E402
+from charts.standing import stability  # noqa: E402
 
 # (scene, sleeping, method): outcome, step; what is not named is ok
 FALLS = {("preset_5", "none", "stupid"): ("exploded", 61), ("preset_5", "on", "stupid"): ("exploded", 61),
@@ -58,19 +59,19 @@ class Stability(with_store.WithStore):
         self.assertIn("preset_6, sleeping=on: collapsed at step 91 (too far)", " ".join(made.holes))
 
     def test_the_planted_bug_a_fall_that_counts_as_held(self):
-        real, stability.finding = stability.finding, lambda rows, methods: real(
+        real, standing.finding_of_stability = standing.finding_of_stability, lambda rows, methods: real(
             [{**row, "outcome": "ok"} for row in rows], methods)
         try:
             self.assertIn("stupid holds 4 of 4", self.one().finding)
         finally:
-            stability.finding = real
+            standing.finding_of_stability = real
         self.assertIn("stupid holds 0 of 4", self.one().finding)
 
     def test_where_all_hold_the_same_there_is_no_headline(self):
         self.assertIsNone(self.one(falls={}).headline)
 
     def test_only_where_a_sweep_asks(self):
-        self.assertEqual(self.made(stability, synthetic_store.resolvers), [stability.ABSENT])
+        self.assertEqual(self.made(stability, synthetic_store.resolvers), [stability.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

@@ -14,7 +14,8 @@ import noise  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import streams  # noqa: E402
+from charts import pair_times  # noqa: E402
+from charts.pair_times import streams  # noqa: E402
 
 # Scene: {method: ns a query on drawn pairs, cold, warm (None: it remembers nothing)}
 SCENES = {"pile": {"sat": (200, 90, None), "gjk_epa": (100, 160, 120), "closed_form": (50, 40, None)},
@@ -25,14 +26,14 @@ class Streams(with_store.WithStore):
     @staticmethod
     def asked(of=None, repeats=4, noisy=0.01, wrong=(), dimensions=(3,)):
         def fill(maker):
-            for name in streams.WORK[:2]:
+            for name in pair_times.WORK[:2]:
                 maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
                                  ("metric", name, "pairs", name.replace("_", " "), "1", "invented", "detail", "cheaper", ""))
             maker.sweep("streams", "pairs", pair_query="stage", n="parameter", report=["streams"])
             for dimension in dimensions:
                 for scene, methods in (of or SCENES).items():
                     for method, costs in methods.items():
-                        for way, ns in zip(streams.MARKS, costs):
+                        for way, ns in zip(pair_times.MARKS, costs):
                             one(maker, dimension, scene, method, way, ns)
 
         def one(maker, dimension, scene, method, way, ns):
@@ -93,7 +94,7 @@ class Streams(with_store.WithStore):
 
     def test_a_chart_for_each_dimension_and_none_without_streams(self):
         self.assertEqual([c.id for c in self.made(streams, self.asked(dimensions=(2, 3)))], ["streams_2d", "streams_3d"])
-        self.assertEqual(self.made(streams, synthetic_store.queries), [streams.ABSENT])
+        self.assertEqual(self.made(streams, synthetic_store.queries), [streams.absent])
 
     def test_one_method_has_no_rank(self):
         made = self.one(of={"pile": {"sat": (105, 90, None)}})

@@ -17,7 +17,8 @@ import noise  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import tolerance_cost  # noqa: E402
+from charts import tolerances  # noqa: E402
+from charts.tolerances import tolerance_cost  # noqa: E402
 
 LOOSE = (0, 1e-9, 1e-6, 1e-3)
 
@@ -103,16 +104,16 @@ class Tolerance(with_store.WithStore):
             noise.tells = real
 
     def test_a_label_is_read(self):
-        self.assertEqual(tolerance_cost.parted("gjk_epa{tolerance=1e-06}"), ("gjk_epa", 1e-6))
-        self.assertEqual(tolerance_cost.parted("gjk_epa{tolerance=0,faces=9}"), ("gjk_epa{faces=9}", 0.0))
-        self.assertEqual(tolerance_cost.parted("gjk_epa{faces=9,tolerance=0.5}"), ("gjk_epa{faces=9}", 0.5))
-        self.assertTrue(math.isnan(tolerance_cost.parted("sat")[1]))
+        self.assertEqual(tolerances.parted("gjk_epa{tolerance=1e-06}"), ("gjk_epa", 1e-6))
+        self.assertEqual(tolerances.parted("gjk_epa{tolerance=0,faces=9}"), ("gjk_epa{faces=9}", 0.0))
+        self.assertEqual(tolerances.parted("gjk_epa{faces=9,tolerance=0.5}"), ("gjk_epa{faces=9}", 0.5))
+        self.assertTrue(math.isnan(tolerances.parted("sat")[1]))
 
     def test_no_chart_without_a_curve(self):
         asked = self.made(tolerance_cost, self.loosened(values=(0, 1e-3)))
         self.assertIn("tolerance_cost asks for this chart and has not what it needs: a method with 3 values of its tolerance",
                       asked[0].finding)
-        self.assertEqual(self.made(tolerance_cost, synthetic_store.queries), [tolerance_cost.ABSENT])
+        self.assertEqual(self.made(tolerance_cost, synthetic_store.queries), [tolerance_cost.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

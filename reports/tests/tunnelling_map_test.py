@@ -14,7 +14,7 @@ import noise  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import tunnelling_map  # noqa: E402
+from charts.tunnelling_map import tunnelling_map  # noqa: E402
 
 SPEEDS, WALLS = (25, 100, 400), (0.001, 0.01)
 # Method: us of a step, and of 20 bullets those that pass, walls from the thinnest on, speeds from the slowest on.
@@ -163,14 +163,14 @@ class Map(with_store.WithStore):
         self.assertEqual(sum(ax.get_visible() for ax in made.figure.axes), 24)
 
     def test_without_counts_or_without_a_number_of_bullets_there_is_no_chart(self):
-        self.assertEqual(self.made(tunnelling_map, self.bullets(counted=False, report=())), [tunnelling_map.ABSENT])
-        self.assertEqual(self.made(tunnelling_map, self.bullets(n=None, report=())), [tunnelling_map.ABSENT])
+        self.assertEqual(self.made(tunnelling_map, self.bullets(counted=False, report=())), [tunnelling_map.absent])
+        self.assertEqual(self.made(tunnelling_map, self.bullets(n=None, report=())), [tunnelling_map.absent])
         asked = self.made(tunnelling_map, self.bullets(counted=False))
         self.assertIn("mine asks for this chart and has not what it needs", asked[0].finding)
 
     def test_made_of_whatever_has_the_axes(self):
         self.assertEqual(len(self.made(tunnelling_map, self.bullets(report=()))), 1)
-        self.assertEqual(self.made(tunnelling_map, synthetic_store.resolvers), [tunnelling_map.ABSENT])
+        self.assertEqual(self.made(tunnelling_map, synthetic_store.resolvers), [tunnelling_map.absent])
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

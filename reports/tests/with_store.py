@@ -22,8 +22,8 @@ class WithStore(undrawn.Undrawn):
         maker.close()
         return chart.Context(load.Store(Path(folder.name) / "store.db"))
 
-    def made(self, module, fill):
-        found = chart.made(module, self.context(fill))
+    def made(self, kind, fill):
+        found = chart.made(kind, self.context(fill))
         for c in found:
             if c.figure is not None and self.draws:
                 self.assertEqual(overlap.overlaps(c.figure), ([], []), c.id)

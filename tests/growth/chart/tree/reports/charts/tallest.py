@@ -6,16 +6,15 @@ import math
 import numpy as np
 import pandas as pd
 
-from chart import Chart, Needs
+from chart import Chart, Needs, of_sweeps
 from style import plt, si
 
-PLACE = 35
 SECTION = "Who throws bodies up?"
-NEEDS = Needs("world", methods=(2, math.inf), series=("height",))
-ABSENT = Chart("tallest", SECTION, "Highest body", "No sweep of several methods is in this store.", "resolvers")
 
 
-def of_sweep(context, cells):
+@of_sweeps("tallest", 35, SECTION, Needs("world", methods=(2, math.inf), series=("height",)),
+           "Highest body", "No sweep of several methods is in this store.", "resolvers")
+def tallest(context, cells):
     rows = []
     for _, cell in cells[cells["key"].notna()].iterrows():
         heights = context.store.series(cell["key"], "height")

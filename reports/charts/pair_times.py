@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""What the vertices of two hulls cost a pair query: time and counted work over their number, with the exponents that fit.
-
-The 2009 report claims O(E + V) for its test of polygons. Edges grow as vertices do (E = V in 2D, at most 3V - 6 in 3D), so that
-on logarithmic axes the claim is a slope of at most 1.
-"""
+"""Times of pair queries: over the vertices of hulls, and on the pairs of a world, cold, warm and drawn."""
 
 import math
 
@@ -11,20 +7,20 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import failure
+import measured
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
 from load import one_machine, split, varying
-from style import ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same
+from sentences import clauses, does, listing, span
+from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same,
+                   times)
 from table import quantity
 
-PLACE = 72
 SECTION = "Which pair query is fast and right?"
 SIZE, TIME = "vertices", "ns_single"
 WORK = ("support_calls", "axis_tests", "polytope_faces")  # counted per query; who does none of one is not drawn there
-NEEDS = Needs("pairs", varies=(SIZE,), metrics=(TIME,))
-ABSENT = Chart("hull_sizes", SECTION, "Over the vertices of hulls", "No timed sweep of pair queries over the vertices of hulls "
-               "is in this store.", "hull_sizes")
 FEWEST = 4  # sizes from which an exponent is fitted
 STUDENT = {2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 6: 2.447, 7: 2.365, 8: 2.306}  # 95 %, by degrees of freedom
 LINEAR = "at most linear"
@@ -32,7 +28,11 @@ STEEPER = "steeper than linear"
 OPEN = "not told from linear"
 
 
-def of_sweep(context, cells):
+@of_sweeps("hull_sizes", 72, SECTION,
+           Needs("pairs", varies=(SIZE,), metrics=(TIME,)),
+           "Over the vertices of hulls", "No timed sweep of pair queries over the vertices of hulls is in this store.",
+           "hull_sizes")
+def hull_sizes(context, cells):
     if not set(WORK) <= set(cells):  # a store of before trials counted it
         return []
     cells, refused = one_machine(context.store, cells)
@@ -42,7 +42,7 @@ def of_sweep(context, cells):
     for dimension in sorted(set(dimension_of(cells))):
         part = cells[dimension_of(cells) == dimension]
         part = part.groupby("method").filter(lambda mine: (mine["outcome"] != "unsupported").any())
-        made += [_chart(context, same_axes, dimension, describe(same_axes.iloc[0], others), refused)
+        made += [_sizes_chart(context, same_axes, dimension, describe(same_axes.iloc[0], others), refused)
                  for same_axes in split(part, others, sort=True) if len(same_axes)]
     return made
 
@@ -99,7 +99,7 @@ def _fits(context, cells, metric, least):
     return pd.DataFrame(found, columns=["drawing", "method", "ours", "slope", "half", "large", "verdict"])
 
 
-def finding(fits, cells, dimension):
+def finding_of_sizes(fits, cells, dimension):
     low, high = int(cells[SIZE].min()), int(cells[SIZE].max())
     if not len(fits):
         return f"In {dimension}D no method has a time at {FEWEST} numbers of vertices, so that no exponent is fitted."
@@ -134,7 +134,7 @@ def counted(context, cells):
     return f" Counted work: {'; '.join(said)}." if said else ""
 
 
-def headline(cells, dimension, least):
+def headline_of_sizes(cells, dimension, least):
     """The fastest at the fewest and at the most vertices, where they differ by more than the noise."""
     for drawing, part in cells.groupby("drawing", sort=True):
         part = part[part["outcome"].isin(["ok"]) & np.isfinite(metrics.column(part, TIME))]
@@ -150,7 +150,7 @@ def headline(cells, dimension, least):
     return None
 
 
-def _chart(context, cells, dimension, where, refused):
+def _sizes_chart(context, cells, dimension, where, refused):
     drawings, methods = sorted(cells["drawing"].unique()), sorted(cells["method"].unique())
     looks, sweep = context.looks(cells), cells["sweep"].iloc[0]
     least = noise.floor_of(context, sweep, TIME)
@@ -176,7 +176,7 @@ def _chart(context, cells, dimension, where, refused):
                 good = np.isfinite(values)
                 ax.plot(n[good], [scale.place(v) for v in values[good]], **looks(method))
                 for at, (_, cell) in zip(n, part[part["method"] == method].sort_values(SIZE).iterrows()):
-                    low, high = noise.interval(noise.runs(cell, metric))
+                    low, high = noise.interval(measured.runs(cell, metric))
                     if high > low:
                         ax.plot([at, at], [scale.place(low), scale.place(high)], color=looks(method)["color"], lw=1.2)
             if metric == TIME:
@@ -196,8 +196,8 @@ def _chart(context, cells, dimension, where, refused):
     legend_right(figure, handles, legend_width)
     fits = _fits(context, cells, TIME, least)
     return Chart(identifier(f"{sweep} {dimension}d {where}"), SECTION, f"Over the vertices of hulls, {dimension}D"
-                 + (f", {where}" if where else ""), finding(fits, cells, dimension) + counted(context, cells), sweep, figure,
-                 _table(context, cells, least),
+                 + (f", {where}" if where else ""), finding_of_sizes(fits, cells, dimension) + counted(context, cells), sweep,
+                 figure, _sizes_table(context, cells, least),
                  refused + holes(cells[bad].assign(step=math.nan), [*(["drawing"] if len(drawings) > 1 else []), "method", SIZE]),
                  "Both axes are logarithmic; the dashed line has the slope 1. All vertices of a hull lie on an ellipsoid. "
                  "Exponents "
@@ -206,7 +206,7 @@ def _chart(context, cells, dimension, where, refused):
                  "slope over the larger half, where what does not grow has faded, and it decides what is linear, within "
                  f"the noise of two times. What counts none of a work is not drawn there; witnesses count nothing. "
                  f"{noise.rule(least)}"
-                 + caption_of_lines(lines), headline=headline(cells, dimension, least))
+                 + caption_of_lines(lines), headline=headline_of_sizes(cells, dimension, least))
 
 
 def _guide(ax, sizes, values):
@@ -220,7 +220,7 @@ def _guide(ax, sizes, values):
         ax.set_ylim(limits)
 
 
-def _table(context, cells, least):
+def _sizes_table(context, cells, least):
     table = cells.sort_values(["drawing", "method", SIZE])
     numbers = {}
     for name in (TIME, *WORK, "max_error"):
@@ -229,3 +229,169 @@ def _table(context, cells, least):
             fits = {(d, m): exponent(*curve(part, name))[0] for (d, m), part in table.groupby(["drawing", "method"])}
             numbers[f"exponent of {context.title(name)} [1]"] = [fits[key] for key in zip(table["drawing"], table["method"])]
     return table[["drawing", "method", SIZE, "outcome"]].assign(**numbers)
+
+
+WAY, BATCHED = "stream", "ns_per_query"
+DRAWN, COLD, WARM = "drawn", "cold", "warm"
+MARKS = {DRAWN: "o", COLD: "s", WARM: "^"}
+ASIDE = {DRAWN: -0.2, COLD: 0.0, WARM: 0.2}  # of a row, so that what is alike does not hide the other
+WORDS = {DRAWN: "drawn pairs", COLD: "a world's, each as if new", WARM: "a world's, with what is remembered"}
+
+
+@of_sweeps("streams", 73, SECTION,
+           Needs("pairs", varies=(WAY,), metrics=(BATCHED,)),
+           "On the pairs of worlds", "No timed sweep of pair queries on streams is in this store.", "streams")
+def streams(context, cells):
+    cells, refused = one_machine(context.store, cells)
+    cells = cells[cells[WAY].isin(MARKS)]
+    # What a scene has one value of needs no word.
+    others = ["scene", *(axis for axis in varying(context.store, cells, (WAY, "dimension", "scene"))
+                         if (cells.groupby("scene")[axis].agg(lambda of: of.map(str).nunique()) > 1).any())]
+    cells = cells.assign(scene=[describe(row, others) for _, row in cells.iterrows()])
+    made = []
+    for dimension in sorted(set(dimension_of(cells))):
+        mine = cells[dimension_of(cells) == dimension]
+        part = _present(mine)
+        absent = sorted(set(mine["method"]) - set(part["method"]))
+        said = [f"{listing(absent)}: unsupported on every scene"] if absent else []
+        made += [_streams_chart(context, part, dimension, refused + said)] if len(part) else []
+    return made
+
+
+def _present(cells):
+    """Scenes and methods that exist in this dimension."""
+    for axis in ("scene", "method"):
+        cells = cells.groupby(axis).filter(lambda mine: (mine["outcome"] != "unsupported").any())
+    return cells
+
+
+def usable(cell):
+    return cell["outcome"] in ("ok", "wrong") and math.isfinite(float(cell[BATCHED]))
+
+
+def fails(ways, method):
+    return any(failure.in_pairs(pd.DataFrame([of[method]]))[0] > 0 for of in ways.values() if method in of)
+
+
+def by_way(cells):
+    """{way: {method: its cell}} of one scene."""
+    return {way: {cell["method"]: cell for _, cell in cells[cells[WAY] == way].iterrows() if usable(cell)} for way in MARKS}
+
+
+def in_world(ways):
+    """{method: its cell on the stream}: with what it remembers, where it remembers something."""
+    return {**ways[COLD], **ways[WARM]}
+
+
+def parted(ways, least):
+    """[(a, b, drawn ratio, ratio in the world)]: a is told to be faster than b on drawn pairs, and b than a in the world."""
+    drawn, world = ways[DRAWN], in_world(ways)
+    both = sorted(set(drawn) & set(world))
+    found = [(a, b) for a in both for b in both
+             if drawn[a][BATCHED] < drawn[b][BATCHED] and world[b][BATCHED] < world[a][BATCHED] and
+             noise.tells(drawn[a], drawn[b], BATCHED, least) and noise.tells(world[a], world[b], BATCHED, least)]
+    return [(a, b, noise.ratio(drawn[a], drawn[b], BATCHED), noise.ratio(world[b], world[a], BATCHED)) for a, b in found]
+
+
+def remembered(scenes, least):
+    """{method: {scene: (cold over warm, the ratio in words or why there is none)}}"""
+    found = {}
+    for scene, ways in scenes.items():
+        for method in sorted(set(ways[COLD]) & set(ways[WARM])):
+            pair = ways[WARM][method], ways[COLD][method]
+            found.setdefault(method, {})[scene] = noise.ratio(*pair, BATCHED), noise.said(*pair, BATCHED, least)
+    return found
+
+
+def finding_of_streams(scenes, least, dimension):
+    said, apart = [], {scene: parted(ways, least) for scene, ways in scenes.items()}
+    for scene, found in apart.items():
+        for a, b, drawn, world in found:
+            bad = [m for m in (a, b) if fails(scenes[scene], m)]
+            said.append(f"on {scene} {b} takes {times(1 / world)} times the time of {a}, on drawn pairs {times(drawn)} times"
+                        + (f" (but {does(bad, 'fail')} somewhere)" if bad else ""))
+    silent = [scene for scene, ways in scenes.items() if len(set(ways[DRAWN]) & set(in_world(ways))) > 1 and not apart[scene]]
+    told = clauses(said and f"ranks part: {'; '.join(said)}", silent and f"no rank parts beyond the noise on {listing(silent)}")
+    text = [f"In {dimension}D {told or 'no scene has two methods with a time on drawn pairs and in its world'}"]
+    for method, of in remembered(scenes, least).items():
+        beyond = [ratio for ratio, word in of.values() if word and word not in noise.IN_WORDS]
+        text.append(f"Cold, {method} takes {span(times(min(beyond)), times(max(beyond)))} times its time with what it remembers, "
+                    f"on {len(beyond)} of {len(of)} scenes beyond the noise" if beyond else
+                    f"What {method} remembers changes its time beyond the noise on none of {len(of)} scenes")
+    return clauses(*text, between=". ") + "."
+
+
+def headline_of_streams(scenes, least, dimension):
+    """The pair of methods whose ranks part by most, of those that fail nowhere."""
+    found = [(min(drawn, world), scene, a, b, drawn, world) for scene, ways in scenes.items()
+             for a, b, drawn, world in parted(ways, least) if not fails(ways, a) and not fails(ways, b)]
+    if not found:
+        return None
+    _, scene, a, b, drawn, world = max(found)
+    cells = in_world(scenes[scene])
+    return Headline(f"{scene}, {dimension}D: on drawn pairs {a} is {times(drawn)} times as fast as {b}, on the pairs of the "
+                    "world "
+                    f"{b} is {times(world)} times as fast as {a}.", {m: float(cell[BATCHED]) for m, cell in cells.items()}, "ns",
+                    "time per query in the world")
+
+
+def _streams_chart(context, cells, dimension, refused):
+    names, methods = sorted(cells["scene"].unique()), sorted(cells["method"].unique())
+    sweep, looks = cells["sweep"].iloc[0], context.looks(cells)
+    least = noise.floor_of(context, sweep, BATCHED)
+    scenes = {scene: by_way(cells[cells["scene"] == scene]) for scene in names}
+    shown = [BATCHED] + [name for name in WORK if name in cells and (metrics.column(cells, name) > 0).any()]
+    room = 0.3 + 0.078 * max(map(len, map(context.name, methods)))
+    figure, axes = grid_of_axes(len(shown), len(names), 0.35 + 0.26 * len(methods), 2.75, left=room, gap_x=0.3, gap_y=0.62)
+    for row, metric in enumerate(shown):
+        for column, scene in enumerate(names):
+            _panel(axes[row][column], context, scenes[scene], metric, methods, looks)
+            axes[row][column].tick_params(labelleft=column == 0)
+            axes[row][column].set_xlabel(context.title(metric))
+            if row == 0:
+                axes[row][column].set_title(scene, fontsize=9)
+    handles = [Line2D([], [], ls="none", marker=MARKS[way], color="#555555", ms=6, label=WORDS[way]) for way in MARKS]
+    failing = cells["outcome"].isin(["ok", "wrong"]) & (failure.in_pairs(cells) > 0)
+    if failing.any():
+        handles.append(Line2D([], [], ls="none", marker="o", mfc="none", mec="#D62728", ms=11, label="fails somewhere"))
+    legend_right(figure, handles, 2.75)
+    bad = cells[~cells["outcome"].isin(["ok", "wrong"])]
+    cold = {(row["scene"], row["method"]) for _, row in cells.iterrows() if row[WAY] == COLD and usable(row)}
+    said = [(row["scene"], row["method"]) in cold and row[WAY] == WARM and row["outcome"] == "unsupported"
+            for _, row in bad.iterrows()]  # it remembers nothing: no hole
+    bad = bad[~np.array(said, bool)]
+    return Chart(identifier(f"{sweep} {dimension}d"), SECTION, f"On drawn pairs and on those of worlds, {dimension}D",
+                 finding_of_streams(scenes, least, dimension), sweep, figure, _streams_table(context, cells),
+                 refused + holes(bad.assign(step=math.nan), ["scene", "method", WAY]),
+                 "Drawn pairs are of the kinds that meet in the scene, as often as they do, each by itself. A world's are "
+                 "asked in "
+                 "its order, step by step; with what is remembered, the time to find it is in it; what remembers nothing has "
+                 "none. A rank parts where both orders "
+                 f"are told. {noise.rule(least)} {failure.DEFINITION}", headline=headline_of_streams(scenes, least, dimension))
+
+
+def _panel(ax, context, ways, metric, methods, looks):
+    found = {(way, m): float(cell[metric]) for way, of in ways.items() for m, cell in of.items()
+             if metric == BATCHED or float(cell[metric]) > 0}
+    known = {key: value for key, value in found.items() if math.isfinite(value)}
+    scale = ZeroLog(ax, "x", list(known.values()), context.unit(metric), failures=False)
+    for y, method in enumerate(methods):
+        mine = [(way, known[way, method]) for way in MARKS if (way, method) in known]
+        colour = looks(method)["color"]
+        if mine:
+            ax.plot([scale.place(value) for _, value in mine], [y + ASIDE[way] for way, _ in mine], color=colour, lw=1, alpha=0.5)
+        for way, value in mine:
+            ax.plot([scale.place(value)], [y + ASIDE[way]], ls="none", marker=MARKS[way], color=colour, ms=6)
+            if failure.in_pairs(pd.DataFrame([ways[way][method]]))[0] > 0:
+                ax.plot([scale.place(value)], [y + ASIDE[way]], ls="none", marker="o", mfc="none", mec="#D62728", ms=11)
+    ax.set_ylim(len(methods) - 0.5, -0.5)
+    ax.set_yticks(range(len(methods)))
+    ax.set_yticklabels(list(map(context.name, methods)))
+
+
+def _streams_table(context, cells):
+    table = cells.sort_values(["scene", "method", WAY])
+    numbers = {}
+    for name in [BATCHED, *(n for n in WORK if n in cells), "max_error"]:
+        numbers |= quantity(context.title(name), context.unit(name), metrics.column(table, name))
+    return table[["scene", "method", WAY, "outcome"]].assign(failures=failure.in_pairs(table), **numbers)

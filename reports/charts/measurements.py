@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: Zlib
+"""What this store can tell: what was planned, how noisy its times are, and which methods are the same."""
+
+import math
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from matplotlib.patches import Patch
+
+import coverage
+import load
+import measured
+import noise
+import ranking
+from chart import Chart, of_store
+from load import NOT_RUN, SEVERITY
+from sentences import clauses, listing, plural, sentence
+from style import OUTCOMES, WIDTH, grid_of_axes, plt
+
+DIFFERENT = "Are these methods different?"
+MOST = 0.5  # part of the runs of two methods that must end in the same bits; larger: fewer methods are called one
+LEAST = 2  # runs that two methods must share, or nothing is said of them
+SHOWN = 24  # bars at most
+
+
+@of_store("distinctness", 65, DIFFERENT,
+          "Runs that end in the same bits", "No two methods were run on the same worlds in this store.", "resolvers")
+def distinctness(context):
+    found = [agreements(context.store, context.cells(sweep)) for sweep in context.store.sweeps()
+             if context.store.sweep(sweep).kind == "world"]
+    found = [table for table in found if len(table)]
+    return [_chart(pd.concat(found, ignore_index=True), swept(context))] if found else []
+
+
+def swept(context):
+    """{(sweep, method): the share of rows that it left to Gauss-Seidel, in words}: why two may be one path."""
+    found = {}
+    for sweep in (sweep for sweep in context.store.sweeps() if context.store.sweep(sweep).kind == "world"):
+        for _, cell in context.cells(sweep).iterrows():
+            share = ranking.share_of_fallbacks(context, cell)
+            if share != 0:
+                key = sweep, cell["method"]
+                found[key] = ranking.largest([found.get(key, ""), ranking.said_of_share(share)])
+    return found
+
+
+def agreements(store, cells):
+    """One row for each two methods of a sweep: how many finished runs (a cell under one seed) they share, and how many of them
+    end in equal hashes."""
+    columns = ["sweep", "a", "b", "cells", "equal"]
+    if not len(cells):
+        return pd.DataFrame(columns=columns)
+    others = sorted(load.axes_of(store, cells) - {axis for name in cells["sweep"].unique() for axis in store.method_axes(name)})
+    others = [name for name in others if name in cells]
+    ends = {}
+    for _, cell in cells.iterrows():
+        place = tuple(str(cell[name]) for name in others)
+        for seed, key in zip(cell["seeds"], cell["keys"]):
+            if key is not None and store.trials.at[key, "outcome"] == "ok" and store.trials.at[key, "hash"]:
+                ends.setdefault(cell["method"], {})[(*place, seed)] = store.trials.at[key, "hash"]
+    rows = []
+    for a, b in combinations(sorted(ends), 2):
+        common = ends[a].keys() & ends[b].keys()
+        if len(common) >= LEAST:
+            rows.append((cells["sweep"].iloc[0], a, b, len(common), sum(ends[a][at] == ends[b][at] for at in common)))
+    return pd.DataFrame(rows, columns=columns)
+
+
+def paths(table):
+    """Methods of one sweep that are one path: each agrees in most cells with another of them."""
+    groups = []
+    for row in table[table["equal"] > MOST * table["cells"]].itertuples():
+        joined = [g for g in groups if row.a in g or row.b in g]
+        groups = [g for g in groups if g not in joined] + [set().union({row.a, row.b}, *joined)]
+    return [sorted(g) for g in groups]
+
+
+def finding_of_alike(table, swept):
+    said, different = [], []
+    for sweep, part in table.groupby("sweep", sort=True):
+        for group in paths(part):
+            inside = part[part["a"].isin(group) & part["b"].isin(group)]
+            named = [ranking.beside(method, swept.get((sweep, method), "")) for method in group]
+            said.append(f"in {sweep} {listing(named)} are one path ({int(inside['equal'].sum())} of {int(inside['cells'].sum())} "
+                        "comparisons end in the same bits)")
+        if not paths(part):
+            different.append(sweep)
+    if not said:
+        return f"No two methods end in the same bits in most of the runs that they share, in {listing(different)}."
+    return sentence(clauses(*said, different and f"no two methods of {listing(different)} agree in most of their runs"))
+
+
+def _chart(table, swept):
+    table = table.assign(share=table["equal"] / table["cells"])
+    shown = table[table["equal"] > 0].sort_values("share", ascending=False, kind="stable").head(SHOWN)
+    figure = None
+    if len(shown):
+        call = lambda sweep, method: ranking.beside(method, swept.get((sweep, method), ""))  # noqa: E731
+        names = [f"{call(row.sweep, row.a)} = {call(row.sweep, row.b)}, {row.sweep}" for row in shown.itertuples()]
+        height, left = 0.9 + 0.24 * len(shown), 0.4 + 0.075 * max(map(len, names))
+        figure, ax = plt.subplots(figsize=(WIDTH, height))
+        figure.subplots_adjust(left=left / WIDTH, right=1 - 0.9 / WIDTH, top=1 - 0.15 / height, bottom=0.6 / height)
+        at = np.arange(len(shown))
+        ax.barh(at, 100 * shown["share"], color=["#0072B2" if s > MOST else "#B9CFE4" for s in shown["share"]], height=0.65)
+        for y, row in enumerate(shown.itertuples()):
+            ax.text(100 * row.share + 0.8, y, f"{row.equal} of {row.cells}", va="center", fontsize=8)
+        ax.axvline(100 * MOST, color="#999999", lw=0.8, ls=(0, (4, 3)))
+        ax.set_yticks(at)
+        ax.set_yticklabels(names)
+        ax.set_ylim(len(shown) - 0.5, -0.5)
+        ax.set_xlim(0, 100)
+        ax.grid(False, axis="y")
+        ax.set_xlabel("runs that end in the same bits, %")
+    more = int((table["equal"] > 0).sum()) - len(shown)
+    return Chart("distinctness", DIFFERENT, "Runs that end in the same bits", finding_of_alike(table, swept), "", figure,
+                 table.rename(columns={"share": "share [1]"}),
+                 [f"{plural(more, 'further pair')} that agree somewhere are in the numbers alone"] if more > 0 else [],
+                 "Two runs are equal when the hash of their final poses and velocities is: to the last bit, not nearly. Beyond "
+                 "the dashed line (half of the runs that both finished) a bar is dark: one path under two names, whose times are "
+                 "two measurements of the same thing. Exact broadphases agree by design, because the world sorts their pairs.")
+
+
+NOISY = "How noisy are these times?"
+WIDEST = 50.0  # percent that are drawn
+
+
+@of_store("noise", 115, NOISY, "Noise of times", "No timed trial is in this store.")
+def noise_floor(context):
+    rows = [row for sweep in context.store.sweeps() for row in _rows(context, sweep)]
+    if not rows:
+        return []
+    figure = _drawn(rows) if any(row["ratios"] or row["loads"] for row in rows) else None  # stores of old hold neither
+    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "cells of the bar": len(row["ratios"]),
+                           "noise floor [1]": row["floor"] - 1 if row["ratios"] else math.nan,
+                           "load average, median": float(np.median(row["loads"])) if row["loads"] else math.nan,
+                           "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
+    return [Chart("noise", NOISY, "The same method against itself", finding_of_noise(rows), "", figure, table,
+                  [f"{row['sweep']}: too few repeats to measure its noise, so only ratios beyond {noise.UNMEASURED:g} are told"
+                   for row in rows if not row["ratios"]],
+                  "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were "
+                  f"made in the same rounds. The bar is the floor: {noise.LIKELY} of 100 of the cells that the "
+                  "label counts are inside. A ratio is told in a chart when it is beyond the floor and the whiskers of the two "
+                  "are apart; else it is noise. Other libraries' methods and engines have floors of their own." + beyond(rows) +
+                  " Load is the mean of a minute.")]
+
+
+def beyond(rows):
+    """What stands at the edge of the first panel because it is farther off."""
+    said = []
+    for row in rows:
+        most = max([row["floor"], *(max(ratio, 1 / ratio) for ratio in row["ratios"])]) if row["ratios"] else 1.0
+        if 100 * (most - 1) > WIDEST:
+            said.append(f"marks of {row['sweep']} (a factor of up to {most:.2g})")
+    return f" Beyond the edge of the first panel, and drawn at it: {listing(said)}." if said else ""
+
+
+def _drawn(rows):
+    names = [f"{row['sweep']}, {plural(len(row['ratios']), 'cell')}" for row in rows]
+    left_room = max(2.6, 0.3 + 0.075 * max(map(len, names)))
+    figure, axes = grid_of_axes(1, 2, 0.3 * len(rows) + 0.2, 0.2, left=left_room, gap_x=0.4, bottom=0.6)
+    left, right = axes[0]
+    for y, row in enumerate(rows):
+        shares = [min(WIDEST, max(-WIDEST, 100 * (ratio - 1))) for ratio in row["ratios"]]
+        left.plot(shares, [y] * len(shares), ls="none", marker="|", ms=9, color="#0072B2", alpha=0.5)
+        if row["ratios"]:
+            ends = [max(-WIDEST, 100 * (1 / row["floor"] - 1)), min(WIDEST, 100 * (row["floor"] - 1))]
+            left.plot(ends, [y, y], color="#D55E00", lw=1.6, zorder=3)
+        right.plot(row["loads"], [y] * len(row["loads"]), ls="none", marker="|", ms=9, color="#0072B2", alpha=0.3)
+    for ax in (left, right):
+        ax.set_ylim(len(rows) - 0.4, -0.6)
+        ax.set_yticks(range(len(rows)))
+        ax.set_yticklabels(names if ax is left else [])
+        ax.tick_params(axis="y", length=0)
+    left.set_xlabel("even repeats over odd ones, less 1 (%)")
+    right.set_xlabel("load average when a timed trial started")
+    right.set_xlim(left=0)
+    return figure
+
+
+def finding_of_noise(rows):
+    known = sorted((row for row in rows if row["ratios"]), key=lambda row: row["floor"])
+    if not known:
+        return "No cell was repeated often enough to measure its noise."
+    loads = [load for row in rows for load in row["loads"]]
+    said = [f"{noise.percent(row['floor'])} % in {row['sweep']}" for row in known]
+    busy = f"; the load average was {np.median(loads):.2g} in the median, {max(loads):.2g} at most" if loads else ""
+    return f"Timed against itself, a method differs by at most {listing(said)} ({noise.LIKELY} of 100 cells of each){busy}."
+
+
+def _rows(context, sweep):
+    """One for each role: each has a floor of its own (noise.Floor)."""
+    kind, found = context.store.sweep(sweep).kind, []
+    time = next((name for name in context.metrics(kind, "cost") if context.store.is_time(name)), None)
+    for role, cells in noise.by_role(context, sweep) if time else ():
+        timed = cells[cells["key_timed"].notna()]
+        if len(timed):
+            found.append({"sweep": sweep if role == "competitor" else f"{sweep} ({role})", "cells": len(timed),
+                          "ratios": noise.with_itself(timed, time), "floor": noise.floor(timed, time),
+                          "loads": [v for _, cell in timed.iterrows() for v in measured.runs(cell, "load")]})
+    return found
+
+
+PLANNED = "Coverage: what was planned, what came of it?"
+
+
+@of_store("coverage", 120, PLANNED, "What came of the planned trials", "Nothing was planned in this store.")
+def coverage_of_plan(context):
+    table = coverage.trials(context.store)
+    if not len(table):
+        return []
+    outcomes = [o for o in SEVERITY + [NOT_RUN] if (table["outcome"] == o).any()]
+    outcomes += sorted(set(table["outcome"]) - set(outcomes))
+    sweeps = list(dict.fromkeys(table["sweep"]))
+    height = 0.75 + 0.36 * len(sweeps)
+    figure, ax = plt.subplots(figsize=(WIDTH, height))
+    figure.subplots_adjust(left=2.1 / WIDTH, right=1 - 2.6 / WIDTH, top=1 - 0.15 / height, bottom=0.55 / height)
+    for y, sweep in enumerate(sweeps):
+        part = table[table["sweep"] == sweep]
+        at = 0.0
+        for outcome in outcomes:
+            share = 100 * float((part["outcome"] == outcome).sum()) / len(part)
+            if share:
+                ax.barh(y, share, left=at, color=OUTCOMES.get(outcome, ("#FF00FF", ""))[0], edgecolor="#888888", lw=0.5,
+                        hatch="///" if outcome == NOT_RUN else None, height=0.7)
+            at += share
+        ax.text(101, y, f"{int(_ran(part).sum())} of {len(part)}", va="center", fontsize=8.5)
+    ax.set_xlim(0, 100)
+    ax.set_ylim(len(sweeps) - 0.5, -0.5)
+    ax.set_yticks(range(len(sweeps)))
+    ax.set_yticklabels(sweeps)
+    ax.set_xlabel("share of the planned trials (%); how many ran of how many planned at the right")
+    ax.grid(False)
+    handles = [Patch(facecolor=OUTCOMES.get(o, ("#FF00FF", ""))[0], edgecolor="#888888", label=o,
+                     hatch="///" if o == NOT_RUN else None) for o in outcomes]
+    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - 1.65 / WIDTH, 1 - 0.1 / height), borderaxespad=0,
+                  labelspacing=0.35)
+    ran = int(_ran(table).sum())
+    ok = int((table["outcome"] == "ok").sum())
+    kinds = [f"{int((table['outcome'] == o).sum())} {o}" for o in outcomes if o != "ok"]
+    text = (f"{ran} of {plural(len(table), 'planned trial')} ran, {ok} of them ok"
+            + (f"; not ok: {listing(kinds)}." if kinds else "."))
+    if context.store.superseded:
+        text += f" {plural(context.store.superseded, 'older plan')} of the same cells, made with other code, left out."
+    counts = table.groupby(["sweep", "outcome"], sort=False).size().unstack(fill_value=0).reindex(columns=outcomes)
+    counts.insert(0, "planned", counts.sum(axis=1))
+    return [Chart("coverage", PLANNED, "What came of the planned trials", text, "", figure, counts.reset_index(),
+                  note="What each outcome means stands under “All that is not ok”. Those that ended early, as by "
+                       "collapsing, ran; those that are unsupported did not.")]
+
+
+def _ran(table):
+    return ~table["outcome"].isin((NOT_RUN, "unsupported"))

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: Zlib
+"""Tolerances of pair queries: what a tighter one costs, and who is right within which."""
+
+import math
+import re
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import failure
+import metrics
+import noise
+from chart import Chart, Headline, Needs, dimension_of, holes, identifier, of_store, of_sweeps
+from load import family, one_machine
+from sentences import clauses, listing
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, times
+from table import quantity
+
+FAST = "Which pair query is fast and right?"
+SETTING, TIME, ERROR = "tolerance", "ns_per_query", "max_error"
+WORK = "support_calls"
+FEWEST = 3  # values of the tolerance that make a curve
+
+
+@of_sweeps("tolerance_cost", 74, FAST,
+           Needs("pairs", metrics=(TIME, ERROR), also=f"a method with {FEWEST} values of its {SETTING}"),
+           "What a tolerance costs", "No timed sweep of pair queries over a tolerance is in this store.", "tolerance_cost")
+def tolerance_cost(context, cells):
+    if WORK not in cells:
+        return []
+    cells, refused = one_machine(context.store, cells)
+    read = [parted(method) for method in cells["method"]]
+    cells = cells.assign(who=[who for who, _ in read], at=[at for _, at in read])
+    cells = cells[np.isfinite(cells["at"].astype(float))]
+    cells = cells.groupby("who").filter(lambda mine: mine["at"].nunique() >= FEWEST) if len(cells) else cells
+    if not len(cells):
+        return []
+    cells["pair"] = ["–".join(sorted((str(a), str(b)))) for a, b in zip(cells["kind_a"], cells["kind_b"])]
+    return [_cost_chart(context, cells[dimension_of(cells) == dimension], dimension, refused)
+            for dimension in sorted(set(dimension_of(cells)))]
+
+
+def parted(method):
+    """(the method without its tolerance, the tolerance): NaN where its label says none."""
+    found = re.search(rf"\b{SETTING}=([0-9.eE+-]+),?", method)
+    if not found:
+        return method, math.nan
+    return (method[:found.start()] + method[found.end():]).replace(",}", "}").replace("{}", ""), float(found[1])
+
+
+def ends(cells):
+    """(the cell of the tightest tolerance, that of the loosest) of one curve; None where fewer than two have a time."""
+    good = cells[cells["outcome"].isin(["ok", "wrong"]) & np.isfinite(metrics.column(cells, TIME))].sort_values("at")
+    return (good.iloc[0], good.iloc[-1]) if len(good) > 1 else None
+
+
+def told(cells, least):
+    """[(pair, method, tightest, loosest)] where both have a time."""
+    found = [(pair, who, ends(part)) for (pair, who), part in cells.groupby(["pair", "who"], sort=True)]
+    return [(pair, who, *both) for pair, who, both in found if both]
+
+
+def finding_of_cost(cells, dimension, least):
+    rows, said = told(cells, least), []
+    for who in sorted({row[1] for row in rows}):
+        parts = []
+        for pair, _, tight, loose in (row for row in rows if row[1] == who):
+            word = noise.said(tight, loose, TIME, least)
+            time = noise.IN_WORDS.get(word) or f"{times(noise.ratio(tight, loose, TIME))} times the time"
+            parts.append(f"on {pair} {time}, {tight[WORK]:.3g} support points become {loose[WORK]:.3g}, the worst error goes "
+                         "from "
+                         f"{tight[ERROR]:.2g} to {loose[ERROR]:.2g} of the size")
+        first = next(row for row in rows if row[1] == who)
+        said.append(f"{who} at {first[3]['at']:g} instead of {first[2]['at']:g}: {'; '.join(parts)}")
+    return f"In {dimension}D " + (". ".join(said) if said else "no method has times at two tolerances") + "."
+
+
+def headline_of_cost(cells, dimension, least):
+    """Where the loosest tolerance saves most time, beyond the noise."""
+    rows = [row for row in told(cells, least) if noise.tells(row[2], row[3], TIME, least) and row[3][TIME] < row[2][TIME]]
+    if not rows:
+        return None
+    pair, who, tight, loose = max(rows, key=lambda row: row[2][TIME] / row[3][TIME])
+    return Headline(f"{pair}, {dimension}D: a tolerance of {loose['at']:g} saves {who} "
+                    f"{100 * (1 - loose[TIME] / tight[TIME]):.0f} % "
+                    f"of its time, for a worst error of {loose[ERROR]:.2g} of the size instead of {tight[ERROR]:.2g}.",
+                    {f"{SETTING} {cell['at']:g}": float(cell[TIME]) for cell in (tight, loose)}, "ns", "time per query")
+
+
+def _cost_chart(context, cells, dimension, refused):
+    pairs, methods, sweep = sorted(cells["pair"].unique()), sorted(cells["who"].unique()), cells["sweep"].iloc[0]
+    looks, least = context.looks(cells), noise.floor_of(context, sweep, TIME)
+    look_of = {who: looks(cells[cells["who"] == who]["method"].iloc[0]) for who in methods}
+    legend_width = legend_room(methods, 1.5)
+    figure, axes = grid_of_axes(3, len(pairs), 1.75, legend_width, left=0.85, gap_x=0.65, gap_y=0.3, bottom=0.6)
+    bad = ~cells["outcome"].isin(["ok", "wrong"]).to_numpy()
+    for column, pair in enumerate(pairs):
+        for row, metric in enumerate((TIME, WORK, ERROR)):
+            ax, part = axes[row][column], cells[(cells["pair"] == pair) & ~bad]
+            across = ZeroLog(ax, "x", cells["at"].astype(float), "1", failures=False)
+            values = metrics.column(part, metric)
+            up = ZeroLog(ax, "y", values[np.isfinite(values)], context.unit(metric), failures=False,
+                         floor=1e-17 if metric == ERROR else 0.0)
+            for who in methods:
+                mine = part[(part["who"] == who) & np.isfinite(values)].sort_values("at")
+                ax.plot([across.place(v) for v in mine["at"]], [up.place(v) for v in metrics.column(mine, metric)],
+                        **look_of[who])
+            if metric == ERROR:
+                known = sorted(v for v in set(cells["at"]) if v > 0)
+                limits = ax.get_ylim()
+                ax.plot(known, known, color="#999999", lw=1, ls=(0, (4, 3)), zorder=0.6)
+                ax.set_ylim(limits)
+                ax.set_xlabel(SETTING)
+            else:
+                ax.tick_params(labelbottom=False)
+            if row == 0:
+                ax.set_title(pair)
+            if column == 0:
+                ax.set_ylabel(context.title(metric))
+    handles = [Line2D([], [], label=who, **look_of[who]) for who in methods]
+    handles.append(Line2D([], [], color="#999999", lw=1, ls=(0, (4, 3)), label="error = tolerance"))
+    legend_right(figure, handles, legend_width)
+    return Chart(identifier(f"{sweep} {dimension}d"), FAST, f"What a tolerance costs, {dimension}D",
+                 finding_of_cost(cells, dimension, least), sweep, figure, _table(context, cells),
+                 refused + holes(cells[bad].assign(step=math.nan), ["pair", "method"]),
+                 "What a tolerance is compared with is the method's own affair (`lpc list --stage pair_query`); errors are "
+                 "over the "
+                 "size of the query: largest extent + distance + largest coordinate. An outcome is judged by the tolerance that "
+                 f"was asked for. {noise.rule(least)}",
+                 headline=headline_of_cost(cells, dimension, least))
+
+
+def _table(context, cells):
+    table = cells.sort_values(["pair", "who", "at"])
+    numbers = quantity(SETTING, "1", table["at"])
+    for name in (TIME, WORK, ERROR, "median_error"):
+        numbers |= quantity(context.title(name), context.unit(name), metrics.column(table, name))
+    return pd.DataFrame({"pair": table["pair"], "method": table["who"], "outcome": table["outcome"], **numbers})
+
+
+FAILS_WHERE = "Which method is right, and which fails where?"
+DECADES = range(-16, 1)  # tolerances: from a rounding to the size itself
+LOOSE = -3  # a thousandth of the size: what a game would not see
+EVERYTHING = "all that it was asked"
+
+
+@of_store("within_tolerance", 75, FAILS_WHERE,
+          "Right within which tolerance?", "No pair query that fails somewhere is in this store.",
+          made_by="verify --stage pair_query --pairs 200")
+def within_tolerance(context):
+    ledger = context.store.ledger()
+    rows = ledger[(ledger["stage"] == "pair_query") & (ledger["axis"] == "all") & (ledger["asked"] > 0)]
+    groups = rows.groupby(["dimension", "precision"], sort=True)
+    # Others are right within all of these.
+    return [_right_chart(context, part, *of) for of, part in groups if failure.in_ledger(part)]
+
+
+def outside(rows, decade):
+    """How many questions of these rows failed, had the tolerance been 10^decade: those without an answer, with an error from
+    there on, or on the wrong side without a value. At the referee's own tolerance these are the failures of the ledger."""
+    return sum(by[decade] for by in _outside(rows))
+
+
+def _outside(rows):
+    """Of each row {decade: failures}."""
+    for histogram, wrong, judged, *unanswered in zip(*(rows[name] for name in ("histogram", "wrong", "judged",
+                                                                              *failure.UNANSWERED))):
+        counts = [(int(name), n) for name, n in histogram.items() if name != "zero"]
+        beyond = lambda at: sum(n for error, n in counts if error >= at)  # noqa: E731,B023
+        always = sum(map(int, unanswered)) + max(0, int(wrong) - beyond(round(math.log10(failure.TOLERANCE[judged]))))
+        yield {decade: always + beyond(decade) for decade in DECADES}
+
+
+def shares(rows):
+    """One row per method and pair of kinds, and one for all pairs: share of the questions that failed, by decade."""
+    found = []
+    for method, part in rows.assign(failed=list(_outside(rows))).groupby("method", sort=True):
+        pairs = [("–".join(pair), of) for pair, of in part.groupby(["kind_a", "kind_b"], sort=True)]
+        for pair, of in [(EVERYTHING, part), *pairs]:
+            asked = int(of["asked"].sum())
+            found.append({"pair": pair, "method": method, "role": of["role"].iloc[0], "asked": asked,
+                          "own": (of["judged"] == of["precision"]).all(),
+                          **{decade: sum(by[decade] for by in of["failed"]) / asked for decade in DECADES}})
+    return pd.DataFrame(found)
+
+
+def turned(whole, tight, loose, kinds):
+    """The two methods whose ranks turn round by most: the first fails more at the tight tolerance, and less at the loose. Only
+    methods that were asked of the same kinds of shapes are compared."""
+    best, found = 0.0, None
+    for a in whole.index:
+        for b in (b for b in whole.index if kinds[a] == kinds[b]):
+            by = min(whole[tight][a] - whole[tight][b], whole[loose][b] - whole[loose][a])
+            if by > best:
+                best, found = by, (a, b)
+    return found
+
+
+def finding_of_right(rows, dimension, precision):
+    table = shares(rows)
+    whole = table[table["pair"] == EVERYTHING].set_index("method")
+    kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
+    tight = round(math.log10(failure.TOLERANCE[precision]))
+    ours, others = whole[whole["role"] == "competitor"], whole[whole["role"] != "competitor"]
+    plain = others[others["own"] & [family(m) == m for m in others.index]]  # who is judged elsewhere has no rank here
+    say = lambda m, decade: failure.share(whole[decade][m])  # noqa: E731
+    ranks = own = ""
+    if pair := turned(plain, tight, LOOSE, kinds):
+        a, b = pair
+        ranks = (f"judged at 1e{tight} of the size {a} fails on {say(a, tight)} of its questions and {b} on {say(b, tight)}; at "
+                 f"1e{LOOSE} it is {say(a, LOOSE)} and {say(b, LOOSE)}: the rank turns round")
+    elif len(plain):
+        first = plain[tight].idxmax()
+        ranks = (f"no two witnesses change ranks between 1e{tight} and 1e{LOOSE} of the size; {first} fails on "
+                 f"{say(first, tight)} and {say(first, LOOSE)} of its questions")
+    if len(ours):
+        worst = ours[tight].idxmax()
+        own = (f"of ours {worst} fails on {say(worst, tight)} at 1e{tight}" if ours[tight].any() else
+               f"ours fail on none at 1e{tight}")
+    text = f"In {dimension}D, {precision}, {clauses(ranks, own)}."
+    gains = {m: whole[tight][family(m)] - whole[tight][m] for m in others.index if family(m) != m and family(m) in whole.index}
+    if not gains:
+        return text
+    most = max(gains, key=gains.get)
+    return text + (f" The tightest setting of a library helps {family(most)} most: {say(family(most), tight)} become "
+                   f"{say(most, tight)}." if gains[most] > 0 else
+                   " At the tightest setting of its library no witness fails less.")
+
+
+def headline_of_right(rows, dimension, precision):
+    """Two witnesses whose ranks turn round."""
+    table = shares(rows)
+    whole = table[table["pair"] == EVERYTHING].set_index("method")
+    kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
+    tight = round(math.log10(failure.TOLERANCE[precision]))
+    alone = [r != "competitor" and family(m) == m for m, r in whole["role"].items()]
+    pair = turned(whole[whole["own"] & alone], tight, LOOSE, kinds)
+    if not pair:
+        return None
+    told = {f"{m}, 1e{decade}": float(whole[decade][m]) for decade in (tight, LOOSE) for m in pair}
+    a, b, c, d = map(failure.share, told.values())
+    return Headline(f"{dimension}D, {precision}: judged at 1e{tight} of the size {pair[0]} fails more often than {pair[1]} "
+                    f"({a} and {b} of the questions), at 1e{LOOSE} less ({c} and {d}).", told,
+                    quantity="share of the questions that failed")
+
+
+def _right_chart(context, rows, dimension, precision):
+    table = shares(rows)
+    methods = list(dict.fromkeys(table.sort_values(["role", "method"], kind="stable")["method"]))
+    tight = round(math.log10(failure.TOLERANCE[precision]))
+    everyones = table.groupby("pair")[tight].max()
+    easy = sorted(everyones[everyones == 0].index)
+    pairs = [EVERYTHING, *sorted(set(table["pair"]) - {EVERYTHING, *easy})]
+    looks = context.looks_of_stage("pair_query")
+    columns = min(5, len(pairs))
+    legend_width = legend_room(map(context.name, methods), 2.2)
+    figure, axes = grid_of_axes(math.ceil(len(pairs) / columns), columns, 1.0, legend_width, left=0.75, gap_x=0.2, gap_y=0.42)
+    for index, ax in enumerate(axes.flat):
+        if index >= len(pairs):
+            ax.set_visible(False)
+            continue
+        part = table[table["pair"] == pairs[index]].set_index("method")
+        ax.axvline(tight, color="#999999", lw=0.8, ls=(0, (4, 3)))
+        for method in methods:
+            if method in part.index:
+                ax.plot(list(DECADES), [100 * (1 - part[d][method]) for d in DECADES], **_line(looks, method))
+        ax.set_title(pairs[index], fontsize=8.5)
+        ax.set_xlim(min(DECADES), max(DECADES))
+        ax.set_ylim(-4, 104)
+        ax.set_yticks([0, 50, 100])
+        ax.set_xticks([-15, -10, -5, 0])
+        ax.set_xticklabels([f"$10^{{{d}}}$" for d in (-15, -10, -5)] + ["1"] if index + columns >= len(pairs) else [])
+        ax.tick_params(labelleft=index % columns == 0)
+        if index % columns == 0:
+            ax.set_ylabel("right, %", fontsize=8.5)
+        if index + columns >= len(pairs):
+            ax.set_xlabel("tolerance / size", fontsize=8.5)
+    handles = [Line2D([], [], label=context.name(m), **_line(looks, m)) for m in methods]
+    handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="the ledger's"))
+    legend_right(figure, handles, legend_width)
+    numbers = table.drop(columns=["role", "own"]).rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
+    return Chart(f"within_tolerance_{dimension}d_{precision}", FAILS_WHERE,
+                 f"Right within which tolerance, {dimension}D, {precision}",
+                 finding_of_right(rows, dimension, precision), "", figure, numbers,
+                 [f"No method fails on {listing(easy)}: not drawn"] if easy else [],
+                 "The share of the questions that would not be failures, had the referee allowed that tolerance, over the "
+                 "tolerance. The dashed line is the one that the ledger takes. A right side without a value (some witnesses "
+                 f"give depths alone) is no failure at any. Settings in braces are the tightest that a library offers. "
+                 f"{failure.DEFINITION}",
+                 headline=headline_of_right(rows, dimension, precision),
+                 made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
+
+
+def _line(looks, method):
+    """A colour for each family; its defaults drawn through, the tightest setting dotted, ours thicker."""
+    look = looks(method)
+    tight = family(method) != method
+    return {"color": look["color"], "lw": 1.2 if "markerfacecolor" in look else 2.2, "ls": ":" if tight else "-"}
