@@ -101,7 +101,8 @@ def _pairs_chart(context, pairs, dimension, precision):
             found = case["found"]
             lines.append({"method": method, "which": what, "shapes": kinds(case), "family": case.get("note", ""),
                           "failure": found["failure"], "answer": found["value"], "truth": case["expected"]["signed_distance"],
-                          "error": found.get("error"), "case": case["id"], "input": json.dumps({key: v for key, v in case.items() if not key.startswith("outline")})})
+                          "error": found.get("error"), "case": case["id"],
+                          "input": json.dumps({key: v for key, v in case.items() if not key.startswith("outline")})})
     numbers = pd.DataFrame(lines)
     numbers = pd.DataFrame({**{c: numbers[c] for c in ("method", "which", "shapes", "family", "failure")},
                             **quantity("answer", "m", numbers["answer"]), **quantity("truth", "m", numbers["truth"]),

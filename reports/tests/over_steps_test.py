@@ -114,8 +114,8 @@ class OverSteps(with_store.WithStore):
             older = self.made(kind, lambda maker: fill(maker, False))[0]
             self.assertIn("(direct_lcp and naive have none)", older.finding, "the planted guess was not seen")
         for kind in (residual, error_within_budgets, cost_against_error, over_time, momenta):
-            for chart in self.made(kind, fill):
-                self.assertNotIn("nan", f"{chart.finding} {chart.note}", chart.id)
+            for made in self.made(kind, fill):
+                self.assertNotIn("nan", f"{made.finding} {made.note}", kind.name)
 
 
 if __name__ == "__main__":
