@@ -377,8 +377,8 @@ class Sandbox(Played):
                 done = subprocess.run([str(c) for c in command], cwd=self.folder, capture_output=True, text=True, timeout=300,
                                       env={**os.environ, "DISPLAY": ""})  # a window would be refused first
                 self.assertEqual(done.returncode, 2, done.stderr)
-                self.assertRegex(done.stderr, r"^lpc: plugin .*other\.so: it was built as '0\.1\.0\|f32\|another compiler'; "
-                                              r"valid: '[^']*f64[^']*'\n$")
+                self.assertRegex(done.stderr, rf"^lpc: plugin .*other\.so: it was built as '{re.escape(version)}\|f32\|another "
+                                              r"compiler'; valid: '[^']*f64[^']*'\n$")
 
     def test_what_was_not_built_is_said(self):
         alone = self.folder / "lpc"
