@@ -439,7 +439,10 @@ def varying(store, cells, but=()):
     """Axes of these cells with more than one value, but for those that tell methods apart. An engine that exists in one
     precision only does not make the precision an axis."""
     axes = axes_of(store, cells) - {axis for name in cells["sweep"].unique() for axis in store.method_axes(name)} - set(but)
-    several = [c for c in cells.columns if c in axes and cells[c].map(str).nunique() > 1]
+    sweeps = [store.sweep(name) for name in cells["sweep"].unique()]
+    settings = {axis for about in sweeps for axis, role in about.roles.items() if role == "setting"}  # not each method has one
+    several = [c for c in cells.columns
+               if c in axes and (cells[c].dropna() if c in settings else cells[c]).map(str).nunique() > 1]
     return [c for c in several if c != "precision" or (cells.groupby("method")[c].nunique() > 1).any()]
 
 

@@ -22,7 +22,7 @@ struct Window {
 /// The tight bounds of all boxes, cut back on each axis to three times the span of the middle 90 % of a sample.
 /// Precondition: `slots` is not empty. `sample` is scratch.
 template <int D>
-Window<D> findWindow(const Proxies<D>& proxies, const IndexedVector<ProxyId>& slots, std::vector<Real>& sample) {
+Window<D> findWindow(const Proxies<D>& proxies, std::span<const ProxyId> slots, std::vector<Real>& sample) {
   constexpr std::size_t kSamples = 64;
   const std::size_t stride = std::max<std::size_t>(1, slots.size() / kSamples);
   Window<D> window;
@@ -58,7 +58,7 @@ Window<D> findWindow(const Proxies<D>& proxies, const IndexedVector<ProxyId>& sl
 /// The longest edge (m) of `samples` boxes, or of up to twice as many, spread evenly over the slots: of those among
 /// them that are awake, or of all where none is. Precondition: `slots` is not empty.
 template <int D>
-void sampleSizes(const Proxies<D>& proxies, const IndexedVector<ProxyId>& slots, std::size_t samples,
+void sampleSizes(const Proxies<D>& proxies, std::span<const ProxyId> slots, std::size_t samples,
                  std::vector<Real>& sizes) {
   const std::size_t stride = std::max<std::size_t>(1, slots.size() / samples);
   for (const bool onlyActive : {true, false}) {

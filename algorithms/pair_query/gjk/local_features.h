@@ -3,6 +3,9 @@
 // few vertices near contact, and among these every direction that can be the answer is tried.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "algorithms/pair_query/core/touching.h"
 #include "framework/math/indexed.h"
 
@@ -91,7 +94,7 @@ class LocalFeatures {
   }
 
   template <class F>
-  static void forEdges(const IndexedVector<Vec<D>>& vertices, F&& f) {
+  static void forEdges(std::span<const Vec<D>> vertices, F&& f) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       for (std::size_t j = i + 1; j < vertices.size(); ++j) {
         Vec<D> e = vertices[j] - vertices[i];
