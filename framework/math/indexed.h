@@ -30,6 +30,17 @@ struct IndexedVector : std::vector<T> {
   using std::vector<T>::vector;
   IndexedVector() = default;
   IndexedVector(std::vector<T> from) : std::vector<T>(std::move(from)) {}
+  /// Keeps its memory, as an assignment of vectors does.
+  template <std::same_as<std::vector<T>> V>
+  IndexedVector& operator=(const V& from) {
+    std::vector<T>::operator=(from);
+    return *this;
+  }
+  template <std::same_as<std::vector<T>> V>
+  IndexedVector& operator=(V&& from) {
+    std::vector<T>::operator=(std::move(from));
+    return *this;
+  }
 
   template <AnyIndex I>
   T& operator[](I i) {

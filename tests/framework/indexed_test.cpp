@@ -56,5 +56,20 @@ TEST(Indexed, OutOfRangeIsAMistake) {
   }
 }
 
+// Through a conversion it would be a new vector: memory allocated in each step.
+TEST(Indexed, TakesAPlainVectorIntoItsOwnMemory) {
+  IndexedVector<double> to(100);
+  const double* const memory = to.data();
+  std::vector<double> from(50, 1.0);
+  to = from;
+  EXPECT_EQ(to.data(), memory);
+  EXPECT_EQ(to.size(), 50u);
+  to = IndexedVector<double>(from);  // the planted bug: by a conversion
+  EXPECT_NE(to.data(), memory);
+  const double* const moved = from.data();
+  to = std::move(from);
+  EXPECT_EQ(to.data(), moved);
+}
+
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::indexed_test
