@@ -131,12 +131,15 @@ double mostApart(const Spec& solver, const Scene& scene, bool spoil = false) {
   return most;
 }
 
-// With so many sweeps; also its parts. Contacts that share a limit of moves share it among twice as many in space.
+// With so many sweeps; also its parts. What sweeps to a tolerance keeps it, and declares where that is not enough.
+// Contacts that share a limit of moves share it among twice as many in space.
 Spec often(StageKind stage, Spec spec) {
   const Registered& method = Registry::instance().find(stage, 3, spec.name);
+  const ParamInfo* const effort = firstOf(ParamRole::effort, method.params);
+  const bool perContact = effort && effort->type == "real";
   for (const ParamInfo& p : method.params) {
     if (p.role == ParamRole::effort) spec.set(p.name, {std::to_string(kSweeps), {}});
-    if (p.role == ParamRole::tolerance) spec.set(p.name, {"0", {}});
+    if (p.role == ParamRole::tolerance && perContact) spec.set(p.name, {"0", {}});
     if (!p.stage || (p.stage->kind != StageKind::velocity && p.stage->kind != StageKind::position)) continue;
     const Spec* given = spec.find(p.name);
     spec.set(p.name, often(p.stage->kind, given ? *given : Spec::parse(p.defaultText)));
