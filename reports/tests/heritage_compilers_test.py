@@ -45,7 +45,7 @@ class Compilers(unittest.TestCase):
     def test_a_page_has_the_finding_of_its_picture(self):
         page, folder = Path(HERE.parent.parent / "docs/heritage_figures.md"), self.folder()
         fault = lambda text, picture: "" if heritage_compilers.block(  # noqa: E731
-            readme.caption_of_figure(picture.read_text(encoding="utf-8"))) in text else "the page says something else than its picture"
+            readme.caption_of_figure(picture.read_text(encoding="utf-8"))) in text else "page and picture differ"
         self.assertEqual(fault(page.read_text(encoding="utf-8"), page.parent / "drawings/heritage_compilers.svg"), "")
         copy, picture = folder / "page.md", folder / "picture.svg"
         copy.write_text("before\n<!-- compilers -->\nold\n<!-- end -->\nafter\n", encoding="utf-8")

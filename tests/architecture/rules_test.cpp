@@ -56,6 +56,7 @@ const std::vector<std::string> kPosix = {"dlfcn.h", "fcntl.h",     "poll.h", "sc
 const std::vector<std::string> kAllocator = {"malloc.h"};
 const std::vector<Allowance> kAllowances = {
     {"framework/", {"Eigen/", "framework/math/"}, {}},
+    {"framework/math/", {}, {}},
     {"framework/shape/", {"framework/shape/"}, {"libqhull_r/"}},
     // A contract names the records that it is given, and the kind of a joint or a force is a contract.
     {"framework/stage/", {"framework/shape/", "framework/stage/", "framework/problem/"}, {}},
