@@ -86,6 +86,10 @@ def run(options):
         from choice import to_run
         print(to_run(context))
         return 0
+    if options.readme:
+        import readme
+        print(f"{options.readme}: {readme.write(context, Path(options.readme))}")
+        return 0
     only = [name for name in options.only.split(",") if name]
     charts = all_charts(context, only)
     names = ", ".join(context.ids)
@@ -100,10 +104,6 @@ def run(options):
         return 0
     if options.check:
         return check(charts)
-    if options.readme:
-        import readme
-        print(f"{options.readme}: {readme.write(context, charts, Path(options.readme))}")
-        return 0
     if options.page:
         import docs_page
         print(f"{options.page}: {', '.join(docs_page.write(context, charts, Path(options.page)))}")
