@@ -34,7 +34,7 @@ struct Settings {
   Real quadraticDrag = Real(0.01);
 
   // --- algorithms ----------------------------------------------------------------------------------------------------
-  /// Stages that the settings below leave open.
+  /// Algorithms of the stages; settings below may replace some of them.
   Pipeline stages{};
   /// Penetration depth that contacts keep (m), of the position resolver or the solver in `stages`, whichever takes it:
   /// the report's penetrationEpsilon. Default of nearly all methods: 0.005. Larger: resting bodies visibly overlap.
