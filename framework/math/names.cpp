@@ -41,7 +41,7 @@ std::size_t shown(std::string_view text) {
   const unsigned first = byte(0), second = byte(1);
   if (first < 0x80) return first >= 0x20 && first != 0x7f;
   if (first < 0xc2 || first > 0xf4 || !follows(1)) return 0;
-  if (first < 0xe0) return first == 0xc2 && second < 0xa0 ? 0 : 2;  // lower bytes are control characters too
+  if (first < 0xe0) return first == 0xc2 && second < 0xa0 ? 0 : 2;  // C2 80 to C2 9F are control characters
   if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) || !follows(2)) return 0;
   if (first == 0xe2 && second == 0x80 && (byte(2) == 0xa8 || byte(2) == 0xa9)) return 0;  // line separators
   if (first < 0xf0) return 3;

@@ -43,8 +43,7 @@ struct TraceStep {
   std::vector<Vec<D>> featureA, featureB;                 // all support vertices at the same distance, in A's frame
   Real bound = -std::numeric_limits<Real>::infinity();    // m, the proved lower bound; in the answer the separation of
                                                           // the shapes
-  bool atMost = false;                                    // the bound is an upper limit only: the projection stopped
-                                                          // early
+  bool atMost = false;                                    // the search skipped the rest, so the bound may be smaller
 
   // The best axis after this step (m, unit); minus infinity: none yet.
   Real best = -std::numeric_limits<Real>::infinity();
