@@ -367,7 +367,7 @@ constexpr std::array<PairFamily<D>, 12> kPairFamilies = {{
 template <int D>
 HardPair<D> Drawer<D>::draw(ShapeKind kindA, ShapeKind kindB) {
   const bool polytope = kindA == ShapeKind::polytope || kindB == ShapeKind::polytope;
-  const std::size_t drawn = 1 + m_random.below(16);  // one in four draws selects no family and becomes `random`
+  const std::size_t drawn = 1 + m_random.below(16);  // a third selects no family and becomes `random`
   m_family = &kPairFamilies<D>[drawn < kPairFamilies<D>.size() ? drawn : 0];
   if (m_family->nasty && !polytope) --m_family;  // the family before it: below_tolerance
   m_scale = number({1e-3, 1, 1e3});
