@@ -72,7 +72,7 @@ inline constexpr std::array<DrawLayer, 14> kDrawLayers = {{
 /// Look of a body: colours alternate, so that neighbours differ.
 Look bodyLook(std::size_t slot, BodyType type, bool awake);
 
-/// False for a body whose pose is not finite: it cannot be drawn.
+/// False for a pose that is not finite: the body cannot be drawn.
 template <int D>
 bool isPlace(const Pose<D>& X_WC) {
   return X_WC.p.allFinite() && (X_WC.q * Vec<D>(Vec<D>::UnitX())).allFinite();

@@ -79,8 +79,8 @@ void drawRim(std::vector<Vec<D>> points, const Vec<D>& n, const DrawColour& colo
   }
 }
 
-// The points of the cores whose difference is the simplex's nearest point. False when a corner is not a recorded
-// support point.
+// The points of the cores that differ by the simplex's nearest point. False when a corner is not a recorded support
+// point.
 template <int D>
 bool nearestOnShapes(const std::vector<Vec<D>>& onA, const std::vector<Vec<D>>& onB, const Vec<D>& nearest, Vec<D>& a,
                      Vec<D>& b) {

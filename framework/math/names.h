@@ -18,8 +18,8 @@ std::string meantName(const std::vector<std::string>& names, std::string_view gi
 /// The end of a message about the unknown name `given`: "; valid: a, b, c", or "; did you mean 'b'? valid: a, b, c".
 std::string validNames(const std::vector<std::string>& names, std::string_view given);
 
-/// Makes a message one line that a terminal, a table and JSON accept, whatever it quotes: control characters and
-/// invalid UTF-8 are escaped (`\n`, `\x1b`), and long text is cut in the middle.
+/// Makes a message one line that a terminal, a table and JSON accept. Escapes control characters and invalid UTF-8
+/// (`\n`, `\x1b`), and cuts long text in the middle.
 std::string oneLine(std::string_view message);
 
 }  // namespace lpc

@@ -68,8 +68,8 @@ inline void sinCos(double x, double& s, double& c) {
   }
 }
 
-/// atan2 without libm: the angle (rad, -pi to pi) whose sine and cosine are s / n and c / n, with n = |(s, c)|. Error
-/// below 1e-15. Returns 0 for a zero vector.
+/// atan2 without libm: the angle (rad, -pi to pi) with sine s / n and cosine c / n, where n = |(s, c)|. Error below
+/// 1e-15. Returns 0 for a zero vector.
 inline double angleOf(double s, double c) {
   const double x = std::abs(c), y = std::abs(s);
   if (!(x > 0) && !(y > 0)) return s + c;  // 0, or NaN

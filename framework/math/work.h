@@ -9,7 +9,7 @@
 
 namespace lpc {
 
-/// Work counters: a cost that does not depend on the machine. Each counter is shown by itself; counters are never
+/// Work counters: a cost that does not depend on the machine. Each counter has its own chart; counters are never
 /// summed.
 enum class WorkCount {
   boxTests,       // box-box overlap tests
@@ -22,7 +22,7 @@ enum class WorkCount {
   polytopeFaces,  // faces created by EPA
   rowUpdates,     // one constraint row solved once in an iteration; 0 when a method factorises instead
   forceEvals,     // evaluations of all forces
-  detections,     // collision detections that a solver asked for inside its step
+  detections,     // collision detections requested by a solver inside its step
   eventVisits,    // slots, shapes and contacts visited for the user's changes between steps and for waking bodies
   graphVisits,    // bodies, manifolds and joints visited by the contact graph
   impactLimits,   // phases of impacts, and pairs, that stopped at their limit

@@ -41,7 +41,7 @@ struct ConstraintRow {
   Real damping = 0;                    // of a spring, N s/m or N m s/rad
   Real lo = -kNoLimit, hi = kNoLimit;  // limits of the force, N or N m; both 0: the row is inactive
   Real friction = 0;                   // coefficient of a cone row
-  std::int32_t normal = -1;            // of a cone row: the row whose force limits it
+  std::int32_t normal = -1;            // of a cone row: the normal row, which limits its force
   RowBlock block = RowBlock::equality;
   RowLaw law = RowLaw::rigid;
   bool angular = false;

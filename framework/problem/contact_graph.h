@@ -34,10 +34,10 @@ class ContactGraph {
   /// The same with joints only.
   IndexedSpan<const std::int32_t> jointedGroups() const;
 
-  /// The least number of contacts between a dynamic body and one that is not: 1 for bodies that touch the ground, 2 for
-  /// bodies on these; 0 for static and kinematic bodies, -1 for bodies in the air. These are the layers through which
-  /// shock propagation goes upwards (Guendelman, Bridson and Fedkiw 2003, who order by trial steps under gravity; by
-  /// this distance: Erleben 2007).
+  /// The least number of contacts from a dynamic body to a static or kinematic one: 1 for bodies that touch the ground,
+  /// 2 for bodies on these. 0 for static and kinematic bodies, -1 for bodies in the air. These are the layers through
+  /// which shock propagation goes upwards (Guendelman, Bridson and Fedkiw 2003, with an order by trial steps under
+  /// gravity; by this distance: Erleben 2007).
   IndexedSpan<const std::int32_t> supportLevels() const;
 
   /// Orders `contacts` (indices of manifolds, vetoed or not) by colour. Contacts of one colour share no dynamic body

@@ -36,7 +36,7 @@ class ContactOrder {
   };
   void sortEntries();
 
-  // In place, by cycles: `to` takes the item at `from`, whose place takes the next, until the cycle closes.
+  // In place, by cycles: `to` takes the item at `from`, then `from` takes the next item, until the cycle closes.
   template <class T>
   void moveItems(std::span<T> items) {
     for (std::uint32_t i = 0; i < m_entries.size(); ++i) {

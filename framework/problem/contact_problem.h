@@ -11,8 +11,7 @@
 // The contact law is not that of a convex problem. With De Saxce's correction, which replaces u_n by u_n + mu |u_t|, it
 // reads "x and u lie in two dual cones and are orthogonal". One projection tests this.
 //
-// All numbers are double in either precision: redundant contacts make W singular, and the rounding of float would
-// decide.
+// All numbers are double in either precision: redundant contacts make W singular, and rounding of floats would decide.
 #pragma once
 
 #include <algorithm>
@@ -190,8 +189,8 @@ class ContactProblem {
     return r.d.dot(b.v - a.v) + r.armB.dot(b.w) - r.armA.dot(a.w);
   }
 
-  /// Applies the impulses to the velocities, and writes them into manifolds and joints. A joint whose bodies cannot
-  /// move keeps its old impulses; an inactive row gets zero.
+  /// Applies the impulses to the velocities, and writes them into manifolds and joints. A joint between immovable
+  /// bodies keeps its old impulses; an inactive row gets zero.
   void apply(const VelocityInput<D>& in, IndexedSpan<const double> x) {
     clearMotion();
     if (in.given) {

@@ -93,8 +93,8 @@ class ForceKind : public Stage {
                      std::span<Wrench<D>> out) const = 0;
 };
 
-/// Makes the record of a force from its definition. Throws UserError for an unknown kind or parameter, ends that the
-/// kind does not have, a force from a body to itself, bodies that forces do not move, and anchors that are not finite.
+/// Makes the record of a force from its definition. Throws UserError for an unknown kind or parameter, missing or
+/// invalid ends, a force from a body to itself, bodies that forces do not move, and anchors that are not finite.
 /// Precondition: handles are of `bodies`, or empty.
 template <int D>
 ForceRecord<D> makeForce(const ForceDef<D>& def, const Bodies<D>& bodies);

@@ -104,7 +104,7 @@ struct FrozenProblem {
 };
 
 /// Copies the problem that is about to be solved. Bodies, contacts and joints keep their order; bodies without contacts
-/// and joints, and inactive joints, are left out.
+/// and joints, and free or broken joints, are left out.
 template <int D>
 FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   FrozenProblem<D> out;

@@ -57,14 +57,14 @@ struct SceneSpec {
   /// What must hold at every step of a correct run, 0 = no limit. A breach ends the trial with that outcome.
   struct Limits {
     /// "collapsed": a body is farther than this from where it was added (m). Sagging under soft contacts is allowed:
-    /// the body has only sunk, still rests on something, and all bodies touch the same bodies as after one second.
+    /// the body has only sunk and still rests on something, and all bodies touch the same bodies as after one second.
     Real drift = 0;
     Real creep = 0;  // "collapsed": at the end a body has moved by more than this in the last second (m/s)
     Real speed = 0;  // "exploded": a body is faster than this (m/s)
     Real energy =
         0;  // "exploded": mechanical energy above this many times its start (only from a start above the floor)
-    /// "sank": the scene rests with this many bodies stacked on each other, but at the end a body has sagged,
-    /// penetrates another, or sinks by more than kRestShare of the smallest body (experiments/trial/measure/rest.h).
+    /// "sank": the scene is a stack of this many levels at rest. At the end a body has sagged, penetrates another, or
+    /// sinks by more than kRestShare of the smallest body (experiments/trial/measure/rest.h).
     Real levels = 0;
     Real fall = 0;          // how far a body may fall before it comes to rest (m)
     bool mayLeave = false;  // otherwise "left": a body is below everything that could hold it

@@ -37,7 +37,7 @@ class CurvedCore {
   virtual CorePoint<long double, D> support(const CorePoint<long double, D>& d) const = 0;
   /// Support feature: the flat or straight part of the surface most nearly perpendicular to d, which contact generators
   /// clip. One corner when there is none, two corners of a straight line, or a convex polygon inscribed in a flat face,
-  /// counter-clockwise from outside, of up to 64 corners. Corner i stays corner i while d changes little. d may have
+  /// with up to 64 corners, counter-clockwise from outside. Corner i stays corner i while d changes little. d may have
   /// any length.
   virtual void supportFace(const Vec<D>& d, std::vector<Vec<D>>& corners) const = 0;
   /// Mass properties of the solid core, in its own frame.
@@ -74,9 +74,9 @@ struct CurvedKind {
 template <int D>
 const CurvedKind<D>& curvedKind(ShapeKind kind);
 
-/// Throws UserError, starting with `who`, unless the core is consistent along some hundred fixed directions: finite,
-/// inside its box and as large as the box, convex (no point is farther along a direction than its support point), equal
-/// in both number types, and with mass. Costs a fraction of a millisecond.
+/// Throws UserError, starting with `who`, unless the core is consistent along some hundred fixed directions. It must be
+/// finite, fill its box, have mass, and be equal in both number types. It must be convex: no point is farther along a
+/// direction than its support point. Costs a fraction of a millisecond.
 template <int D>
 void requireConvexCore(const CurvedCore<D>& core, const std::string& who);
 

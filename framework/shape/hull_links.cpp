@@ -6,9 +6,9 @@
 // convex hull of the vertices, and S the surface made of the faces. Let c be a point with a ball of radius r inside all
 // planes, and R the distance of the vertices from c. Let s be how far corners of a face may lie below its plane;
 // nothing lies above it (the offset of a face is that of its highest vertex). Seen from c, a point of S and the point
-// of Q's surface behind it are p and c + l (p - c) with 1 <= l <= 1 + s / (r - s): p is a mix of corners and so within
-// Q, and the plane of p's face bounds Q. So along any unit direction n, the two surfaces differ in height by at most t
-// = R s / (r - s).
+// of Q's surface behind it are p and c + l (p - c) with 1 <= l <= 1 + s / (r - s). The lower bound: p is a convex
+// combination of corners, so it is within Q. The upper bound: the plane of p's face bounds Q. So along any unit
+// direction n, the two surfaces differ in height by at most t = R s / (r - s).
 //
 // Let T be vertices connected by edges, with all their other neighbours more than `slack` below the highest of them, v.
 // Suppose that a vertex w outside T is not below v. The part of Q's surface that lies no lower than v - t is connected,

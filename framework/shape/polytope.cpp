@@ -113,8 +113,8 @@ std::vector<std::size_t> monotoneChain(const IndexedVector<Point<2>>& p) {
   return hull;
 }
 
-// Drops vertices collinear with those kept before and after them. Each dropped vertex is measured against the final
-// edge: comparing neighbours only would consume a finely sampled circle.
+// Drops vertices that are collinear with the kept vertices before and after them. Each dropped vertex is measured
+// against the final edge: comparing neighbours only would consume a finely sampled circle.
 std::vector<std::size_t> withoutCollinear(const Cloud<2>& cloud, std::vector<std::size_t> hull) {
   const auto& p = cloud.p;
   const auto onLine = [&](std::size_t a, std::size_t b, std::size_t q) {

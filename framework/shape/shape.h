@@ -124,7 +124,7 @@ template <int D>
 class Surface;
 
 /// A shape as algorithms see it: plain data, no ownership. The origin of its frame is its centre, except for a
-/// polytope, whose points are used as given.
+/// polytope: its points are used as given.
 template <int D>
 struct ShapeView {
   ShapeKind kind = ShapeKind::sphere;
@@ -157,7 +157,7 @@ class Shape {
   static Shape polytope(std::shared_ptr<const Polytope<D>> hull, Real rounding = 0);
   /// 3D only; seen from outside, the corners go counter-clockwise. It has no mass.
   static Shape triangle(const Vec<D>& p0, const Vec<D>& p1, const Vec<D>& p2, Real rounding = 0);
-  /// A shape whose core is a hull, from its corners: a polytope or a triangle.
+  /// A shape with a hull as core, from its corners: a polytope or a triangle.
   static Shape ofCorners(ShapeKind kind, std::span<const Vec<D>> corners, Real rounding = 0);
   /// A shape of a curved kind, from its sizes in the order of `curvedKind(kind).sizes`; the rounding is added outside.
   static Shape curved(ShapeKind kind, std::span<const Real> sizes, Real rounding = 0);
@@ -167,10 +167,10 @@ class Shape {
   /// kPartOverlap of their sizes.
   static Shape compound(std::span<const ShapePart<D>> parts, PartOverlap overlap = PartOverlap::counted);
 
-  /// 3D only: a surface of triangles, each of three point indices, counter-clockwise seen from outside. The space
+  /// 3D only: a surface of triangles, each with three point indices, counter-clockwise seen from outside. The space
   /// behind a triangle is solid: no contact pushes into it. A mesh need not be closed, and may intersect itself,
-  /// because each triangle is handled by itself. For static bodies only. Throws UserError for an invalid surface, and
-  /// says where.
+  /// because each triangle is handled by itself. For static bodies only. Throws UserError with the place of the error
+  /// for an invalid surface.
   static Shape mesh(std::span<const Vec<D>> points, std::span<const std::array<int, 3>> triangles);
   /// 2D only: a curve of segments from point to point, and from the last to the first when closed. Its left side is
   /// solid, its normals point to the right, as in Box2D's chains: ground runs from right to left, an island
@@ -218,9 +218,9 @@ std::span<const ShapePart<D>> Shape<D>::parts() const {
   return m_compound ? std::span<const ShapePart<D>>(*m_compound) : std::span<const ShapePart<D>>();
 }
 
-/// Moves the frame of a far hull to the hull's middle, and changes its pose so that it stays in place; far: more than
-/// kFarHull of its size from its frame's origin. Otherwise queries lose digits. Returns any other part unchanged to the
-/// last bit. Shapes of a world and parts of compounds go through here.
+/// Moves the frame of a hull to the hull's middle, and changes its pose so that the hull stays in place. Only for a
+/// hull farther than kFarHull times its size from its frame's origin, where queries would lose digits. Returns any
+/// other part unchanged to the last bit. Shapes of a world and parts of compounds go through here.
 template <int D>
 ShapePart<D> centredPart(const ShapePart<D>& part);
 

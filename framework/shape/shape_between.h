@@ -6,7 +6,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The box with these two opposite corners (m), given in a frame whose axes are rotated by q.
+/// The box with these two opposite corners (m), given in a frame that is rotated by q.
 template <int D>
 ShapeDef<D> boxBetween(const Vec<D>& corner, const Vec<D>& opposite, const Rot<D>& q = {});
 /// All points within `radius` (m) of the line between two points: a capsule; for equal points a sphere.

@@ -68,7 +68,7 @@ void forEachEdge(const ShapeView<D>& shape, F&& f) {
   }
 }
 
-// In 2D faces are edges; only 3D has faces besides.
+// In 2D faces are edges, which are handled elsewhere; only 3D has more faces.
 bool insideFace(const Polytope<3>& hull, const Polytope<3>::Face& face, const Vec<3>& p) {
   if (face.end - face.begin < 3) return false;  // a triangle's side has no area: it is an edge
   for (int i = face.begin; i < face.end; ++i) {
@@ -80,7 +80,7 @@ bool insideFace(const Polytope<3>& hull, const Polytope<3>::Face& face, const Ve
   return true;
 }
 
-// Distance of an outer point to the nearest face whose interior it projects on.
+// Distance of an outer point to the nearest face with the point's projection in its interior.
 Real faceDistance(const Polytope<2>&, const Vec<2>&) { return kInf; }
 Real faceDistance(const Polytope<3>& hull, const Vec<3>& p) {
   Real best = kInf;

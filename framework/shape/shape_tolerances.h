@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// All tolerances of the shapes' own geometry: hulls (polytope.cpp), also in saved worlds (saved_state.cpp), triangles
-// (triangle.cpp), surfaces (surface.cpp) and their internal edges (internal_edges.cpp), parts of compounds
-// (compound.cpp), GJK on a curved core (support_gap.h) and exact queries of one shape (shape_query.cpp). Each with
-// unit, meaning and danger.
+// All tolerances of the shapes' own geometry, each with unit, meaning and danger. Hulls: polytope.cpp, in saved worlds
+// saved_state.cpp. Triangles: triangle.cpp. Surfaces: surface.cpp, their internal edges internal_edges.cpp. Parts of
+// compounds: compound.cpp. GJK on a curved core: support_gap.h. Exact queries of one shape: shape_query.cpp.
 #pragma once
 
 #include <limits>
@@ -16,8 +15,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// faces.
 inline constexpr double kHullRounding = 8 * double(std::numeric_limits<Real>::epsilon());
 
-/// Largest extent of a hull, and largest inverse of it (m): products of three coordinates stay in the range of a
-/// double, and of a Real for the queries. Larger: lengths and volumes overflow. Smaller: usable sizes are rejected.
+/// Largest extent of a hull (m), and largest inverse of it: products of three coordinates stay in the range of a
+/// double, and of a Real in queries. Larger: lengths and volumes overflow. Smaller: usable sizes are rejected.
 inline constexpr double kLargestExtent = sizeof(Real) == 8 ? 1e100 : 1e12;
 
 /// Allowed error of a face normal's length (1); beyond it the face is invalid and the hull is computed again. Larger: a
@@ -32,9 +31,9 @@ inline constexpr double kThinnestHull = 20;
 /// Smaller: faces without area where three corners are collinear.
 inline constexpr double kDent = 1e-10;
 
-/// The triangle that bridges a dent is a face of the other side when no point stands out of it by more than this many
-/// times the rounding (1): up to 4 for true faces, 16 and more for others. Larger: a face through the hull. Smaller: a
-/// missing face.
+/// The triangle that bridges a dent counts as a face of the other side when no point is outside of it by more than this
+/// many times the rounding (1). Found: up to 4 for true faces, 16 and more for others. Larger: a face through the hull.
+/// Smaller: a missing face.
 inline constexpr double kDentDepth = 8;
 
 /// Factors of the rounding from attempt to attempt (1), when a near-degenerate point cloud gives no closed hull: each

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Records what a pair query does, step by step. The query itself writes the record (PairQuery::trace); an ordinary
-// query records nothing and pays nothing.
+// query does not record and has no extra cost.
 //
 // Most steps are in the space of differences of the two cores, { b - a }, in A's frame. The separation of the cores is
 // the distance of this set from the origin; the cores overlap if it contains the origin. A direction n is unit and
-// points from A to B. It proves a separation of the cores of at least n . w, where w is the point of the difference
-// with the least n . w; for overlapping cores n . w is minus a depth. Radii are not part of the cores.
+// points from A to B. Let w be the point of the difference with the least n . w. This proves a separation of the cores
+// of at least n . w; for overlapping cores n . w is minus a depth. Radii are not part of the cores.
 #pragma once
 
 #include <optional>
@@ -80,8 +80,8 @@ class DebugDraw;
 template <int D>
 void drawTrace(const PairTrace<D>& trace, std::size_t step, DebugDraw<D>& draw);
 /// Draws the same step on the shapes, with A of the trace at X_WA. Yellow: the support features, and between them the
-/// direction with the length of its bound. Blue: the corners of the simplex on both shapes, and the points whose
-/// difference is its nearest point.
+/// direction with the length of its bound. Blue: the corners of the simplex on both shapes, and the points that differ
+/// by its nearest point.
 template <int D>
 void drawTraceOnShapes(const PairTrace<D>& trace, std::size_t step, const Pose<D>& X_WA, DebugDraw<D>& draw);
 

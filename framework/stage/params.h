@@ -41,7 +41,7 @@ class ParamVisitor {
   virtual void flag(std::string_view name, bool& value, std::string_view meaning) = 0;
   /// Another algorithm inside this one, such as a solver's velocity resolver.
   virtual void stage(std::string_view name, Spec& value, StageKind kind, std::string_view meaning) = 0;
-  /// An enum whose values count from 0 in the order of `names`.
+  /// An enum with values from 0, in the order of `names`.
   template <class Enum>
   void choice(std::string_view name, Enum& value, std::initializer_list<std::string_view> names,
               std::string_view meaning) {

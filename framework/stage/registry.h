@@ -25,7 +25,7 @@ enum class FrictionLaw {
   coulomb,    // |f| <= mu n, against the sliding velocity (maximum dissipation); sliding does not separate contacts
   convex,     // the same cone without De Saxce's correction: sliding contacts also lift
   pyramid,    // each tangent within mu n on its own
-  facets,     // a cone of k facets, whose orientation the method chooses
+  facets,     // a cone of k facets, oriented by the method
   lagged,     // each tangent on its own, within mu n of the last step
   ofItsParts  // the law of the stage named in its parameters
 };
@@ -73,7 +73,7 @@ struct Registered {
   std::vector<ParamInfo> params;
   std::string file;                                           // path of the source file as compiled
   std::function<std::unique_ptr<Stage>(const Spec&)> create;  // throws UserError for an invalid spec
-  std::function<Spec(const Spec&)> canonical;                 // with every parameter written out, nested ones included
+  std::function<Spec(const Spec&)> canonical;                 // with every parameter written out, also of nested specs
 };
 
 class Registry {

@@ -48,7 +48,7 @@ class ContinuousCollision : public Stage {
 
   virtual Lookout lookout() const = 0;
   /// A part is fast when one of its points may move farther in a step than threshold() (1) times the radius of its
-  /// inner sphere, or times kLinearSlop when that is larger.
+  /// inner sphere. A smaller radius than kLinearSlop counts as kLinearSlop.
   virtual Real threshold() const { return std::numeric_limits<Real>::infinity(); }
   /// Called only with a <= b.
   virtual bool supports(ShapeKind, ShapeKind) const { return true; }
@@ -59,7 +59,7 @@ class ContinuousCollision : public Stage {
   }
 };
 
-/// Throws UserError, "who does not support ...", unless every pair of these kinds is supported.
+/// Throws UserError, "`who` does not support ...", unless every pair of these kinds is supported.
 template <int D>
 void requireCasts(const ContinuousCollision<D>& continuous, const std::array<bool, kShapeKinds>& kinds,
                   const std::string& who) {

@@ -117,8 +117,8 @@ struct PairRecord {
 template <int D>
 class ChildPairs {
  public:
-  /// All pairs of parts whose boxes are within the margin (m), in order. A convex shape is its own only part, number 0;
-  /// for two convex shapes the boxes are not tested again. `pose` is X_WC by body slot.
+  /// All pairs of parts with boxes within the margin (m), in order. A convex shape is its own only part, number 0; for
+  /// two convex shapes the boxes are not tested again. `pose` is X_WC by body slot.
   std::span<const ConvexPair<D>> of(std::span<const ShapePair> pairs, IndexedSpan<const ShapeRecord<D>> shapes,
                                     IndexedSpan<const Pose<D>> pose, Real margin, WorkDone& work);
 
@@ -165,16 +165,18 @@ class ContactGenerator;
 template <int D>
 void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds);
 
-/// Throws UserError, "who does not support ...", unless every pair of these kinds is supported. Two planes never touch.
+/// Throws UserError, "`who` does not support ...", unless every pair of these kinds is supported. Two planes never
+/// touch.
 void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
                   const std::string& who);
 template <int D>
 void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
                      const std::string& who);
 
-/// Makes contact points. Writes only fresh manifolds: at most one per pair of parts, none without points, in any order,
-/// with zero impulses and the material of their shapes, which listeners may change; `points` are sorted by feature. A
-/// generator may take over points of the old manifolds. It must renew their separations, and keeps no copies itself.
+/// Makes contact points. Writes only fresh manifolds: at most one per pair of parts, none without points, in any order.
+/// Impulses are zero, and the material is that of the shapes, which listeners may change. `points` are sorted by
+/// feature. A generator may take over points of the old manifolds. It must renew their separations, and keeps no copies
+/// itself.
 template <int D>
 class ContactGenerator : public Stage {
  public:
@@ -190,7 +192,7 @@ class ContactGenerator : public Stage {
 
 template <int D>
 struct CacheInput {
-  IndexedSpan<const ShapePair> pairs;        // all pairs whose boxes are near, sorted by body and shape of A, then of B
+  IndexedSpan<const ShapePair> pairs;        // all pairs with near boxes, sorted by body and shape of A, then of B
   IndexedSpan<const Manifold<D>> old;        // of the last step, sorted by Manifold::key
   IndexedSpan<const ShapeRecord<D>> shapes;  // by slot
   IndexedSpan<const Pose<D>> pose;           // X_WC by body slot
@@ -204,7 +206,7 @@ class ContactCache : public Stage {
   static constexpr StageKind kStage = StageKind::cache;
   static constexpr int kDimension = D;
 
-  /// The pairs whose contacts must be made again, in their order; default: all. `carry` must bring back the contacts of
+  /// Selects the pairs that need new contacts, in their order; default: all. `carry` must bring back the contacts of
   /// all other pairs.
   virtual void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) {
     regenerate.assign(in.pairs.begin(), in.pairs.end());

@@ -16,7 +16,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// Events that may wake a body. Gravity and the scene's own forces wake no body.
 struct SleepEvent {
   enum Kind : std::uint8_t {
-    bodyRemoved,   // a body that touched `body` was removed
+    bodyRemoved,   // a body in contact with `body` was removed
     userChange,    // the user has set a force, velocity or pose
     contactBegun,  // speed: approach speed
     contactLost,

@@ -73,7 +73,7 @@ constexpr const StageInfo* stageByName(std::string_view name) {
   return nullptr;
 }
 
-/// The stage whose folder contains this path of the project; nullptr for a path outside `algorithms/NAME/`.
+/// The stage of the folder that contains this path of the project; nullptr outside of `algorithms/NAME/`.
 constexpr const StageInfo* stageOfPath(std::string_view path) {
   constexpr std::string_view kFolder = "algorithms/";
   if (!path.starts_with(kFolder)) return nullptr;

@@ -9,7 +9,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Calls meet(view, X_WP) for each part whose box, grown by rounding errors, the ray hits. A surface has two sides for
+// Calls meet(view, X_WP) for each part when the ray hits its box, grown by rounding errors. A surface has two sides for
 // rays: the ray's direction decides by which side it enters.
 template <int D, class Meet>
 void meetOfSurface(const Surface<D>& surface, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction, Real maxT,

@@ -16,7 +16,7 @@ struct PairMaterial {
 /// Receives contact events before the solver runs, in the order of the manifolds. A pair begins in the first step in
 /// which it has contact points, and ends in the first step without them. When a stage makes contacts again within a
 /// step (`DetectAgain`), pairs that begin or end then are reported immediately, with the bodies at their poses of that
-/// moment. Pairs of sleeping bodies are not reported. A pair is a pair of shapes: when shapes have several convex
+/// moment. Pairs of sleeping bodies are not reported. A pair is a pair of shapes. When shapes have several convex
 /// parts, the pair is reported once, with its first manifold; the answer applies to its other manifolds. A callback
 /// must not change the world or its listeners.
 template <int D>

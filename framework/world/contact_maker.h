@@ -32,7 +32,7 @@ struct MakerInput {
   Profiler& profiler;
 };
 
-/// Turns pairs of boxes into manifolds: orders and orients the pairs, splits them into convex parts, keeps cached
+/// Turns pairs of boxes into manifolds. Orders and orients the pairs, splits them into convex parts, keeps cached
 /// contacts and pair memory, and corrects contacts at internal edges of surfaces.
 template <int D>
 class ContactMaker {
@@ -42,7 +42,7 @@ class ContactMaker {
   std::vector<PairRecord> records;  // sorted by key; empty when the generator keeps no memory of pairs
 
   // --- during a step -------------------------------------------------------------------------------------------------
-  /// Finds pairs of shapes whose boxes overlap and that may collide, body of the first < body of the second.
+  /// Finds pairs of shapes that may collide and have overlapping boxes, body of the first < body of the second.
   void findPairs(const BodyTable<D>& table, const UnpairedBodies& unpaired, WorkDone& work);
   /// Adds the pairs of `ahead`, and sorts all pairs by bodies and shapes.
   void sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const PairAhead> ahead);

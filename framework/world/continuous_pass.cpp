@@ -52,7 +52,7 @@ void ContinuousPass<D>::begin(const ContinuousInput<D>& in) {
   if (in.looks(Lookout::after)) m_start = in.table.bodies.pose;
 }
 
-// The body's motion in the step just solved. A pose does not tell whole turns: of all rotations with this end pose,
+// The body's motion in the step just solved. A pose does not show whole turns: of all rotations with this end pose,
 // take the one nearest to the body's angular velocity.
 template <int D>
 Motion<D> ContinuousPass<D>::wayOf(const ContinuousInput<D>& in, std::size_t body) const {

@@ -23,8 +23,8 @@ struct Weighed {
 template <int D>
 std::string calledIn(const BodyDef<D>& def);
 
-/// Throws UserError for poses, velocities or sizes that are not finite, a dynamic body without mass, masses that
-/// overflow, and a plane or surface on a body that is not static.
+/// Throws UserError for poses, velocities or sizes that are not finite; a dynamic body without mass; masses that
+/// overflow; a plane or surface on a body that is not static.
 template <int D>
 Weighed<D> weigh(const BodyDef<D>& def);
 
@@ -33,8 +33,9 @@ Weighed<D> weigh(const BodyDef<D>& def);
 template <int D>
 BodyDef<D> merged(const BodyDef<D>& a, const BodyDef<D>& b);
 
-/// Makes one body of each shape, in place. Each keeps the motion that it had as a part of the whole, whose centre of
-/// mass is `center`. The first gets the velocity of the whole. Throws UserError when a shape alone makes no valid body.
+/// Makes one body of each shape, in place. Each keeps the motion that it had as a part of the whole; `center` is the
+/// centre of mass of the whole. The first gets the velocity of the whole. Throws UserError when a shape alone makes no
+/// valid body.
 template <int D>
 std::vector<BodyDef<D>> takenApart(const BodyDef<D>& whole, const Vec<D>& center);
 

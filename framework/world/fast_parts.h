@@ -46,8 +46,8 @@ class FastParts {
 
   /// Forgets the shape of this slot, which has been replaced.
   void forget(std::size_t shape);
-  /// All pairs of a fast part and another part whose swept boxes overlap, on two bodies whose filters allow it; sorted
-  /// by parts. `boxes` are those of the start of the step.
+  /// All pairs of a fast part and another part with overlapping swept boxes, on two bodies, if their filters allow it;
+  /// sorted by parts. `boxes` are those of the start of the step.
   std::span<const Pair> find(const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
                              std::span<const ShapeRecord<D>> shapes, const BoxIndex<D>& boxes, WorkDone& work);
 

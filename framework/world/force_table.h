@@ -19,8 +19,7 @@ class ForceTable {
   std::vector<ForceRecord<D>> records;                                 // state, which a save holds
   std::vector<std::shared_ptr<const ForceGenerator<D>>> generators{};  // not saved
 
-  /// Throws UserError for an invalid body handle and for definitions that makeForce() rejects. Wakes the bodies on
-  /// which the force acts.
+  /// Throws UserError for an invalid body handle and when makeForce() throws. Wakes the bodies on which the force acts.
   ForceHandle add(const ForceDef<D>& def, BodyTable<D>& table);
   /// Throws UserError for an invalid handle. Wakes the bodies on which the force acts.
   void remove(ForceHandle force, BodyTable<D>& table);

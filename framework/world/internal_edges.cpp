@@ -8,7 +8,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-/// As kLeans, for a curved body, whose normals come from an iteration with a tolerance (1, the sine). Larger: the error
+/// As kLeans, for a curved body: its normals come from an iteration with a tolerance (1, the sine). Larger: the error
 /// that remains slows the body. Smaller: the tolerance decides whether a standing cylinder has one point or four.
 constexpr Real kCurvedLeans = sizeof(Real) == 8 ? Real(1e-6) : Real(5e-3);
 
@@ -28,9 +28,9 @@ struct Lean {
   Real by = 0;
 };
 
-// Finds the borders over which the normal leans, where the part's support feature along the normal lies: an edge gives
-// one border, a corner two, between which the lean is divided. A dot product with the outward direction of each border
-// would name edges away from the contact, on triangles with an obtuse corner.
+// Finds the borders over which the normal leans, from the part's support feature along the normal: an edge gives one
+// border; a corner gives two, between which the lean is divided. A dot product with the outward direction of each
+// border would name edges away from the contact, on triangles with an obtuse corner.
 std::array<Lean<2>, 2> leansOf(const Surface<2>& surface, std::int32_t part, const Vec<2>& aside) {
   const auto end = surface.border(part, 1);
   const Real by = aside.dot(end.outward);

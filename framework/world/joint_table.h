@@ -18,8 +18,8 @@ class JointTable {
  public:
   IndexedVector<JointRecord<D>> records;  // state, which a save holds
 
-  /// Throws UserError for a joint from a body to itself, between two bodies that do not move, and for definitions that
-  /// makeJoint() rejects. Wakes both bodies.
+  /// Throws UserError for a joint from a body to itself, between two bodies that do not move, and when makeJoint()
+  /// throws. Wakes both bodies.
   JointHandle add(const JointDef<D>& def, BodyTable<D>& table);
   /// Throws UserError for an invalid handle. The bodies get a sleep event, unless the joint was broken.
   void remove(JointHandle joint, BodyTable<D>& table);

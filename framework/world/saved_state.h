@@ -45,9 +45,9 @@ void writeState(std::ostream& out, SavedState<D> state);
 template <int D>
 SavedState<D> readState(std::istream& in);
 
-/// Throws UserError when a step could not run on this state: an invalid index, arrays of unequal length, an unnamed
-/// enum value, an invalid shape, or shape kinds that the generator does not support. Poses, velocities and forces may
-/// have any value: a world that has exploded is saved as it is.
+/// Throws UserError when a step could not run on this state: for an invalid index, enum value or shape, arrays of
+/// unequal length, and shape kinds that the generator does not support. Poses, velocities and forces may have any
+/// value: a world that has exploded is saved as it is.
 template <int D>
 void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contacts);
 

@@ -34,8 +34,8 @@ class World final : public Simulation<D> {
   World& operator=(const World&) = delete;
 
   // --- building, at any time between steps ---------------------------------------------------------------------------
-  /// Throws UserError for poses, velocities or sizes that are not finite, for a dynamic body without mass, and for a
-  /// shape kind that the contact generator does not support.
+  /// Throws UserError for poses, velocities or sizes that are not finite, a dynamic body without mass, and shape kinds
+  /// that the contact generator does not support.
   Handle add(const BodyDef<D>& def) override;
   void remove(Handle body) override;
   /// Removes all bodies, joints, forces and force generators, in time linear in their number. Sets time and step number
@@ -55,7 +55,8 @@ class World final : public Simulation<D> {
   /// for a pair is called once. The world's listeners are called first, then those of body A, then those of body B.
   void addListener(ContactListener<D>* listener);
   void addListener(Handle body, ContactListener<D>* listener);
-  /// True when this listener is registered for the body in this slot: tells which body of a manifold it listens to.
+  /// True when this listener is registered for the body in this slot. A listener learns with it which body of a
+  /// manifold is its own.
   bool isListenerOf(std::int32_t slot, const ContactListener<D>* listener) const;
   void removeListener(ContactListener<D>* listener);  // removes it from the world and from all bodies
 
@@ -64,7 +65,7 @@ class World final : public Simulation<D> {
   BodyDef<D> definition(Handle body) const;
   /// Changes the body to match `def`. Wakes the body and those that touch it. The handle and the joints stay. Contacts
   /// stay for each shape that is unchanged, to the last bit; other shapes are new. Values that `def` leaves as
-  /// `definition` gave them stay, so a body whose centre of mass moves continues the same rigid motion. Throws
+  /// `definition` gave them stay, so a body continues the same rigid motion when its centre of mass changes. Throws
   /// UserError, and changes nothing, when add() would reject `def` or a joint would connect two bodies that do not
   /// move.
   void change(Handle body, const BodyDef<D>& def);
@@ -93,7 +94,7 @@ class World final : public Simulation<D> {
   bool valid(Handle body) const override { return m_table.valid(body); }
   Pose<D> pose(Handle body) const override;
   Motion<D> motion(Handle body) const;  // of the centre of mass
-  Real mass(Handle body) const;         // kg, 0 unless the body is dynamic and not pinned
+  Real mass(Handle body) const;         // kg, 0 for static and kinematic bodies
   bool awake(Handle body) const;
   void setPose(Handle body, const Pose<D>& X_WB) override;
   void setMotion(Handle body, const Motion<D>& motion) override;

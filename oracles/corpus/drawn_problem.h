@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Randomly drawn velocity problems: bodies above a ground, whose contacts could all separate upwards, so that a
-// solution exists (Acary, Cadoux, Lemarechal, Malick 2011).
+// Randomly drawn velocity problems of bodies above a ground. All contacts could separate upwards, so a solution exists
+// (Acary, Cadoux, Lemarechal, Malick 2011).
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct DrawnProblem {
 ///   heap         each body on one or two earlier ones
 ///   frictionless
 ///   mass_ratio   of up to a million
-///   hyperstatic  whole faces, whose impulses are not unique
+///   hyperstatic  contacts over whole faces; their impulses are not unique
 ///   sliding      much faster than gravity accelerates within the step
 ///   jointed      each body hangs on the one before it, and some touch the ground
 template <int D>

@@ -19,8 +19,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 struct HardPair {
   Shape<D> a, b;
-  /// The points whose hulls the polytopes are. The hull of a polytope's vertices alone may have other faces: points
-  /// near a face decide.
+  /// The points from which the polytopes' hulls were made. The hull of a polytope's vertices alone may have other
+  /// faces: points near a face decide.
   std::vector<Vec<D>> pointsA = {}, pointsB = {};
   Pose<D> X_WA = {}, X_WB = {};
   /// X_WA^-1 * X_WB computed in Real, which loses digits far from the origin. It is the input of a pair query, so the

@@ -70,7 +70,7 @@ Bounded combinationLength(const Posed<D>& a, const Posed<D>& b, const Simplex<Re
 }
 
 // Radius of a ball around the origin inside M, or a negative number. The surface is closed and each facet is oriented
-// around the origin, so the surface winds around it; each facet lies in a plane at least this far away.
+// around the origin, so the surface winds around the origin. Each facet's plane is at least this far away.
 template <int D>
 Real80 innerRadius(const Posed<D>& a, const Posed<D>& b, const InnerPolytope<Real80, D>& p) {
   if (!isClosed(p)) return -1;

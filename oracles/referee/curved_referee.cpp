@@ -129,7 +129,7 @@ Real80 planeDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80,
 }
 
 // True when the closed surface winds around the origin. The solid angle of the surface is a multiple of the full angle.
-// Facets whose orientation is certain add to it; the others are too small to cancel their sum.
+// Facets with a certain orientation add to it; the others are too small to cancel their sum.
 template <int D>
 bool windsAround(const InnerPolytope<Real80, D>& p, const std::vector<Real80>& distance) {
   Real80 sure = 0, unsure = 0, farthest = 0;
@@ -174,8 +174,8 @@ struct AliveFacets {
     }
   }
 
-  /// True when `w`, whose coordinates are at most `reach`, is certainly below the plane. Each product and sum here has
-  /// an error of a few roundings of the largest term, within kDoubt. NaN is not certain.
+  /// True when `w` is certainly below the plane; its coordinates are at most `reach`. Each product and sum here has an
+  /// error of a few roundings of the largest term, within kDoubt. NaN is not certain.
   static bool isBelow(const Facet& f, const std::array<double, static_cast<std::size_t>(D)>& w, double reach) {
     constexpr double kDoubt = 32 * std::numeric_limits<double>::epsilon();
     double height = -f.offset;

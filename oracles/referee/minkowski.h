@@ -100,7 +100,7 @@ struct Simplex {
   }
 };
 
-/// The face of a simplex whose interior contains the simplex's point nearest to the origin.
+/// The face of a simplex that contains, in its interior, the simplex's point nearest to the origin.
 template <class N, int D>
 struct NearestFace {
   unsigned mask = 0;      // 0: none found, which cannot happen with exact numbers

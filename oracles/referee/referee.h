@@ -37,7 +37,7 @@ Interval separationAlong(const ShapeView<D>& a, const Pose<D>& X_WA, const Shape
                          const Vecd<D>& d);
 
 /// s of the error measure |phi - phi_ref| / s: largest extent of either shape + distance between them + largest
-/// coordinate (m) of a vertex in its own frame, of a position, or of a vertex in the world.
+/// coordinate (m). Coordinates are those of vertices, in their own frame and in the world, and of positions.
 template <int D>
 double errorScale(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB, double phi);
 

@@ -413,7 +413,7 @@ namespace {
 
 bool hasValue(const CaseResult& row) { return row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong; }
 
-// Empty when the file has no expected value.
+// Returns `otherwise` when the file has no expected value.
 std::string expectedOr(const CaseResult& row, const char* otherwise) {
   return std::isnan(row.expected) ? otherwise : numberText(row.expected);
 }

@@ -34,8 +34,8 @@ struct CaseResult {
 /// Precondition: the case has a finding.
 Verdict askAgain(const Case& c, const std::string& method);
 
-/// Methods to run on a case with a finding: the method of the finding, the referee when there is an expected value,
-/// then the other methods of its stage (for broadphases only the method of the finding).
+/// Methods to run on a case with a finding: the method of the finding; the referee when there is an expected value;
+/// then the other methods of its stage. For broadphases only the method of the finding.
 std::vector<std::string> methodsToAsk(const Case& c);
 /// The role of a method in its row; competitor for a method that is not registered here.
 AlgorithmRole roleOf(const Case& c, const std::string& method);
@@ -43,11 +43,10 @@ AlgorithmRole roleOf(const Case& c, const std::string& method);
 /// finding throws UserError instead, so that it cannot be mistaken for fixed.
 CaseResult askFound(const Case& c, const std::string& method);
 
-/// Runs every case with every method that takes its query: signed distances with each registered pair query, contacts
-/// with each generator (by the check of verifyContacts), times of impact with each time of impact method, hulls with
-/// `convexHull`, mass properties with `massProperties`. The referee is in the table too: where it is `wrong`, it
-/// contradicts the file. A case with a finding is run as it was found, with the method of the finding first; a case of
-/// the other precision is run in this one.
+/// Runs every case with every registered method that takes its query. Contacts are checked as in verifyContacts; hulls
+/// and mass properties are computed by `convexHull` and `massProperties`. The referee is in the table too: where it is
+/// `wrong`, it contradicts the file. A case with a finding is run as it was found, with the method of the finding
+/// first; a case of the other precision is run in this one.
 std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 
 /// True for a result that fails the run: a competitor that is wrong (an approximate pair query: on the wrong side),

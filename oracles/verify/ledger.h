@@ -54,7 +54,7 @@ struct LedgerEntry {
 
   long& operator[](Tally t) { return tallies[static_cast<std::size_t>(t)]; }
   long operator[](Tally t) const { return tallies[static_cast<std::size_t>(t)]; }
-  /// Queries whose answer is neither right nor undecided.
+  /// Queries that ended neither right nor undecided.
   long faults() const {
     const LedgerEntry& e = *this;
     return e[Tally::asked] - e[Tally::agree] - e[Tally::tie] - e[Tally::undecided];

@@ -98,7 +98,7 @@ struct Regime {
   std::string_view name;
   bool (*holds)(const Facts<D>&);
 };
-// The first whose condition is true applies; the last always does.
+// The first true condition applies; the last is always true.
 template <int D>
 constexpr std::array<Regime<D>, 8> kRegimes = {{
     {"huge_ratio", [](const Facts<D>& f) { return f.larger >= 100 * f.smaller; }},

@@ -90,10 +90,11 @@ template <int D>
 void verifyImpacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                    std::span<const Candidate<TimeOfImpact<D>>> methods, Verified& out);
 
-/// Runs drawn problems (drawProblem) through resolvers that should converge, and compares velocities with those of the
-/// reference: the answer of convergedResolvers() with the least residual, whichever methods are verified. Answers with
-/// other velocities are a `tie` when their residual is that of a solution, and `wrong` when it is larger. They are
-/// `undecided` when neither they nor the reference solve the problem. Keeps no cases: seed and number define a problem.
+/// Runs drawn problems (drawProblem) through resolvers that should converge, and compares velocities with the
+/// reference. The reference is the answer of convergedResolvers() with the least residual, whichever methods are
+/// verified. Answers with other velocities are a `tie` when their residual is that of a solution, and `wrong` when it
+/// is larger. They are `undecided` when neither they nor the reference solve the problem. Keeps no cases: seed and
+/// number define a problem.
 template <int D>
 void verifyVelocities(const VerifyRange& range, std::span<const Candidate<VelocityResolver<D>>> methods, Verified& out);
 

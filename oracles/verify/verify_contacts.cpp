@@ -15,10 +15,9 @@ namespace {
 
 constexpr std::string_view kRestingFaces = "resting_faces";
 constexpr int kRestingEvery = 8;  // one in this many pairs of boxes and polytopes
-// Range of displacements (m), from each pair's place on, over which the names of resting faces' features are tested: a
-// centimetre.
+// Faces at rest are tested for stable feature names again when displaced by one to two times this (m).
 constexpr double kBeside = 0.01;
-// Number of places in this range (count). Fewer: a fault that appears under few motions counts as chance.
+// Number of displacements in this range (count). Fewer: a fault that appears under few motions counts as chance.
 constexpr int kPlacesBeside = 1000;
 // Up to this many changes of names over the range are chance (count): our methods have more than five on one range of
 // 7,500. More: unstable names pass. Fewer: corners that pass each other make a method wrong.
@@ -107,8 +106,8 @@ class RestingFaces {
   Random m_random;
 };
 
-// Moves B by `far` (m) along the faces (n: their normal in the world), not perpendicular to a side: they rest as
-// before.
+// Moves B by `far` (m) along the faces (n: their normal in the world), in a direction independent of their sides: they
+// rest as before.
 template <int D>
 HardPair<D> movedBeside(HardPair<D> pair, const Vecd<D>& n, double far) {
   Vecd<D> aside;
@@ -275,8 +274,7 @@ int changesBeside(const PlacedHard<D>& k, ContactGenerator<D>& generator) {
 
 // Fault after a small motion of faces at rest. Their margin is far larger than the motion: they must keep their
 // manifold. A corner is named while it lies on the other face, and not when it lies far beside it. So names change
-// somewhere along every path, with every generator. A pair drawn at such a place proves nothing and is a tie. But such
-// places are rare.
+// somewhere along every path, with every generator. A pair drawn at such a place is a tie. But such places are rare.
 template <int D>
 std::string_view faultOfMotion(const PlacedHard<D>& k, const std::vector<Manifold<D>>& found,
                                const std::vector<Manifold<D>>* nudged, ContactGenerator<D>& generator, Verdict& v) {

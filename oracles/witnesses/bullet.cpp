@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Bullet in double precision: Debian builds the library twice, and this file is compiled for the one whose btScalar is
-// double. The usual one computes in float and cannot check the last ten digits.
+// Bullet in double precision: Debian builds the library twice, and this file is compiled for the build with double as
+// btScalar. The usual one computes in float and cannot check the last ten digits.
 #define BT_USE_DOUBLE_PRECISION
 #include <BulletCollision/CollisionDispatch/btBoxBoxDetector.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>

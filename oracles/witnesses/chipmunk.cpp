@@ -115,8 +115,8 @@ class Chipmunk final : public IsolatedWitness<2> {
   PairAnswer<2> measure() override { return m_isCircle ? fromCentre() : collide(); }
 
   // Chipmunk's point on B is not used: it is 0 / 0 when the centre is on B's surface. The contacts of circles are not
-  // used either: on a rounded polygon they are too shallow by twice its rounding, because CircleToPoly adds it along
-  // the normal to the polygon's point too.
+  // used either. On a rounded polygon they are too shallow by twice its rounding, because CircleToPoly also adds it
+  // along the normal to the polygon's point.
   PairAnswer<2> fromCentre() const {
     cpPointQueryInfo nearest;
     const cpVect centre = chipmunkVector(placeOfA().p);

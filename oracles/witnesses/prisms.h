@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Runs a 3D library on 2D pairs: each shape becomes a prism along z, longer than both shapes are wide, so that the
-// signed distance is that of the 2D shapes, along a normal without z. B's prism is longer than A's: between the same
-// two planes Bullet reports one in six overlapping pairs of sharp shapes as separated. A circle becomes a capsule along
-// z, and a capsule's core a sheet: no new kinds are needed.
+// Runs a 3D library on 2D pairs. Each shape becomes a prism along z, longer than both shapes are wide. So the signed
+// distance is that of the 2D shapes, along a normal without z. B's prism is longer than A's: between the same two
+// planes Bullet reports one in six overlapping pairs of sharp shapes as separated. A circle becomes a capsule along z,
+// and a capsule's core a sheet: no new kinds are needed.
 #pragma once
 
 #include <deque>

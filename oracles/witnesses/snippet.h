@@ -25,7 +25,7 @@ struct Question {
   struct Truth {
     bool decided = false;  // false: there is no proof
     double lo = 0, hi = 0;
-  } truth;             // distance of the shapes as the library knows them
+  } truth;             // distance of the shapes that the library supports
   double allowed = 0;  // tolerance outside of the truth's interval, for rounding
 
   /// True when `distance` (as above) is right. The program returns 0 in this case.
@@ -39,7 +39,7 @@ std::string literal(double x);
 /// "1, 2, 3": row by row.
 std::string literals(const Eigen::MatrixXd& m);
 /// `static void NAME(const double* d, double* p)`: p is the support point of the core along d, in its own frame, equal
-/// to coreSupport to the last bit. Throws UserError for a kind without such a text.
+/// to coreSupport to the last bit. Throws UserError for a kind without this text.
 std::string coreSupportText(const std::string& name, const ShapeView<3>& shape);
 
 }}  // namespace lpc::LPC_PRECISION

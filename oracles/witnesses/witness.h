@@ -19,9 +19,9 @@ namespace lpc { inline namespace LPC_PRECISION {
 enum class Ending : std::uint8_t { answered, notFinite, threw, crashed, hung };
 std::string_view endingName(Ending ending);
 
-/// Error bound of a witness: 99 of 100 answers with a value stay within `bar` (|phi - phi_ref| / s, s as in
-/// `errorScale`) on random pairs of these kinds (a <= b) at 1 m, in double precision. tests/properties/witness_test.cpp
-/// checks it from both sides. On the named families of hard pairs witnesses do worse.
+/// Error bound of a witness, in |phi - phi_ref| / s with s as in `errorScale`: 99 of 100 answers with a value stay
+/// within `bar`, for random pairs of these kinds (a <= b) at 1 m, in double precision.
+/// tests/properties/witness_test.cpp checks it from both sides. On the named families of hard pairs witnesses do worse.
 struct ErrorBar {
   ShapeKind a, b;
   double bar;
@@ -30,9 +30,9 @@ struct ErrorBar {
 template <int D>
 class Witness : public PairQuery<D> {
  public:
-  /// The pairs of kinds that the library really supports. All others, including those of new kinds, are unsupported and
-  /// never queried: some libraries ignore silently what they lack (FCL prints a warning and reports separation). So an
-  /// adapter lists exactly the kinds that it handles.
+  /// The pairs of kinds that the library really supports. All others, also with new kinds, are unsupported and never
+  /// queried: some libraries silently return a wrong answer for unsupported kinds (FCL prints a warning and reports
+  /// separation). So an adapter lists exactly the kinds that it handles.
   virtual std::span<const ErrorBar> errorBars() const { return {}; }
   /// Infinite when the witness has no value.
   double errorBar(ShapeKind a, ShapeKind b) const {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// A witness whose library runs in its own process, as long as the witness lives. Parent and child share one block of
-// memory and no file descriptor, so that other children inherit nothing. Pairs are passed in blocks. The child notes
-// the current pair before each call, and the parent watches this note. A crash, or no progress, is recorded for that
-// pair, and a new child continues with the next one.
+// A witness with its library in a separate process, which lives as long as the witness. Parent and child share one
+// block of memory and no file descriptor, so that other children inherit nothing. Pairs are passed in blocks. The child
+// notes the current pair before each call, and the parent watches this note. A crash, or no progress, is recorded for
+// that pair, and a new child continues with the next one.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Frame in which the library gets a pair: A in its own frame, at the origin; or both in a world, rotated and about two
-/// sizes from its origin, as in an engine. Some libraries (FCL) are right in one and wrong in the other.
+/// Frame in which the library gets a pair: A's own frame, with A at the origin; or a world in which both are rotated
+/// and about two sizes from the origin, as in an engine. Some libraries (FCL) are right in one and wrong in the other.
 enum class PairFrame { own, world };
 struct PairFrameParams {
   PairFrame frame = PairFrame::own;
@@ -43,9 +43,9 @@ class IsolatedWitness : public Witness<D> {
   const Pose<D>& placeOfA() const { return m_X_WA; }
   Pose<D> placeOfB(const PairView<D>& pair) const { return m_frame == PairFrame::own ? pair.X_AB : m_X_WA * pair.X_AB; }
 
-  // Both run in the child and may throw, abort, crash or never return. The pair is in a unit in which the larger shape
-  // is about 1, and so is the answer, because these libraries have absolute thresholds for shapes of about a metre. The
-  // unit is a power of two, which costs no digit. A 3D hull has vertices, faces and loop, but no edges.
+  // Both run in the child and may throw, abort, crash or never return. Pair and answer are in a unit in which the
+  // larger shape is about 1, because these libraries have absolute thresholds for shapes of about a metre. The unit is
+  // a power of two, which costs no digit. A 3D hull has vertices, faces and loop, but no edges.
   virtual void place(const PairView<D>& pair) = 0;  // converts the pair for the library; not timed
   virtual PairAnswer<D> measure() = 0;              // the library's answer
   // Both steps as a program, for a pair in this unit. Runs in the parent and does not call the library.

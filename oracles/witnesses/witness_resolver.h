@@ -9,8 +9,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class WitnessResolver : public VelocityResolver<D> {
  public:
-  /// Processor time of the last solve (ns), which the clock of one thread cannot measure: our time to build the matrix
-  /// plus the time inside the library, without communication with its process.
+  /// Processor time of the last solve (ns): our time to build the matrix plus the time inside the library, without
+  /// communication. The clock of one thread cannot measure it.
   virtual double nanoseconds() const = 0;
 };
 
