@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // For algorithms outside of the source tree: build them as a shared library against lpc::lpc (or lpc::lpc_f32), put
+//
+//   LPC_PLUGIN;
+//
+// at file scope into one of its files, and run `lpc --plugin ./libmine.so ...`.
 #pragma once
 
 #include "framework/stage/registry.h"

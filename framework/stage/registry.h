@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// Algorithms register by name; no file includes them. At the end of an algorithm's one file:
+// Algorithms register by name; no file includes them. At the end of an algorithm's file:
+//
+//   LPC_REGISTER(Broadphase, SortAndSweep, 2, 3);
+//
+// instantiates and registers SortAndSweep<2> and <3>. The class has a nested `Params`, a constructor from it, and
+// `static AlgorithmInfo info()`.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The text form of an algorithm with its parameters, and of a pipeline, for reading and writing:
+//
+//   broadphase=sort_and_sweep{axis=0} solver=split_solver{velocity=catto{iterations=20},position=split_impulse}
 #pragma once
 
 #include <array>
