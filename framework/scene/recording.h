@@ -40,7 +40,7 @@ struct Recording {
   std::vector<Frame> frames;
   bool torn = false;  // the bytes ended within a frame, which is dropped
 
-  /// Throws UserError when the bytes are not a recording of this dimension.
+  /// Reads a recording. Throws UserError when the bytes are not a recording of this dimension.
   static Recording read(std::istream& in);
 };
 

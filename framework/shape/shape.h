@@ -56,7 +56,7 @@ constexpr CoreClass coreClass(ShapeKind kind) { return kCoreClasses[kind]; }
 /// (framework/shape/curved_core.h).
 bool kindExists(ShapeKind kind, int dimension);
 std::string_view shapeKindName(ShapeKind kind);
-/// Throws UserError with the valid names.
+/// The kind with this name. Throws UserError with the valid names.
 ShapeKind shapeKindFromName(std::string_view name);
 
 /// A convex polygon (2D) or polytope (3D), immutable, made by `convexHull`; or a flat triangle (`flatTriangle`).

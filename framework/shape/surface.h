@@ -23,7 +23,7 @@ class Surface {
   };
   static constexpr int kBorders = D;
 
-  /// Throws UserError, starting with `who`, for what Shape::mesh and Shape::chain reject.
+  /// Builds a surface. Throws UserError, starting with `who`, for what Shape::mesh and Shape::chain reject.
   Surface(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view who);
 
   /// As given by the user.

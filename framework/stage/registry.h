@@ -88,7 +88,7 @@ class Registry {
   static Registry& instance();
   void add(Registered entry);  // a second algorithm of the same name aborts: a programming error
   const std::map<Key, Registered>& all() const { return m_all; }
-  /// Throws UserError with the valid names.
+  /// Finds an algorithm by name. Throws UserError with the valid names.
   const Registered& find(StageKind stage, int dimension, std::string_view name) const;
   /// The parameter of the algorithm with this name, in either dimension; null when the algorithm or the parameter does
   /// not exist. "effort" finds the first effort parameter, whatever its name.

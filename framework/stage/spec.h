@@ -22,7 +22,7 @@ struct Spec {
   std::string name;
   std::vector<Field> fields;  // in the order of the text
 
-  /// Throws UserError that quotes the text and marks the position.
+  /// Parses a spec. Throws UserError that quotes the text and marks the position.
   static Spec parse(std::string_view text);
   std::string text() const;
 
@@ -40,10 +40,10 @@ struct Spec::Field {
 /// One spec per stage of a world (kWorldStages).
 class Pipeline {
  public:
-  /// Every stage has its default.
+  /// All stages with their defaults.
   Pipeline();
-  /// The defaults, with the stages that the text names replaced. Stages are separated by spaces. Throws UserError for
-  /// an unknown stage, with the valid names.
+  /// Parses a pipeline: stages separated by spaces; stages that the text omits keep their defaults. Throws UserError
+  /// for an unknown stage, with the valid names.
   static Pipeline parse(std::string_view text);
   /// Replaces the stages that the text names, and returns their kinds.
   std::vector<StageKind> replace(std::string_view text);

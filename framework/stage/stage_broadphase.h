@@ -82,9 +82,10 @@ class Broadphase : public Stage {
   static constexpr StageKind kStage = StageKind::broadphase;
   static constexpr int kDimension = D;
 
-  /// Called at least once between a change and findPairs or a query. A method that keeps no state ignores it.
+  /// Reports changes of the proxies. Called at least once between a change and findPairs or a query. A method that
+  /// keeps no state ignores it.
   virtual void update(const Proxies<D>&, const ProxyChanges&) {}
-  /// Appends to `out`, which arrives empty.
+  /// Appends the pairs to `out`, which is empty at the call.
   virtual void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) = 0;
 
   /// Debug drawing: appends the nodes in preorder, each within its parent. Nodes with `holds` each touch a proxy's box,

@@ -50,7 +50,7 @@ class ContinuousCollision : public Stage {
   /// A part is fast when one of its points may move farther in a step than threshold() (1) times the radius of its
   /// inner sphere. A smaller radius than kLinearSlop counts as kLinearSlop.
   virtual Real threshold() const { return std::numeric_limits<Real>::infinity(); }
-  /// Called only with a <= b.
+  /// True when it supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind, ShapeKind) const { return true; }
   /// The times (s) at which fast parts must stop, over 0 <= t <= duration; infinite when they need not. Called only
   /// with Lookout::after. `t` has one entry per pair.

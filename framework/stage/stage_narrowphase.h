@@ -62,7 +62,7 @@ class PairQuery : public Stage {
   static constexpr StageKind kStage = StageKind::pairQuery;
   static constexpr int kDimension = D;
 
-  /// Called only with a <= b.
+  /// True when it supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
   /// True when it computes the distance of separated shapes of these kinds. Otherwise it only reports that they are
   /// separated: the distance is some lower bound, and is not compared with ground truth. All methods compute depths.
@@ -186,7 +186,8 @@ class ContactGenerator : public Stage {
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
   /// True when it reads and writes the memory of pairs. Otherwise the world keeps none.
   virtual bool remembers() const { return false; }
-  /// Appends to `fresh`. Unsupported pairs of kinds do not occur: the world rejects such bodies.
+  /// Appends the manifolds of the pairs to `fresh`. Unsupported pairs of kinds do not occur: the world rejects such
+  /// bodies.
   virtual void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) = 0;
 };
 
@@ -211,8 +212,8 @@ class ContactCache : public Stage {
   virtual void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) {
     regenerate.assign(in.pairs.begin(), in.pairs.end());
   }
-  /// Called directly after `select`, with the same input. `fresh` is sorted by Manifold::key, and must be sorted
-  /// afterwards.
+  /// Transfers data to `fresh`, which is sorted by Manifold::key and must stay sorted. Called directly after `select`,
+  /// with the same input.
   virtual void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) = 0;
 };
 

@@ -51,9 +51,10 @@ class TimeOfImpact : public Stage {
   static constexpr StageKind kStage = StageKind::timeOfImpact;
   static constexpr int kDimension = D;
 
-  /// Called only with a <= b.
+  /// True when it supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
-  /// Pairs of supported kinds, over 0 <= t <= duration (s). `answers` has one entry per pair.
+  /// Finds the times of impact of pairs of supported kinds, over 0 <= t <= duration (s). `answers` has one entry per
+  /// pair.
   virtual void cast(std::span<const MovingPair<D>> pairs, Real duration, std::span<TimeOfImpactAnswer<D>> answers,
                     WorkDone& work) = 0;
 };

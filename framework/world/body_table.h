@@ -84,7 +84,7 @@ class BodyTable {
   void stopSleepers(std::span<const std::uint8_t> awakeBefore);
 
   // --- boxes ---------------------------------------------------------------------------------------------------------
-  /// With `sleepers`, boxes of sleeping bodies are active too.
+  /// Updates the boxes. With `sleepers`, boxes of sleeping bodies are active too.
   void sync(bool sleepers) const { boxes.sync(shapes, bodies, sleepers); }
   /// True when neither shape of a manifold or record is active.
   template <class Pair>

@@ -27,7 +27,7 @@ class BoxIndex {
   void touch(std::size_t body);
   /// Marks the boxes of all moving bodies as stale.
   void outdate() { m_stale = true; }
-  /// With `sleepers`, boxes of sleeping bodies are active too.
+  /// Passes all noted changes to the broadphase. With `sleepers`, boxes of sleeping bodies are active too.
   void sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies, bool sleepers);
 
   // State of the last sync().

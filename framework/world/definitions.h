@@ -23,12 +23,12 @@ struct Weighed {
 template <int D>
 std::string calledIn(const BodyDef<D>& def);
 
-/// Throws UserError for poses, velocities or sizes that are not finite; a dynamic body without mass; masses that
-/// overflow; a plane or surface on a body that is not static.
+/// Checks a definition and computes the body's mass and shapes. Throws UserError for poses, velocities or sizes that
+/// are not finite; a dynamic body without mass; masses that overflow; a plane or surface on a body that is not static.
 template <int D>
 Weighed<D> weigh(const BodyDef<D>& def);
 
-/// Merges two bodies where they are into one, with the shapes and the momenta of both. Throws UserError unless both are
+/// Merges two bodies into one, in place, with the shapes and the momenta of both. Throws UserError unless both are
 /// dynamic or both are static.
 template <int D>
 BodyDef<D> merged(const BodyDef<D>& a, const BodyDef<D>& b);

@@ -19,9 +19,10 @@ class ForceTable {
   std::vector<ForceRecord<D>> records;                                 // state, which a save holds
   std::vector<std::shared_ptr<const ForceGenerator<D>>> generators{};  // not saved
 
-  /// Throws UserError for an invalid body handle and when makeForce() throws. Wakes the bodies on which the force acts.
+  /// Adds a force and wakes the bodies on which it acts. Throws UserError for an invalid body handle and as
+  /// makeForce().
   ForceHandle add(const ForceDef<D>& def, BodyTable<D>& table);
-  /// Throws UserError for an invalid handle. Wakes the bodies on which the force acts.
+  /// Removes a force and wakes the bodies on which it acts. Throws UserError for an invalid handle.
   void remove(ForceHandle force, BodyTable<D>& table);
   void removeAllOf(std::size_t body, BodyTable<D>& table);
   void clear(std::uint64_t& visits);

@@ -18,13 +18,14 @@ class JointTable {
  public:
   IndexedVector<JointRecord<D>> records;  // state, which a save holds
 
-  /// Throws UserError for a joint from a body to itself, between two bodies that do not move, and when makeJoint()
-  /// throws. Wakes both bodies.
+  /// Adds a joint and wakes both bodies. Throws UserError for a joint from a body to itself, between two bodies that do
+  /// not move, and as makeJoint().
   JointHandle add(const JointDef<D>& def, BodyTable<D>& table);
-  /// Throws UserError for an invalid handle. The bodies get a sleep event, unless the joint was broken.
+  /// Removes a joint. The bodies get a sleep event, unless the joint was broken. Throws UserError for an invalid
+  /// handle.
   void remove(JointHandle joint, BodyTable<D>& table);
   void removeAllOf(std::size_t body, BodyTable<D>& table);
-  /// The joint keeps its slot, without rows. Precondition: it is active.
+  /// Breaks a joint: it keeps its slot, without rows. Precondition: it is active.
   void breakJoint(std::size_t slot, std::vector<SleepEvent>& events);
   void clear(std::uint64_t& visits);
 

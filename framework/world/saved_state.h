@@ -34,18 +34,18 @@ struct SavedKind {
   int dimension = 0;
   int realBytes = 0;  // size of its numbers: 8 in f64, 4 in f32
 };
-/// Throws UserError when the bytes are not a saved world, or have another format version.
+/// Reads the first bytes. Throws UserError when they are not a saved world, or have another format version.
 SavedKind savedKind(std::istream& in);
 
-/// The bytes depend on the state only.
+/// Writes a state. The bytes depend on the state only.
 template <int D>
 void writeState(std::ostream& out, SavedState<D> state);
-/// Throws UserError when the bytes are damaged or are not a world of this dimension, precision and format. The content
-/// is checked by requireSound(); invMass and invInertia are empty.
+/// Reads a state; invMass and invInertia are empty. Throws UserError when the bytes are damaged or are not a world of
+/// this dimension, precision and format. requireSound() checks the content.
 template <int D>
 SavedState<D> readState(std::istream& in);
 
-/// Throws UserError when a step could not run on this state: for an invalid index, enum value or shape, arrays of
+/// Checks that a step can run on this state. Throws UserError for an invalid index, enum value or shape, arrays of
 /// unequal length, and shape kinds that the generator does not support. Poses, velocities and forces may have any
 /// value: a world that has exploded is saved as it is.
 template <int D>

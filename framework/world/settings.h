@@ -65,7 +65,7 @@ struct Settings {
   // --- conversion to world settings, pipeline, shapes and forces -----------------------------------------------------
   template <int D>
   WorldSettings<D> world() const;
-  /// Throws UserError for a `slop` when no stage in `stages` takes one.
+  /// The pipeline with all settings applied. Throws UserError for a `slop` when no stage in `stages` takes one.
   Pipeline pipeline() const;
   template <int D>
   ShapeDef<D> shape(const Shape<D>& of) const;

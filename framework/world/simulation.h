@@ -42,12 +42,13 @@ class Simulation {
   virtual ~Simulation() = default;
 
   // --- building, at any time between steps ---------------------------------------------------------------------------
-  /// All add() throw UserError for an invalid definition and for what this simulation does not support, with the
-  /// reason.
+  /// Adds a body. All add() throw UserError with the reason when the definition is invalid or the simulation does not
+  /// support it.
   virtual Handle add(const BodyDef<D>& def) = 0;
-  /// Also for a joint from a body to itself, between two bodies that do not move, or with invalid frames or limits.
+  /// Adds a joint. Also throws for a joint from a body to itself, between two bodies that do not move, or with invalid
+  /// frames or limits.
   virtual JointHandle add(const JointDef<D>& def) = 0;
-  /// Also for ends that the kind does not have or does not allow.
+  /// Adds a force. Also throws for ends that the kind does not have or does not allow.
   virtual ForceHandle add(const ForceDef<D>& def) = 0;
   virtual void add(std::shared_ptr<const ForceGenerator<D>> generator) = 0;
   virtual void remove(Handle body) = 0;  // and its joints and forces
@@ -57,12 +58,12 @@ class Simulation {
   // --- changing bodies by a script, between steps --------------------------------------------------------------------
   // All five throw UserError for an invalid handle and for numbers that are not finite.
   virtual void setPose(Handle body, const Pose<D>& X_WB) = 0;  // of the body frame
-  /// Of the centre of mass. Throws UserError for a static body.
+  /// Sets the velocity of the centre of mass and the angular velocity. Throws UserError for a static body.
   virtual void setMotion(Handle body, const Motion<D>& motion) = 0;
-  /// A force (N) at a world point, or a torque (N m), for the coming step only.
+  /// Applies a force (N) at a world point, or a torque (N m), in the next step only.
   virtual void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) = 0;
   virtual void applyTorque(Handle body, const Ang<D>& torque) = 0;
-  /// Changes velocities immediately: an impulse (N s) at the centre of mass, and an angular impulse (N m s) about it.
+  /// Changes velocities immediately, by an impulse (N s) at the centre of mass and an angular impulse (N m s) about it.
   /// Has no effect on bodies that are not dynamic; a pinned body takes only the angular impulse.
   virtual void applyImpulse(Handle body, const Wrench<D>& impulse) = 0;
 

@@ -29,7 +29,7 @@ template <int D>
 class ChangesGravity {
  public:
   virtual ~ChangesGravity() = default;
-  /// Gravity of all bodies from now on (m/s^2). Throws UserError when it is not finite.
+  /// Sets the gravity of all bodies from now on (m/s^2). Throws UserError when it is not finite.
   virtual void setGravity(const Vec<D>& gravity) = 0;
 };
 

@@ -27,15 +27,15 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class World final : public Simulation<D> {
  public:
-  /// Throws UserError when the pipeline names an unknown algorithm or parameter.
+  /// Makes an empty world. Throws UserError when the pipeline names an unknown algorithm or parameter.
   explicit World(const Pipeline& pipeline = {}, const WorldSettings<D>& settings = {});
   ~World() override;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
   // --- building, at any time between steps ---------------------------------------------------------------------------
-  /// Throws UserError for poses, velocities or sizes that are not finite, a dynamic body without mass, and shape kinds
-  /// that the contact generator does not support.
+  /// Adds a body. Throws UserError for poses, velocities or sizes that are not finite, a dynamic body without mass, and
+  /// shape kinds that the contact generator does not support.
   Handle add(const BodyDef<D>& def) override;
   void remove(Handle body) override;
   /// Removes all bodies, joints, forces and force generators, in time linear in their number. Sets time and step number
@@ -45,18 +45,20 @@ class World final : public Simulation<D> {
   void clear();
   JointHandle add(const JointDef<D>& def) override;
   void remove(JointHandle joint) override;
-  /// Wakes the bodies on which the force acts; removing it does too. A body that falls asleep again no longer feels it.
+  /// Adds a force and wakes the bodies on which it acts; remove() wakes them too. The force does not act on bodies that
+  /// have fallen asleep again.
   ForceHandle add(const ForceDef<D>& def) override;
   void remove(ForceHandle force) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
   Handle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }  // a bare shape becomes a static body
-  /// Listens to all contacts, or to the contacts of one body. The listener is not owned. A listener registered twice
-  /// for a pair is called once. The world's listeners are called first, then those of body A, then those of body B.
+  /// Registers a listener for all contacts, or for the contacts of one body. The listener is not owned. A listener
+  /// registered twice for a pair is called once. The world's listeners are called first, then those of body A, then
+  /// those of body B.
   void addListener(ContactListener<D>* listener);
   void addListener(Handle body, ContactListener<D>* listener);
-  /// True when this listener is registered for the body in this slot. A listener learns with it which body of a
-  /// manifold is its own.
+  /// True when this listener is registered for the body in this slot. A listener uses it to find its body in a
+  /// manifold.
   bool isListenerOf(std::int32_t slot, const ContactListener<D>* listener) const;
   void removeListener(ContactListener<D>* listener);  // removes it from the world and from all bodies
 
@@ -119,8 +121,10 @@ class World final : public Simulation<D> {
   int bodyCount() const override { return m_table.count(); }
 
   // --- queries on exact shapes, through the broadphase ---------------------------------------------------------------
+  /// Bodies with a shape that contains this world point, or that overlaps this world box.
   std::vector<Handle> at(const Vec<D>& point) const;
   std::vector<Handle> overlap(const Aabb<D>& box) const;
+  /// The same for one body.
   bool contains(Handle body, const Vec<D>& point) const;
   bool intersects(Handle body, const Aabb<D>& box) const;
   /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Throws UserError when the
