@@ -38,7 +38,7 @@ class Director {
   void bring(Simulation<D>& world, int spawn);
   void addJoint(Simulation<D>& world, int joint);
   void addForce(Simulation<D>& world, int force);
-  /// Sets the body of spawn i, which an event made from another body.
+  /// Sets the body of spawn i, made by an event from another body.
   void is(int spawn, Handle body) { m_bodyHandles.at(static_cast<std::size_t>(spawn)) = body; }
 
  private:

@@ -39,7 +39,7 @@ Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
   return speed;
 }
 
-// A step may throw this exception, which is of the user's making, and no other.
+// The only exception that a step may throw: its cause is in the user's code.
 void checkMaterial(const PairMaterial& m) {
   checkAmount(m.friction, "a listener's mix", "friction");
   checkAmount(m.restitution, "a listener's mix", "restitution");
@@ -52,7 +52,7 @@ void hear(Manifold<D>& m, const Manifold<D>& said) {
   m.friction = said.friction, m.restitution = said.restitution;
 }
 
-// True when neither body moves by itself.
+// True when each body is asleep or static.
 template <int D>
 bool quiet(const Manifold<D>& m, const Bodies<D>& bodies) {
   const auto moves = [&](std::int32_t body) {
@@ -118,7 +118,7 @@ void ListenerTable<D>::tell(const World<D>& world, BodyTable<D>& table, const Co
     const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
     old = old.subspan(before.size());
     if (table.resting(m)) continue;
-    if (known && (news.again || quiet(m, table.bodies))) {  // made again in the step, or at rest: the answer stays
+    if (known && (news.again || quiet(m, table.bodies))) {  // made again in the step, or at rest: keep the answer
       for (Manifold<D>& child : pair) hear(child, before[0]);
       continue;
     }

@@ -129,7 +129,7 @@ Real80 planeDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80,
 }
 
 // True when the closed surface winds around the origin. The solid angle of the surface is a multiple of the full angle.
-// Facets with a certain orientation add to it; the others are too small to cancel their sum.
+// Facets of proved orientation add to it; the others are too small to cancel their sum.
 template <int D>
 bool windsAround(const InnerPolytope<Real80, D>& p, const std::vector<Real80>& distance) {
   Real80 sure = 0, unsure = 0, farthest = 0;

@@ -240,7 +240,7 @@ CaseResult runHull(const Case& c, const CaseGeometry<D>& g) {
   for (const Vec<D>& p : g.points) extent = std::max(extent, (p - g.points[0]).template cast<double>().norm());
   row.verdict = CaseVerdict::ok;
   if (c.expected.degenerate) return row;  // any outcome is right, except an endless loop
-  // The expected vertices must be exactly ours: points inside an edge are dropped.
+  // The expected vertices must be exactly ours, because points inside an edge are dropped.
   for (const auto& want : c.expected.hullVertices) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const Vec<D>& have : hull->vertices) {

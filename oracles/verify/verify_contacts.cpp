@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::string_view kRestingFaces = "resting_faces";
 constexpr int kRestingEvery = 8;  // one in this many pairs of boxes and polytopes
-// Faces at rest are tested for stable feature names again when displaced by one to two times this (m).
+// Features of faces at rest are compared again at displacements of one to two times this (m).
 constexpr double kBeside = 0.01;
 // Number of displacements in this range (count). Fewer: a fault that appears under few motions counts as chance.
 constexpr int kPlacesBeside = 1000;
-// Up to this many changes of names over the range are chance (count): our methods have more than five on one range of
-// 7,500. More: unstable names pass. Fewer: corners that pass each other make a method wrong.
+// Up to this many changes of features over the range are chance (count): our methods have more than five on one range
+// of 7,500. More: unstable features pass. Fewer: corners that pass each other make a method wrong.
 constexpr int kMostChanges = 8;
 // A generator that names this test in its failures keeps one point of a patch on purpose.
 constexpr std::string_view kPatchTest = "Contacts.FaceContactsSpanThePatch";
@@ -191,8 +191,8 @@ double pointDistance(const Vec<D>& p_W, const ShapeView<D>& shape, const Pose<D>
   return referee<D>(Shape<D>::sphere(0).view(), {p_W, {}}, shape, X_WS).interval().middle();
 }
 
-// How far the contact points are off their surfaces (m): points must be within the shapes; of a core, the closest
-// points must be on its surface.
+// How far the contact points are misplaced (m): a point must be in its shape; for a shape without rounding it must be
+// on the surface.
 template <int D>
 double besideSurfaces(const PlacedHard<D>& k, const Manifold<D>& m) {
   const HardPair<D>& p = k.pair;

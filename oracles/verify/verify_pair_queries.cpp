@@ -59,7 +59,7 @@ Tally endOf(Ending ending) {
   return Tally::agree;
 }
 
-// Shortfall of the separation along the answer's normal: the purpose of a normal is to attain it.
+// How far the separation along the answer's normal is below the true distance (m), which a correct normal attains.
 template <int D>
 double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<D>& n, AlgorithmRole role,
                  double tolerance) {
