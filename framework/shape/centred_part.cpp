@@ -13,8 +13,8 @@ ShapePart<D> centredPart(const ShapePart<D>& part) {
   const Real size = (box.hi - box.lo).maxCoeff();
   Vec<D> middle = box.lo / 2 + box.hi / 2;
   if (!(middle.cwiseAbs().maxCoeff() > kFarHull * size)) return part;
-  // Keep the axes along which it is no farther off than its size. Then no difference below is rounded: both numbers are
-  // within a factor of two of each other.
+  // Do not move it along axes where it is no farther off than its size. Then no difference below is rounded: both
+  // numbers are within a factor of two of each other.
   for (Real& x : middle) x = std::abs(x) > size ? x : Real(0);
   std::vector<Vec<D>> points;
   for (const Vec<D>& v : view.hull->vertices) points.push_back(v - middle);

@@ -165,7 +165,7 @@ MassProperties<D> massProperties(const ShapeView<D>& shape, Real density) {
     case CoreClass::plane:  // never moves: its mass is never used
       return {};
   }
-  MassProperties<D> m;  // a thin rod, with inertia across its own axis only; in 2D the only axis is across
+  MassProperties<D> m;  // a thin rod: no inertia about its own axis; in 2D the only axis is perpendicular
   m.mass = density * 2 * shape.half[0];
   m.inertia = m.mass / 3 * pointInertia<D>(shape.half);
   return m;

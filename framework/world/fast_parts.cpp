@@ -8,8 +8,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Let a point at distance r turn by an angle. At the same time, it is at most min(r angle^2 / 8, 2 r) away from the
-// straight path between its end positions.
+// Compare a point at distance r that turns by an angle with one on the straight path between the end positions. At each
+// time the two are at most min(r angle^2 / 8, 2 r) apart.
 template <int D>
 Aabb<D> boxOfWay(const ShapeView<D>& view, const ShapeMotion<D>& motion, Real dt, Real r) {
   const Real angle = motion.motion.w.norm() * dt;

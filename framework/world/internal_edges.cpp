@@ -17,7 +17,7 @@ template <int D>
 struct Correction {
   enum Verdict { stays, changes, goes } verdict = stays;
   Vec<D> normal;
-  Vec<D> at;                       // a point of the plane across the normal that touches the part
+  Vec<D> at;                       // a point of the plane perpendicular to the normal that touches the part
   Vec<D> across = Vec<D>::Zero();  // beyond `at` along this, the neighbour carries the body; zero: no neighbour does
 };
 

@@ -143,7 +143,7 @@ void World<D>::requireStages(const StageSet<D>& stages, const Pipeline& pipeline
                prefix + "continuous=" + pipeline[StageKind::continuous].name);
 }
 
-// Ends contacts of a body, or of some of its shapes, that go. Wakes the other body and informs listeners, which may
+// Ends the contacts of a removed body, or of removed shapes. Wakes the other body and informs listeners, which may
 // still ask for both bodies' user data. `gone` is called for manifolds and records.
 template <int D>
 template <class Gone>
