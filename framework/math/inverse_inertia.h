@@ -21,9 +21,9 @@ Matrix inverseAtItsScale(const Matrix& inertia) {
   return scaled(Matrix(scaled(inertia).inverse()));
 }
 
-/// Inverts an inertia. Empty when the inverse is not representable: the body is too small; or it is a thin needle in a
-/// rotated frame, where the rounding of the other entries exceeds the inertia about its own axis. Precondition: the
-/// trace is > 0.
+/// Inverts an inertia. Empty when the inverse is not representable. Either the body is too small; or it is a thin
+/// needle in a rotated frame, and the rounding of the other entries exceeds the inertia about its own axis.
+/// Precondition: the trace is > 0.
 template <int D>
 std::optional<Inertia<D>> inverseInertia(const Inertia<D>& inertia) {
   const Inertia<D> inverse = inverseAtItsScale(inertia);

@@ -413,9 +413,7 @@ RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D
     forEachEdge(shape,
                 [&](const Vec<D>& a, const Vec<D>& b) { takeNearer(entry, capsuleRay<D>(a, b, shape.radius, p, d)); });
   }
-  if (!(entry.t >= 0 && entry.t <= maxT && entry.t < kInf))
-    return {};  // maxT may be infinite, and a miss is infinite
-                // too
+  if (!(entry.t >= 0 && entry.t <= maxT && entry.t < kInf)) return {};  // a miss is infinite; maxT may be too
   return {entry.t, X_WS.q * entry.normal};
 }
 

@@ -75,7 +75,8 @@ struct RayHit {
 };
 
 /// Finds overlapping pairs of boxes. Reports a pair if and only if the tight closed boxes overlap and
-/// Proxies::mayCollide. a < b, each pair once, in any order; all pairs of the step, not only new ones.
+/// Proxies::mayCollide. Each pair has a < b and is reported once, in any order; all pairs of the step, not only new
+/// ones.
 template <int D>
 class Broadphase : public Stage {
  public:

@@ -99,7 +99,7 @@ struct ConvexPair {
   ShapePair shapes;
   std::int32_t childA = 0, childB = 0;
   ShapeView<D> a, b;
-  /// Poses of the parts in their bodies' centre-of-mass frames, not in the world: far from the origin the difference of
+  /// Poses of the parts in their bodies' centre-of-mass frames, not in the world. Far from the origin the difference of
   /// the two body poses is exact, the sum of pose and offset is not.
   Pose<D> X_CA, X_CB;
 };

@@ -231,9 +231,7 @@ Vec<D> BodyTable<D>::rewrite(std::size_t i, const BodyDef<D>& def, const Weighed
   }
   userForces[i].torque += cross(Vec<D>(X_WC.p - b.pose[i].p), userForces[i].force);
 
-  for (std::size_t k = match.gone.size(); k-- > 0;)
-    freeShape(match.gone[k]);  // from the end of its list, which is
-                               // cheaper
+  for (std::size_t k = match.gone.size(); k-- > 0;) freeShape(match.gone[k]);  // from the end of its list
   for (std::size_t k = 0; k < match.kept.size(); ++k) {
     const std::size_t kept = match.kept[k];
     if (kept == kNew) continue;

@@ -26,7 +26,7 @@ struct ContactInvariants {
   // m, over the contact points, at the poses after the step
   double maxPenetration = kNotTold, meanPenetration = kNotTold;
   // Worst |lambda_n * u_n| over contact points without restitution, J: either the impulse or the closing speed must be
-  // 0. u_n counts the gap still open at detection, since a contact within the margin may close it.
+  // 0. The speed u_n includes the gap at detection over dt, since a contact within the margin may close it.
   double complementarity = kNotTold;
   double coneExcess = kNotTold;  // worst max(0, |lambda_t| - mu lambda_n), N s
 };

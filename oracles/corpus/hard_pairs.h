@@ -41,7 +41,7 @@ std::span<const std::string_view> hardPairFamilies();
 template <int D>
 HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index);
 
-/// The pair as a line of a file of cases, such as tests/regressions/*.json, with the exact bits of the stage's input:
+/// The pair as a line of a file of cases, such as tests/regressions/*.json. It has the exact bits of the stage's input:
 /// X_AB for a pair query, both world poses for a contact generator. Appends `more`, as `, "name": value`.
 template <int D>
 std::string caseText(const std::string& id, StageKind stage, const HardPair<D>& pair, const std::string& more);

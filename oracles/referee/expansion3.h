@@ -30,8 +30,8 @@ void startPolytope(const Simplex<N, 3>& s, InnerPolytope<N, 3>& p) {
 }
 
 /// Replaces every facet that is strictly visible from the new vertex by the cone over their horizon. A facet stays when
-/// its plane contains the vertex, so no new facet is flat: a vertex on the line of a horizon edge would be in the plane
-/// of the visible facet behind that edge. Returns false when rounding has torn the surface.
+/// its plane contains the vertex, so no new facet is flat. Otherwise the vertex would be on the line of a horizon edge,
+/// and so in the plane of the visible facet behind that edge. Returns false when rounding has torn the surface.
 template <class N>
 bool grow(InnerPolytope<N, 3>& p, const typename Difference<N, 3>::Vertex& w, int) {
   std::vector<std::pair<int, int>> edges;

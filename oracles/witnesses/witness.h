@@ -19,8 +19,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 enum class Ending : std::uint8_t { answered, notFinite, threw, crashed, hung };
 std::string_view endingName(Ending ending);
 
-/// Error bound of a witness, in |phi - phi_ref| / s with s as in `errorScale`: 99 of 100 answers with a value stay
-/// within `bar`, for random pairs of these kinds (a <= b) at 1 m, in double precision.
+/// Error bound of a witness, in |phi - phi_ref| / s with s as in `errorScale`. Of the answers with a value, 99 of 100
+/// stay within `bar`, for random pairs of these kinds (a <= b) at 1 m, in double precision.
 /// tests/properties/witness_test.cpp checks it from both sides. On the named families of hard pairs witnesses do worse.
 struct ErrorBar {
   ShapeKind a, b;

@@ -12,8 +12,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Frame in which the library gets a pair: A's own frame, with A at the origin; or a world in which both are rotated
-/// and about two sizes from the origin, as in an engine. Some libraries (FCL) are right in one and wrong in the other.
+/// Frame in which the library gets a pair. `own`: A's own frame, with A at the origin. `world`: both are rotated and
+/// about two sizes from the origin, as in an engine. Some libraries (FCL) are right in one and wrong in the other.
 enum class PairFrame { own, world };
 struct PairFrameParams {
   PairFrame frame = PairFrame::own;
