@@ -15,7 +15,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kContactPixels = 6, kAnchorPixels = 5, kCentrePixels = 4;
-// Of a joint: smaller errors are not seen, and words of them would cover the rest.
+// Joint errors below these are invisible, and their labels would cover the rest.
 constexpr double kSeenGap = kLinearSlop, kSeenTurn = 0.01;  // m, rad
 
 constexpr std::array<DrawColour, 6> kTurns = {
@@ -26,7 +26,7 @@ Look lookOf(const DrawColour& colour, bool awake) {
   return {fill, fill * 0.55};
 }
 
-// Steps of the golden section round the circle of hues: however many there are, each is far from those before.
+// Steps of the golden section around the hue circle: however many colours there are, each is far from the last ones.
 DrawColour islandColour(std::size_t number) {
   const double hue = std::fmod(0.6180339887498949 * static_cast<double>(number), 1) * 6;
   const auto part = [&](double turn) {
@@ -113,7 +113,7 @@ class SimulationDrawing {
     return out;
   }
 
-  // By the lowest slot of each, so that others keep their colour when one comes or goes.
+  // By the lowest slot of each island, so that other islands keep their colour when one appears or vanishes.
   void colourIslands(std::vector<Look>& looks) const {
     ContactGraph<D> graph;
     WorkDone work;
@@ -136,7 +136,7 @@ class SimulationDrawing {
   void boxes(const Proxies<D>& proxies) {
     for (ProxyId i = 0; i < proxies.size(); ++i) {
       const Aabb<D> box = proxies.box(i);
-      if (!(box.lo[0] <= box.hi[0])) continue;  // free, or without a box
+      if (!(box.lo[0] <= box.hi[0])) continue;  // free slot, or no box
       const auto corner = [&](int sides) {
         Vec<D> p;
         for (int d = 0; d < D; ++d) p[d] = sides >> d & 1 ? box.hi[d] : box.lo[d];
@@ -150,7 +150,7 @@ class SimulationDrawing {
     }
   }
 
-  // A plane has no box: where it is nearest to the other's.
+  // A plane has no box: use its point nearest to the other box.
   void pairs(const World<D>& world) {
     const Proxies<D>& proxies = world.proxies();
     const auto end = [&](ProxyId shape, ProxyId other) -> Vec<D> {
@@ -188,7 +188,7 @@ class SimulationDrawing {
   void contact(const Manifold<D>& m, const ContactPoint<D>& c) {
     const Vec<D> onA = poseOf(m_bodies, m.bodyA) * c.localA, onB = poseOf(m_bodies, m.bodyB) * c.localB;
     const Vec<D> p = onA + (onB - onA) / 2;
-    // A veto leaves the impulses of before.
+    // after a veto the impulses are old
     const bool bears = c.load > 0 && !m.ignored;
     if (m_layers.normals) line(p, p + m_layers.normalLength * m.normal, kDrawnNormal);
     if (m_layers.impulses && bears) line(p, p + m_layers.impulseLength * c.load * m.normal, kDrawnImpulse);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What of a simulation is drawn. It is read as the last step left it and asked nothing that would bring it up to date,
-// so that no step knows whether it was drawn.
+// Draws a simulation as the last step left it. Calls nothing that would update it, so that drawing does not affect any
+// step.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-// Colours that mean something, for legends.
-inline constexpr DrawColour kDrawnFixed{205, 205, 200};  // a body that never moves
-inline constexpr DrawColour kDrawnBearing{214, 39, 40};  // a contact that bore something in the last step
-inline constexpr DrawColour kDrawnIdle{90, 110, 140};    // one that bore nothing
+// Colours with a meaning, for legends.
+inline constexpr DrawColour kDrawnFixed{205, 205, 200};  // a static body
+inline constexpr DrawColour kDrawnBearing{214, 39, 40};  // a contact with an impulse in the last step
+inline constexpr DrawColour kDrawnIdle{90, 110, 140};    // a contact without an impulse
 inline constexpr DrawColour kDrawnNormal{44, 110, 44};
 inline constexpr DrawColour kDrawnImpulse{214, 39, 40};
 inline constexpr DrawColour kDrawnFriction{230, 120, 20};
@@ -36,7 +36,8 @@ struct DrawLayers {
   Real normalLength = Real(0.25);  // m
   Real impulseLength = 1;          // m per N s
   Real velocityTime = Real(0.1);   // s
-  /// All in this colour, and of shapes the edges alone: for one simulation over another on the same scene.
+  /// Draws everything in this colour, and only the edges of shapes: to overlay one simulation on another of the same
+  /// scene.
   std::optional<DrawColour> tint = {};
 
   void visit(ParamVisitor& v) {
@@ -46,7 +47,7 @@ struct DrawLayers {
   }
 };
 
-/// For menus: all that a `DrawLayers` switches.
+/// All switches of a `DrawLayers`, for menus.
 struct DrawLayer {
   std::string_view name, meaning;
   bool DrawLayers::*on;
@@ -68,17 +69,17 @@ inline constexpr std::array<DrawLayer, 14> kDrawLayers = {{
     {"velocities", "velocities of the centres of mass", &DrawLayers::velocities},
 }};
 
-/// Of a body by itself: bodies take turns, so that neighbours are told apart.
+/// Look of a body: colours alternate, so that neighbours differ.
 Look bodyLook(std::size_t slot, BodyType type, bool awake);
 
-/// A body that was lost to NaN or infinity has no place in a picture.
+/// False for a pose that is not finite: the body cannot be drawn.
 template <int D>
 bool isPlace(const Pose<D>& X_WC) {
   return X_WC.p.allFinite() && (X_WC.q * Vec<D>(Vec<D>::UnitX())).allFinite();
 }
 
-/// What a simulation does not tell is not drawn: contacts and islands of an engine, boxes, structure and pairs
-/// of what is no `World`.
+/// Data that a simulation does not report is not drawn: contacts and islands of an engine; boxes, structure and pairs
+/// of anything but a `World`.
 template <int D>
 void drawSimulation(const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw);
 

@@ -6,14 +6,14 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// From the root on, and again; neighbours are far apart.
+// Colours by level from the root, repeating; adjacent levels differ clearly.
 constexpr std::array<DrawColour, 6> kLevelColours = {{{0, 114, 178, 255},
                                                       {230, 159, 0, 255},
                                                       {0, 158, 115, 255},
                                                       {204, 121, 167, 255},
                                                       {86, 180, 233, 255},
                                                       {213, 94, 0, 255}}};
-constexpr unsigned char kEmptyAlpha = 90;  // alpha
+constexpr unsigned char kEmptyAlpha = 90;  // alpha of empty cells
 
 template <int D>
 Aabb<D> withEnds(const Aabb<D>& box, const Aabb<D>& all) {
@@ -49,7 +49,7 @@ void drawStructure(const World<D>& world, DebugDraw<D>& draw, const std::optiona
   for (ProxyId i = 0; i < world.proxies().size(); ++i) all = all.merged(world.proxies().box(i));
   for (const StructureBox<D>& part : told) {
     const Aabb<D> box = withEnds(part.box, all);
-    if (!box.lo.allFinite() || !box.hi.allFinite()) continue;  // nobody is there
+    if (!box.lo.allFinite() || !box.hi.allFinite()) continue;  // there are no boxes
     DrawColour colour = kLevelColours[static_cast<std::size_t>(part.level) % kLevelColours.size()];
     if (!part.holds) colour.alpha = kEmptyAlpha;
     drawPart(box, tint.value_or(colour), draw);

@@ -8,8 +8,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The edges of what the world's broadphase divides by, as of the last step or query: a colour for each level, pale
-/// where no box of a shape stands, or all in one. What has no end is drawn as far as there are boxes.
+/// Draws the edges of the broadphase's structure, as of the last step or query: one colour per level, pale for cells
+/// without a shape's box, or all in `tint`. An unbounded cell is drawn up to the farthest box.
 template <int D>
 void drawStructure(const World<D>& world, DebugDraw<D>& draw, const std::optional<DrawColour>& tint = {});
 

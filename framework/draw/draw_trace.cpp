@@ -17,13 +17,13 @@ constexpr double kSmall = 3, kDot = 6, kBig = 9;  // pixels
 bool bounded(const PairView<2>& pair) { return pair.a.core() != CoreClass::plane && pair.b.core() != CoreClass::plane; }
 bool bounded(const PairView<3>& pair) { return pair.a.core() != CoreClass::plane && pair.b.core() != CoreClass::plane; }
 
-// The point of the difference that lies least far along n.
+// The point of the difference with the least n . w.
 template <int D>
 Vec<D> differenceAlong(const PairView<D>& pair, const Vec<D>& n) {
   return pair.X_AB * coreSupport(pair.b, Vec<D>(pair.X_AB.q.inverse() * Vec<D>(-n))) - coreSupport(pair.a, n);
 }
 
-// Points of the difference all around; in 2D in turn.
+// Points of the difference in all directions; in 2D in order.
 std::vector<Vec<2>> around(const PairView<2>& pair) {
   constexpr int kDirections = 96;
   std::vector<Vec<2>> out;
@@ -34,7 +34,7 @@ std::vector<Vec<2>> around(const PairView<2>& pair) {
   return out;
 }
 std::vector<Vec<3>> around(const PairView<3>& pair) {
-  constexpr int kHalf = 3;  // directions through the points of a grid on a cube's surface
+  constexpr int kHalf = 3;  // directions through a grid of points on a cube's surface
   std::vector<Vec<3>> out;
   for (int x = -kHalf; bounded(pair) && x <= kHalf; ++x) {
     for (int y = -kHalf; y <= kHalf; ++y) {
@@ -52,7 +52,7 @@ void drawAll(const std::vector<Vec<D>>& points, double pixels, const DrawColour&
   for (const Vec<D>& p : points) draw.point(p, pixels, colour);
 }
 
-// A line between every two, as a simplex has.
+// A line between every two points, as in a simplex.
 template <int D>
 void drawEdges(const std::vector<Vec<D>>& points, const DrawColour& colour, DebugDraw<D>& draw) {
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -60,7 +60,7 @@ void drawEdges(const std::vector<Vec<D>>& points, const DrawColour& colour, Debu
   }
 }
 
-// A rim in the order in which it goes around n.
+// A rim, ordered around n.
 template <int D>
 void drawRim(std::vector<Vec<D>> points, const Vec<D>& n, const DrawColour& colour, DebugDraw<D>& draw) {
   drawAll(points, kDot, colour, draw);
@@ -79,7 +79,8 @@ void drawRim(std::vector<Vec<D>> points, const Vec<D>& n, const DrawColour& colo
   }
 }
 
-// The points of the cores whose difference is the simplex's nearest point. False where a corner is nobody's support.
+// The points of the cores that differ by the simplex's nearest point. False when a corner is not a recorded support
+// point.
 template <int D>
 bool nearestOnShapes(const std::vector<Vec<D>>& onA, const std::vector<Vec<D>>& onB, const Vec<D>& nearest, Vec<D>& a,
                      Vec<D>& b) {
@@ -153,7 +154,7 @@ void drawTraceOnShapes(const PairTrace<D>& trace, std::size_t number, const Pose
     for (Vec<D>& p : points) p = X_WA * p;
     return points;
   };
-  // A corner of the simplex is the support of an earlier step.
+  // A corner of the simplex is the support point of an earlier step.
   std::vector<Vec<D>> onA, onB;
   for (const Vec<D>& w : step.corners) {
     for (std::size_t i = 0; i < number; ++i) {

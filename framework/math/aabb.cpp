@@ -5,7 +5,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-// The bounds are compared before they are subtracted, so that t = 0 says the same as Aabb::overlaps.
+// Bounds are compared before they are subtracted, so that t = 0 agrees with Aabb::overlaps.
 template <int D>
 Real castBox(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target) {
   Real enter = 0, leave = maxT;
@@ -15,7 +15,7 @@ Real castBox(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aa
     if (before || behind) {
       const Real gap = before ? target.lo[k] - box.hi[k] : target.hi[k] - box.lo[k];
       const Real t = gap / d;
-      if (!(t >= 0)) return -1;  // moves away, or d = 0: then t is an infinity of either sign
+      if (!(t >= 0)) return -1;  // moves away; or d = 0, when t is an infinity of either sign
       if (t > enter) enter = t;
     }
     if (d > 0) leave = std::min(leave, (target.hi[k] - box.lo[k]) / d);

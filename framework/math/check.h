@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Two kinds of mistake: the programmer's stops the program where it happens, the user's is one clear line at the
-// boundary. Numerical outcomes are neither: they are statuses in the answers.
+// Two kinds of mistake. A programming error stops the program where it happens. A user's error becomes one clear line
+// at the boundary. Numerical outcomes are neither: they are statuses in the answers.
 #pragma once
 
 #include <cstdio>
@@ -10,7 +10,7 @@
 
 namespace lpc {
 
-/// What a user got wrong: what was found, where, and what would be valid. The `lpc` program prints it and exits with 2.
+/// An error of the user: what was found, where, and what is valid. The `lpc` program prints it and exits with 2.
 struct UserError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// Arithmetic of small matrices, done at once. Eigen answers each sum and product with an expression of a type of its
-// own, and expressions of expressions are types that each file has to compile anew: a sixth to a fifth of the time of
-// compiling a kernel. These win over Eigen's operators between plain matrices of fixed sizes, inside namespace lpc,
-// where no nearer namespace has operators of its own, and evaluate what Eigen's say.
+// Eager arithmetic of small matrices. In Eigen each sum and product returns an expression with a type of its own. Each
+// file compiles these nested expressions again, which takes a sixth to a fifth of a kernel's compile time. These
+// operators are preferred to Eigen's for plain matrices of fixed sizes, inside namespace lpc, where no nearer namespace
+// has operators. They compute the same values as Eigen's.
 //
-// A scalar factor stays where it is written; Eigen takes s * (A * B) for (s * A) * B.
+// A scalar factor is applied where it is written; Eigen computes s * (A * B) as (s * A) * B.
 #pragma once
 
 #include <Eigen/Core>
@@ -51,7 +51,7 @@ M operator/(const M& a, S s) {
   return a.operator/(static_cast<typename M::Scalar>(s));
 }
 
-/// A plain R x C matrix of A's numbers, aligned or not as A is.
+/// A plain R x C matrix with A's scalar type, aligned or not as A is.
 template <class A, int R, int C>
 using ProductOf = Eigen::Matrix<typename A::Scalar, R, C,
                                 (int{A::Options} & int{Eigen::DontAlign}) |

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Containers of the standard library whose brackets take the project's own indices: slots, counts and dimensions are
-// signed. Everything else of them is as it was, and each converts to its base.
+// Containers of the standard library with operator[] for the project's own indices: slots, counts and dimensions are
+// signed. Everything else is unchanged, and each converts to its base.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace lpc {
 template <class T>
 concept AnyIndex = std::integral<T> || std::is_enum_v<T>;
 
-/// i as the index of an element of a container of this size, which is asserted.
+/// Converts i to std::size_t; asserts that it is below `size`.
 template <AnyIndex I>
 constexpr std::size_t indexOf(I i, [[maybe_unused]] std::size_t size) {
   LPC_ASSERT(static_cast<std::size_t>(i) < size);
@@ -30,7 +30,7 @@ struct IndexedVector : std::vector<T> {
   using std::vector<T>::vector;
   IndexedVector() = default;
   IndexedVector(std::vector<T> from) : std::vector<T>(std::move(from)) {}
-  /// Keeps its memory, as an assignment of vectors does.
+  /// Keeps its memory, as std::vector's assignment does.
   template <std::same_as<std::vector<T>> V>
   IndexedVector& operator=(const V& from) {
     std::vector<T>::operator=(from);
@@ -50,7 +50,7 @@ struct IndexedVector : std::vector<T> {
   const T& operator[](I i) const {
     return this->data()[indexOf(i, this->size())];
   }
-  /// `count` elements from `first` on.
+  /// `count` elements, starting at `first`.
   template <AnyIndex I>
   std::span<T> part(I first, I count) {
     return std::span<T>(*this).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));
@@ -71,7 +71,7 @@ struct IndexedSpan : std::span<T> {
   constexpr T& operator[](I i) const {
     return this->data()[indexOf(i, this->size())];
   }
-  /// `count` elements from `first` on.
+  /// `count` elements, starting at `first`.
   template <AnyIndex I>
   constexpr std::span<T> part(I first, I count) const {
     return this->subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));

@@ -9,8 +9,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Scaled by a power of two, so that the determinant of the inertia of what is a millimetre or a kilometre long is a
-/// float, too. Of what is no number neither is the inverse. Precondition: the trace is not below or at 0.
+/// Inverts an inertia, scaled by a power of two, so that the determinant stays a float for bodies of a millimetre or a
+/// kilometre. NaN gives NaN. Precondition: the trace is not <= 0.
 template <class Matrix>
 Matrix inverseAtItsScale(const Matrix& inertia) {
   const auto trace = inertia.trace();
@@ -21,8 +21,9 @@ Matrix inverseAtItsScale(const Matrix& inertia) {
   return scaled(Matrix(scaled(inertia).inverse()));
 }
 
-/// None where numbers hold none: of what is too small, or a needle so thin that its inertia about itself is less than
-/// the rounding of the others, in a frame that is not its own. Precondition: the trace is above 0.
+/// Inverts an inertia. Empty when the inverse is not representable. Either the body is too small; or it is a thin
+/// needle in a rotated frame, and the rounding of the other entries exceeds the inertia about its own axis.
+/// Precondition: the trace is > 0.
 template <int D>
 std::optional<Inertia<D>> inverseInertia(const Inertia<D>& inertia) {
   const Inertia<D> inverse = inverseAtItsScale(inertia);

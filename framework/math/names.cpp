@@ -8,9 +8,9 @@
 namespace lpc {
 namespace {
 
-constexpr std::size_t kLongestQuote = 400, kLongestMessage = 1500;  // bytes; a whole pipeline has some 350
+constexpr std::size_t kLongestQuote = 400, kLongestMessage = 1500;  // bytes; a whole pipeline has about 350
 
-// As people mix them up: neither case nor the sort of separator counts.
+// Normalises a name: case and kind of separator do not count.
 std::string plain(std::string_view name) {
   std::string out;
   for (const char c : name) {
@@ -19,7 +19,7 @@ std::string plain(std::string_view name) {
   return out;
 }
 
-// Letters to put in, leave out, change or swap with their neighbour, until a is b (optimal string alignment).
+// Edit distance of a and b: letters to insert, delete, change or swap with a neighbour (optimal string alignment).
 std::size_t slips(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
@@ -34,14 +34,14 @@ std::size_t slips(const std::string& a, const std::string& b) {
   return last[b.size()];
 }
 
-// Bytes of the character at the front that is to be shown as it is; 0: there is none.
+// Number of bytes of a printable character at the front; 0: it is not printable.
 std::size_t shown(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const auto follows = [&](std::size_t i) { return (byte(i) & 0xc0u) == 0x80u; };
   const unsigned first = byte(0), second = byte(1);
   if (first < 0x80) return first >= 0x20 && first != 0x7f;
   if (first < 0xc2 || first > 0xf4 || !follows(1)) return 0;
-  if (first < 0xe0) return first == 0xc2 && second < 0xa0 ? 0 : 2;  // below: control characters, too
+  if (first < 0xe0) return first == 0xc2 && second < 0xa0 ? 0 : 2;  // C2 80 to C2 9F are control characters
   if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) || !follows(2)) return 0;
   if (first == 0xe2 && second == 0x80 && (byte(2) == 0xa8 || byte(2) == 0xa9)) return 0;  // line separators
   if (first < 0xf0) return 3;
@@ -50,7 +50,7 @@ std::size_t shown(std::string_view text) {
 
 std::string cutTo(std::size_t most, const std::string& text) {
   if (text.size() <= most) return text;
-  const std::size_t kept = most - 40;  // the rest is for what is said between: cut once is cut for good
+  const std::size_t kept = most - 40;  // the rest is for the text between, so that a cut text is not cut again
   std::size_t head = kept * 2 / 3, tail = text.size() - kept / 3;
   const auto within = [&](std::size_t i) { return (static_cast<unsigned char>(text[i]) & 0xc0u) == 0x80u; };
   while (within(head)) --head;
@@ -67,12 +67,12 @@ std::string joined(const std::vector<std::string>& names) {
 }
 
 std::string meantName(const std::vector<std::string>& names, std::string_view given) {
-  if (given.size() > 100) return "";  // nobody's slip, and the table below has its square
+  if (given.size() > 100) return "";  // not a typing error; and the table below would be quadratic in size
   const std::string asked = plain(given);
   std::string best, holding;
-  std::size_t fewest = std::max<std::size_t>(1, asked.size() / 3) + 1;  // of so many, that is another word
+  std::size_t fewest = std::max<std::size_t>(1, asked.size() / 3) + 1;  // more changes than this make another word
   for (const std::string& name : names) {
-    if (name == given) return "";  // it is right: something else is wrong
+    if (name == given) return "";  // the name is right; the error is elsewhere
     const std::string known = plain(name);
     const std::size_t more = known.size() > asked.size() ? known.size() - asked.size() : 0;
     const std::size_t n = more < fewest ? slips(asked, known) : more;
@@ -102,7 +102,7 @@ std::string oneLine(std::string_view message) {
     out += message[0] == '\n' ? "\\n" : message[0] == '\t' ? "\\t" : code;
     message.remove_prefix(1);
   }
-  // Each quote by itself, so that what stands between two is told, and then all of it.
+  // First shorten each quote alone, so that the text between two quotes stays, then the whole.
   std::string cut;
   std::size_t begin = 0;
   for (std::size_t quote = out.find('\''); quote != out.npos; quote = out.find('\'', begin)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Names in messages: what is valid, and what a wrong one was likely meant to be.
+// Names in messages: the valid names, and which one a wrong name probably meant.
 #pragma once
 
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace lpc {
 
-/// "a, b, c".
+/// Joins names as "a, b, c".
 std::string joined(const std::vector<std::string>& names);
 
-/// The first of `names` that is a slip of the pen away from `given`: a few letters other, missing or swapped, or
-/// `given` a part of it. Empty when none is.
+/// The first of `names` that `given` probably meant: a few letters differ, are missing or are swapped, or `given` is
+/// part of it. Empty when there is none.
 std::string meantName(const std::vector<std::string>& names, std::string_view given);
 
-/// What ends a message about the unknown name `given`: "; valid: a, b, c", or "; did you mean 'b'? valid: a, b, c".
+/// The end of a message about the unknown name `given`: "; valid: a, b, c", or "; did you mean 'b'? valid: a, b, c".
 std::string validNames(const std::vector<std::string>& names, std::string_view given);
 
-/// A message as one line that a terminal, a table and JSON can take, whatever it quotes: control characters and bytes
-/// that are no UTF-8 are written out (`\n`, `\x1b`), and what is too long for a reader is cut in its middle.
+/// Makes a message one line that a terminal, a table and JSON accept. Escapes control characters and invalid UTF-8
+/// (`\n`, `\x1b`), and cuts long text in the middle.
 std::string oneLine(std::string_view message);
 
 }  // namespace lpc

@@ -3,8 +3,8 @@
 
 namespace lpc {
 
-/// How deep what a user writes may be nested: specs in specs, lists in lists, parentheses in parentheses. Nobody needs
-/// ten; readers call themselves for each level, and 30,000 are the end of a stack.
+/// Largest nesting depth of user input: specs in specs, lists in lists, parentheses in parentheses. Ten are enough in
+/// practice. Readers recurse at each level, and 30,000 levels overflow a stack.
 inline constexpr int kMostNested = 64;
 
 }  // namespace lpc

@@ -5,8 +5,8 @@
 
 namespace lpc {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): small, seedable, the same numbers everywhere, which std::*_distribution is
-/// not.
+/// SplitMix64 (Steele, Lea, Flood 2014): small, seedable, and the same numbers on every platform, unlike
+/// std::*_distribution.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : m_state(seed) {}

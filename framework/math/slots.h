@@ -10,8 +10,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Gives out the slots of a table, the lowest free one first: the same calls give the same slots, and a table stays as
-/// short as it can. Free slots are a heap; `visits` is raised by the number of them that were looked at.
+/// Assigns the slots of a table, the lowest free slot first: the same calls give the same slots, and the table stays as
+/// short as possible. Free slots are a heap; `visits` counts the heap elements visited.
 class SlotTable {
   struct Higher {
     std::uint64_t& visits;
@@ -19,7 +19,7 @@ class SlotTable {
   };
 
  public:
-  /// The lowest free slot; size() grows by one when there is none.
+  /// Returns the lowest free slot; size() grows by one when there is none.
   std::size_t take(std::uint64_t& visits) {
     ++visits;
     if (m_free.empty()) return m_size++;
@@ -34,13 +34,13 @@ class SlotTable {
   }
   std::size_t size() const { return m_size; }
   int inUse() const { return static_cast<int>(m_size - m_free.size()); }
-  /// For a table that was read from elsewhere.
+  /// For a table that was loaded.
   template <class Table, class IsFree>
   void read(const Table& table, const IsFree& isFree) {
     m_size = table.size();
     m_free.clear();
     for (std::size_t i = 0; i < m_size; ++i) {
-      if (isFree(table[i])) m_free.push_back(i);  // in ascending order, which is a heap
+      if (isFree(table[i])) m_free.push_back(i);  // ascending order is a valid heap
     }
   }
 
@@ -49,8 +49,8 @@ class SlotTable {
   std::size_t m_size = 0;
 };
 
-/// Whose the slots of a table are: of each owner his own, in ascending order, whatever the order in which they came.
-/// `visits` is raised by the number of slots that were handed out, taken or moved: of those that came last none are.
+/// Slots owned by each body, ascending, whatever the order of insertion. `visits` counts the slots that are returned,
+/// inserted or moved; appending the last slot counts none.
 class SlotLists {
  public:
   std::span<const std::int32_t> of(std::size_t owner) const {
@@ -67,7 +67,7 @@ class SlotLists {
     visits += static_cast<std::uint64_t>(list.end() - after);
     list.insert(after, static_cast<std::int32_t>(slot));
   }
-  /// Precondition: it is his.
+  /// Precondition: `owner` has the slot.
   void remove(std::size_t owner, std::size_t slot, std::uint64_t& visits) {
     std::vector<std::int32_t>& list = m_lists[owner];
     const auto at = std::lower_bound(list.begin(), list.end(), static_cast<std::int32_t>(slot));

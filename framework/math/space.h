@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Everything in the project that differs by dimension and nothing else.
+// Everything in the project that differs only by dimension.
 //
 // In 2D an angular quantity (angular velocity, torque, rotation vector) is one number, in 3D a vector of three. Both
 // are `Ang<D>`, a column of D(D-1)/2 components, so that one line of solver code serves both dimensions:
@@ -7,7 +7,7 @@
 //        2D: Ang<2> = (w)             w turns x towards y         y |  ) w
 //        3D: Ang<3> = (wx, wy, wz)    the usual vector            __|_____ x
 //
-// Frames are named by monogram: X_AB is the pose of B in A, p_AB = X_AB * p_B maps a point of B into A.
+// Frames use monogram notation: X_AB is the pose of B in A, p_AB = X_AB * p_B maps a point from B to A.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 using Real = LPC_REAL;  // double (f64) or float (f32), fixed when the library is built
 
-// DontAlign: the same layout whatever -m flags a user compiles with, and plain bytes for saving.
+// DontAlign: the same layout for all -m flags of user code, and plain bytes for saving.
 template <int Rows, int Cols>
 using RealMatrix = Eigen::Matrix<Real, Rows, Cols, Eigen::DontAlign>;
 
@@ -39,19 +39,19 @@ using Mat = RealMatrix<D, D>;
 template <int D>
 using Inertia = RealMatrix<kAngDim<D>, kAngDim<D>>;
 
-/// Sine and cosine of `x` radians, from +, -, * only: libm picks another code path, and other last bits, on another
-/// CPU. Error below 1e-15 for |x| < 1e5.
+/// Sine and cosine of `x` radians, computed with +, -, * only: libm takes another code path, with other last bits, on
+/// another CPU. Error below 1e-15 for |x| < 1e5.
 inline void sinCos(double x, double& s, double& c) {
-  const double k = std::floor(x * 0.63661977236758134308 + 0.5);  // quarter turns
+  const double k = std::floor(x * 0.63661977236758134308 + 0.5);  // number of quarter turns
   const double r = ((x - k * 1.57079632673412561417) - k * 6.07710050630396597660e-11) - k * 2.02226624879595063154e-21;
   const double r2 = r * r;
   double sr = 1, cr = 1;
-  for (int n = 16; n >= 2; n -= 2) {  // Taylor by Horner: |r| <= pi/4, so r^17/17! is below one rounding
+  for (int n = 16; n >= 2; n -= 2) {  // Taylor by Horner: |r| <= pi/4, so r^17/17! is less than one rounding error
     sr = 1 - sr * r2 / (n * (n + 1));
     cr = 1 - cr * r2 / (n * (n - 1));
   }
   sr *= r;
-  // Whole turns are all that a k too large for an integer is.
+  // A k too large for an integer counts as whole turns.
   switch (std::abs(k) < 1e18 ? static_cast<long long>(k) & 3 : 0) {
     case 0:
       s = sr, c = cr;
@@ -68,25 +68,25 @@ inline void sinCos(double x, double& s, double& c) {
   }
 }
 
-/// The angle (rad, -pi to pi) whose sine and cosine are s / n and c / n, with n = |(s, c)|: atan2 without libm. Error
-/// below 1e-15. 0 for a vector of zeros.
+/// atan2 without libm: the angle (rad, -pi to pi) with sine s / n and cosine c / n, where n = |(s, c)|. Error below
+/// 1e-15. Returns 0 for a zero vector.
 inline double angleOf(double s, double c) {
   const double x = std::abs(c), y = std::abs(s);
   if (!(x > 0) && !(y > 0)) return s + c;  // 0, or NaN
-  // The first octant; of its upper half the angle from the diagonal, so that |t| <= tan(pi/8).
+  // Reduce to the first octant; in its upper half measure from the diagonal, so that |t| <= tan(pi/8).
   double near = 0, t = y <= x ? y / x : x / y;
   if (t > 0.41421356237309503) near = 0.78539816339744830962, t = (t - 1) / (t + 1);
   const double t2 = t * t;
   double sum = 0;
-  for (int n = 43; n >= 1; n -= 2) sum = 1.0 / n - t2 * sum;  // the arc tangent's series: t^45 / 45 < 1e-18
+  for (int n = 43; n >= 1; n -= 2) sum = 1.0 / n - t2 * sum;  // arctangent series: t^45 / 45 < 1e-18
   double angle = near + t * sum;
   if (y > x) angle = 1.57079632679489661923 - angle;
   if (c < 0) angle = 3.14159265358979323846 - angle;
   return s < 0 ? -angle : angle;
 }
 
-/// With an arm a = r and a force b = f: the torque r x f, an Ang<D>. With an angular velocity a = w and an arm b = r:
-/// the velocity w x r of the point at r, a Vec<D>.
+/// Cross product. For an arm a = r and a force b = f: the torque r x f, an Ang<D>. For an angular velocity a = w and an
+/// arm b = r: the velocity w x r of the point at r, a Vec<D>.
 template <class A, class B>
 auto cross(const Eigen::MatrixBase<A>& left, const Eigen::MatrixBase<B>& right) {
   const typename A::PlainObject a = left;
@@ -112,7 +112,7 @@ struct Rot<2> {
     sinCos(radians, s, c);
     return {static_cast<Real>(c), static_cast<Real>(s)};
   }
-  Real radians() const { return std::atan2(s, c); }  // for people, never inside a step
+  Real radians() const { return std::atan2(s, c); }  // for output only, never inside a step
   Vec<2> operator*(const Vec<2>& v) const { return {c * v[0] - s * v[1], s * v[0] + c * v[1]}; }
   Rot operator*(const Rot& q) const { return {c * q.c - s * q.s, s * q.c + c * q.s}; }
   Rot inverse() const { return {c, -s}; }
@@ -131,7 +131,7 @@ template <>
 struct Rot<3> {
   Real w = 1, x = 0, y = 0, z = 0;  // unit quaternion
 
-  /// Turn by |v| radians about v.
+  /// Rotation by |v| radians about v.
   static Rot vector(const Vec<3>& v) {
     const double n = std::sqrt(double(v[0]) * v[0] + double(v[1]) * v[1] + double(v[2]) * v[2]);
     double s = 0, c = 1;
@@ -163,7 +163,7 @@ struct Rot<3> {
   }
 };
 
-/// X_AB: position of B's origin in A (m) and rotation of B against A.
+/// X_AB: position of B's origin in A (m) and rotation of B relative to A.
 template <int D>
 struct Pose {
   Vec<D> p = Vec<D>::Zero();
@@ -180,20 +180,20 @@ struct Motion {
   Ang<D> w = Ang<D>::Zero();  // rad/s, world frame
 };
 
-/// X_AB. Positions are subtracted first: far from the origin X_WA.inverse() * X_WB would lose digits.
+/// Returns X_AB. Positions are subtracted first: far from the origin X_WA.inverse() * X_WB would lose digits.
 template <int D>
 Pose<D> poseBetween(const Pose<D>& X_WA, const Pose<D>& X_WB) {
   const Rot<D> back = X_WA.q.inverse();
   return {back * (X_WB.p - X_WA.p).eval(), back * X_WB.q};
 }
 
-/// The rotation after a turn by `turn` (rad, world frame). Exact for a constant angular velocity.
+/// The rotation after a further rotation by `turn` (rad, world frame). Exact for a constant angular velocity.
 inline Rot<2> integrateRotation(const Rot<2>& q, const Ang<2>& turn) {
   return (Rot<2>::angle(turn[0]) * q).normalized();
 }
 inline Rot<3> integrateRotation(const Rot<3>& q, const Ang<3>& turn) { return (Rot<3>::vector(turn) * q).normalized(); }
 
-/// The other way round: the shortest turn (rad, world frame) that makes `q` from no rotation.
+/// The inverse: the shortest rotation vector (rad, world frame) of `q`.
 inline Ang<2> turnOf(const Rot<2>& q) { return Ang<2>(static_cast<Real>(angleOf(q.s, q.c))); }
 inline Ang<3> turnOf(const Rot<3>& q) {
   const double w = q.w, n = std::sqrt(double(q.x) * q.x + double(q.y) * q.y + double(q.z) * q.z);
@@ -201,11 +201,12 @@ inline Ang<3> turnOf(const Rot<3>& q) {
   return static_cast<Real>(n > 0 ? angle / n : 0) * q.imag();
 }
 
-/// Inertia of the body frame (or its inverse) turned into the world: R I R^T. In 2D it is a scalar and does not turn.
+/// Rotates an inertia of the body frame (or its inverse) to the world: R I R^T. In 2D it is a scalar and does not
+/// change.
 inline Inertia<2> rotateInertia(const Rot<2>&, const Inertia<2>& inertia) { return inertia; }
 Inertia<3> rotateInertia(const Rot<3>& q, const Inertia<3>& inertia);  // mass.cpp
 
-/// Unit vectors that complete `n` to a right-handed basis: one column in 2D, two in 3D. A function of `n` alone.
+/// Unit vectors that complete `n` to a right-handed basis: one column in 2D, two in 3D. Depends on `n` only.
 inline RealMatrix<2, 1> tangents(const Vec<2>& n) { return {-n[1], n[0]}; }
 inline RealMatrix<3, 2> tangents(const Vec<3>& n) {
   // The branch keeps the divisor away from zero; Duff et al. 2017, "Building an Orthonormal Basis, Revisited".

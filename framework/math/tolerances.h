@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: Zlib
-// The few tolerances that belong to the world and not to one algorithm. All grow from one root length.
+// The few tolerances that belong to the world, not to one algorithm. All are multiples of one length.
 #pragma once
 
 #include "framework/math/space.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Depth that contacts keep on purpose, so that resting contacts do not come and go (m). Larger: visible sinking.
-/// Smaller: flicker, lost warm starts. The 2009 engine's penetrationEpsilon.
+/// Penetration depth that contacts keep on purpose, so that resting contacts do not come and go (m). Larger: visible
+/// sinking. Smaller: flicker, lost warm starts. The 2009 engine's penetrationEpsilon.
 inline constexpr Real kLinearSlop = Real(0.005);
 
-/// Shapes nearer than this get contacts before they touch (m). Larger: bodies feel each other at a distance when the
-/// solver has no speculative bias. Smaller, down to zero: a resting contact vanishes whenever rounding lifts it.
+/// Shapes nearer than this get contacts before they touch (m). Larger: bodies interact at a distance when the solver
+/// has no speculative bias. Smaller, down to zero: a resting contact vanishes whenever rounding separates it.
 inline constexpr Real kContactMargin = 4 * kLinearSlop;
 
-/// Approach slower than this does not bounce (m/s). Larger: dead balls. Smaller: resting bodies chatter. 2009's value.
+/// No bounce below this approach speed (m/s). Larger: bodies do not bounce. Smaller: resting bodies chatter. 2009's
+/// value.
 inline constexpr Real kRestitutionThreshold = Real(0.2);
 
-/// A unit vector may be off by this (1). Larger: stretched shapes, false depths. Smaller: rounded ones are refused.
+/// Allowed error of a unit vector's length (1). Larger: stretched shapes, false depths. Smaller: rounded unit vectors
+/// are rejected.
 inline constexpr Real kUnitTolerance = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5);
 
 }}  // namespace lpc::LPC_PRECISION

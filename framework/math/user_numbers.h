@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a user may give as a number: each check throws UserError, which says who has what and what is valid.
+// Checks of numbers from the user. Each throws UserError with the owner, the number, and what is valid.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ void checkMotion(const Motion<D>& m, const std::string& who) {
   if (!m.v.allFinite() || !m.w.allFinite()) throw UserError(who + ": the velocity is not finite");
 }
 
-// Asked in each step, too: what is right makes no string.
+// Also called in each step, so a valid number must not build a string.
 inline void checkAmount(Real value, std::string_view who, const char* what) {
   if (value >= 0 && std::isfinite(value)) return;
   throw UserError(std::string(who) + ": " + what + " is " + std::to_string(value) + "; valid: a finite number >= 0");

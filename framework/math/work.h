@@ -9,25 +9,26 @@
 
 namespace lpc {
 
-/// What was done, counted: a cost that no noisy machine disturbs. One counter per chart; they are never summed.
+/// Work counters: a cost that does not depend on the machine. Each counter has its own chart; counters are never
+/// summed.
 enum class WorkCount {
   boxTests,       // box-box overlap tests
   nodeVisits,     // nodes of a tree or cells of a grid
   sortMoves,      // elements moved while sorting
-  partTests,      // box tests of convex parts, of pairs of shapes of which one has several
-  pairQueries,    // shape pairs asked
+  partTests,      // box tests of convex parts, for pairs of shapes of which one has several parts
+  pairQueries,    // shape pairs queried
   supportCalls,   // support points computed
   axisTests,      // separating axes projected
   polytopeFaces,  // faces created by EPA
-  rowUpdates,     // one constraint row solved once by a sweep; 0 where a method factorises instead
+  rowUpdates,     // one constraint row solved once in an iteration; 0 when a method factorises instead
   forceEvals,     // evaluations of all forces
-  detections,     // collision detections that a solver asked for inside its step
-  eventVisits,    // slots, shapes and contacts looked at for what users did between steps, and for who wakes whom
-  graphVisits,    // bodies, manifolds and joints looked at by the contact graph
-  impactLimits,   // phases of impacts, and pairs, that ended at their limit
+  detections,     // collision detections requested by a solver inside its step
+  eventVisits,    // slots, shapes and contacts visited for the user's changes between steps and for waking bodies
+  graphVisits,    // bodies, manifolds and joints visited by the contact graph
+  impactLimits,   // phases of impacts, and pairs, that stopped at their limit
   fallbacks,      // rows that a direct method left to Gauss-Seidel
-  sweptPairs,     // pairs of convex parts that may meet on their way through a step, of which one is fast
-  stops,          // bodies that were stopped on their way
+  sweptPairs,     // pairs of convex parts, one of them fast, that may touch during a step
+  stops,          // bodies stopped by continuous collision
   multiplyAdds,   // of constraint rows, factorisations, solves and residuals: the one cost that ranks all resolvers
   kCount
 };
@@ -44,8 +45,8 @@ struct WorkDone {
   std::uint64_t operator[](WorkCount c) const { return counts[c]; }
 };
 
-/// Multiply-adds of one Gauss-Seidel update of a row between two bodies: the relative velocity, the impulse, and both
-/// changes of velocity.
+/// Multiply-adds of one Gauss-Seidel update of a row between two bodies: relative velocity, impulse, and both velocity
+/// changes.
 template <int D>
 inline constexpr std::uint64_t kRowMultiplyAdds = (D + D * (D - 1)) + 1 + (2 * D + D * (D - 1));
 
@@ -56,11 +57,11 @@ void countRows(WorkDone& work, std::uint64_t n) {
   work[WorkCount::multiplyAdds] += n * kRowMultiplyAdds<D>;
 }
 
-/// Multiply-adds of making a row: both arms, both changes of angular velocity per impulse, the effective mass.
+/// Multiply-adds of building a row: both arms, both changes of angular velocity per impulse, the effective mass.
 template <int D>
 inline constexpr std::uint64_t kRowMakingMultiplyAdds = 2 * D*(D - 1) + D* D*(D - 1) * (D - 1) / 2 + D*(D - 1) + 1;
 
-/// n rows made, or made again in the same step.
+/// n rows built, or built again in the same step.
 template <int D>
 void countMadeRows(WorkDone& work, std::uint64_t n) {
   work[WorkCount::multiplyAdds] += n * kRowMakingMultiplyAdds<D>;

@@ -13,8 +13,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A public handle: a slot, and which of its successive tenants is meant. Those of bodies, joints and forces are types
-/// of their own, so that none is taken for another's.
+/// A public handle: a slot, and the generation of the record in it. Bodies, joints and forces have separate handle
+/// types, so that they cannot be confused.
 template <class Of>
 struct SlotHandle {
   std::int32_t slot = -1;
@@ -26,33 +26,33 @@ using JointHandle = SlotHandle<struct OfJoint>;
 using ForceHandle = SlotHandle<struct OfForce>;
 
 enum class BodyType : std::uint8_t {
-  fixed,      // the field's "static": never moves, infinite mass
+  fixed,      // static: never moves, infinite mass (`static` is a C++ keyword)
   kinematic,  // moves with the velocity it was given, infinite mass
   dynamic
 };
 
-/// A body as a user adds it. Mass, centre of mass and inertia follow from its shapes and their densities, unless they
-/// are given. Without shapes a body meets nothing: with a mass it is a point that forces and joints move, without one
-/// fixed.
+/// A body as a user adds it. Mass, centre of mass and inertia follow from the shapes and their densities, unless they
+/// are given. A body without shapes has no contacts: with a given mass it is a point moved by forces and joints;
+/// without, it must be static.
 template <int D>
 struct BodyDef {
   BodyType type = BodyType::dynamic;
   Pose<D> X_WB{};
   Vec<D> velocity = Vec<D>::Zero();         // of the centre of mass, m/s
   Ang<D> angularVelocity = Ang<D>::Zero();  // rad/s, world frame
-  bool pinned = false;                      // keeps its centre of mass where it is, may turn
+  bool pinned = false;                      // its centre of mass does not move; the body may turn
   bool rotatable = true;
   bool canSleep = true;
   bool awake = true;
   std::vector<ShapeDef<D>> shapes = {};
-  std::string name = {};       // for people; may be empty
-  std::uint64_t userData = 0;  // as a shape's
-  Real gravityScale = 1;       // of the world's gravity: 0 floats, below 0 it rises
-  /// In the body's own frame, in place of what the shapes say; an inertia of zero does not turn. Of a body that is not
-  /// dynamic the centre alone counts.
+  std::string name = {};       // for messages and displays; may be empty
+  std::uint64_t userData = 0;  // the user's own number, as in ShapeDef
+  Real gravityScale = 1;       // factor of the world's gravity: 0 floats, negative rises
+  /// In the body frame, replaces the values computed from the shapes. Zero inertia: the body does not rotate. For a
+  /// body that is not dynamic only the centre is used.
   std::optional<MassProperties<D>> mass = {};
 
-  /// A body that never moves, of one shape: the 2009 engine's createStatic.
+  /// A static body of one shape: the 2009 engine's createStatic.
   static BodyDef fixed(const ShapeDef<D>& shape, const Pose<D>& X_WB = {}) {
     BodyDef def;
     def.type = BodyType::fixed, def.X_WB = X_WB, def.shapes = {shape};
@@ -62,9 +62,9 @@ struct BodyDef {
 
 /// All bodies, by slot. A free slot has `used` = 0 and zeros elsewhere.
 ///
-/// invMass and invInertia are what a solver uses: the world refreshes them before each solve. They are zero for static,
-/// kinematic and sleeping bodies (inertia also for those that may not turn, mass also for pinned ones), so that a
-/// solver needs no branch for them.
+/// invMass and invInertia are the values that a solver uses: the world refreshes them before each solve. They are zero
+/// for static, kinematic and sleeping bodies. Inertia is also zero for bodies that may not rotate, mass also for pinned
+/// ones. So a solver needs no branch for these cases.
 template <int D>
 struct Bodies {
   IndexedVector<Pose<D>> pose;  // X_WC of the centre-of-mass frame C: body axes, origin at the centre of mass
@@ -72,19 +72,19 @@ struct Bodies {
   IndexedVector<Real> invMass;               // 1/kg
   IndexedVector<Inertia<D>> invInertia;      // world frame, 1/(kg m^2)
   IndexedVector<Real> mass;                  // kg; 0 for static and kinematic bodies
-  IndexedVector<Inertia<D>> invInertiaBody;  // body frame; zero for bodies that may not turn
-  IndexedVector<Vec<D>> center;              // p_BC, the centre of mass in the body's own frame
+  IndexedVector<Inertia<D>> invInertiaBody;  // body frame; zero for bodies that may not rotate
+  IndexedVector<Vec<D>> center;              // p_BC, the centre of mass in the body frame
   IndexedVector<BodyType> type;
   IndexedVector<std::uint8_t> used, awake, canSleep, pinned, rotatable;
   IndexedVector<Real> gravityScale;
-  IndexedVector<std::optional<MassProperties<D>>> givenMass;  // by the user, in the body's own frame
+  IndexedVector<std::optional<MassProperties<D>>> givenMass;  // given by the user, in the body frame
   IndexedVector<std::array<Real, 2>> sleep;                   // the sleep policy's two scalars
-  IndexedVector<std::array<Real, 6>> solver;                  // the solver's own; zeros for a new body
+  IndexedVector<std::array<Real, 6>> solver;                  // scratch of the solver; zeros for a new body
   IndexedVector<std::uint32_t> generation;
   IndexedVector<std::uint64_t> userData;
 
   int size() const { return static_cast<int>(pose.size()); }
-  /// Moves by forces and contacts this step.
+  /// True when forces and contacts move the body in this step.
   bool active(int slot) const { return used[slot] && awake[slot] && type[slot] == BodyType::dynamic; }
 };
 
@@ -94,11 +94,11 @@ struct ShapeRecord {
   Shape<D> shape = Shape<D>::sphere(0);
   Pose<D> X_CS{};          // in its body's centre-of-mass frame
   std::int32_t body = -1;  // -1: free slot
-  std::int32_t index = 0;  // its number among its body's shapes
+  std::int32_t index = 0;  // its index among the body's shapes
   Real friction = 0, restitution = 0;
   std::uint32_t category = 1, mask = ~0u;
   std::uint64_t userData = 0;
-  Real density = 0;  // kg/m^D, for whoever weighs the body anew
+  Real density = 0;  // kg/m^D, to recompute the body's mass
 };
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a resolver sees of joints, and of contacts when it wants a whole problem: rows, whatever they come from.
+// Constraint rows: the resolver's view of joints, and of contacts for methods that take a whole problem.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,23 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 enum class RowLaw : std::uint8_t {
-  rigid,   // error = 0; where one limit of the force is 0 a stop: error >= 0 or error <= 0
+  rigid,   // error = 0; a stop when one limit of the force is 0: error >= 0 or error <= 0
   spring,  // force = -stiffness x error - damping x v
   motor    // v = speed
 };
 
 enum class RowBlock : std::uint8_t {
   equality,  // solved together with the other equality rows of its joint; no limits
-  box,       // alone, its force between lo and hi
+  box,       // solved alone, its force between lo and hi
   cone       // friction: with the other tangents of its point, |force| <= friction x the force of row `normal`
 };
 
-/// One scalar constraint between bodies A and B. Along it, B moves against A with
+/// One scalar constraint between bodies A and B. Along it, B moves relative to A with
 ///
 ///     v = d . (v_B - v_A) + armB . w_B - armA . w_A        m/s, or rad/s where the row is angular (d = 0)
 ///
-/// and a positive force pushes B along d and turns it along armB, and A the other way. All vectors are in the world's
-/// axes. Between the limits of its force it follows its law.
+/// A positive force pushes B along d and turns it along armB, and A the opposite way. All vectors are in world axes.
+/// Between its limits the force follows the row's law.
 template <int D>
 struct ConstraintRow {
   static constexpr Real kNoLimit = std::numeric_limits<Real>::infinity();
@@ -34,26 +34,27 @@ struct ConstraintRow {
   Vec<D> d = Vec<D>::Zero();     // unit, or zero
   Ang<D> armA = Ang<D>::Zero();  // r x d, m; a unit axis where the row is angular
   Ang<D> armB = Ang<D>::Zero();
-  Real error = 0;                      // m or rad: how far B is along the row from where it should be
-  Real speed = 0;                      // of a motor, m/s or rad/s
-  Real bounce = -kNoLimit;             // of a contact that is hit: the least v afterwards, m/s
+  Real error = 0;                      // m or rad: displacement of B along the row from its target
+  Real speed = 0;                      // target speed of a motor, m/s or rad/s
+  Real bounce = -kNoLimit;             // of a contact in impact: the least v afterwards, m/s
   Real stiffness = 0;                  // of a spring, N/m or N m/rad
   Real damping = 0;                    // of a spring, N s/m or N m s/rad
-  Real lo = -kNoLimit, hi = kNoLimit;  // limits of the force, N or N m; both 0: the row is not there now
-  Real friction = 0;                   // of a cone row
-  std::int32_t normal = -1;            // of a cone row: the row whose force limits it
+  Real lo = -kNoLimit, hi = kNoLimit;  // limits of the force, N or N m; both 0: the row is inactive
+  Real friction = 0;                   // coefficient of a cone row
+  std::int32_t normal = -1;            // of a cone row: the normal row, which limits its force
   RowBlock block = RowBlock::equality;
   RowLaw law = RowLaw::rigid;
   bool angular = false;
 
   bool absent() const { return lo == 0 && hi == 0; }
-  /// Is its error one that has to go?
+  /// True when the row's error must be corrected.
   bool binds() const { return law == RowLaw::rigid && !absent() && !open(); }
-  /// A stop that is not reached yet: it may be, within the step, but does not push before. |error| is what is left.
+  /// True for a stop that is not reached yet. It may be reached within the step, but does not push before. |error| is
+  /// the remaining distance.
   bool open() const { return law == RowLaw::rigid && (lo == 0) != (hi == 0) && (lo == 0 ? error > 0 : error < 0); }
 };
 
-/// v of the row. The order of the sums is that of velocities of points: b, then a.
+/// Velocity v of the row. The sums are ordered as for velocities of points: b, then a.
 template <int D>
 Real rowSpeed(const ConstraintRow<D>& row, const Vec<D>& vA, const Ang<D>& wA, const Vec<D>& vB, const Ang<D>& wB) {
   return row.d.dot(vB) + row.armB.dot(wB) - row.d.dot(vA) - row.armA.dot(wA);

@@ -14,52 +14,52 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct ContactPoint {
-  Vec<D> localA = Vec<D>::Zero();   // p_CaA: the witness on A, in A's centre-of-mass frame
-  Vec<D> localB = Vec<D>::Zero();   // p_CbB: the witness on B, in B's
+  Vec<D> localA = Vec<D>::Zero();   // p_CaA: the closest point on A, in A's centre-of-mass frame
+  Vec<D> localB = Vec<D>::Zero();   // p_CbB: the closest point on B, in B's centre-of-mass frame
   Real separation = 0;              // (p_WB - p_WA) . n, m; negative when penetrating
   std::uint64_t feature = 0;        // the same pair of features has the same number in the next step
-  IndexedArray<Real, D> impulse{};  // N s, along n, then along tangents(n): the next step starts from it. Zero: cold
-  IndexedArray<Real, D> memory{};   // the solver's own, carried with the point
-  /// What the point bore along n in the whole step, N s; each solver writes it, without blows of an impact law that has
-  /// rows of its own (split_solver's poisson and sequential). Where sub-steps start from the one
-  /// before, `impulse` is that of the last times their number, and no sum.
+  IndexedArray<Real, D> impulse{};  // N s, along n, then along tangents(n); warm starts the next step. Zero: cold
+  IndexedArray<Real, D> memory{};   // data of the solver, carried with the point
+  /// Total impulse along n over the whole step, N s. Each solver writes it; impacts of a separate impact law
+  /// (split_solver's poisson and sequential) are not included. When sub-steps warm start from each other, `impulse` is
+  /// the last sub-step's times their number, not a sum.
   Real load = 0;
 };
 
 template <int D>
 inline constexpr int kManifoldPoints = D == 2 ? 2 : 4;
 
-/// The contact points of two convex parts, one of each of two shapes; bodyA < bodyB.
+/// The contact points of two convex parts, one of each shape; bodyA < bodyB.
 template <int D>
 struct Manifold {
   std::int32_t bodyA = -1, bodyB = -1;
   std::int32_t shapeA = -1, shapeB = -1;  // slots in the world's shapes
-  std::int32_t childA = 0, childB = 0;    // number of the convex part; 0 for a shape that has one
+  std::int32_t childA = 0, childB = 0;    // index of the convex part; 0 for a convex shape
   std::int32_t count = 0;                 // of points
   Vec<D> normal = Vec<D>::Zero();         // n_AB, unit, world
   Real friction = 0, restitution = 0;     // of the pair
-  std::uint8_t begun = 0;                 // 1 in the step in which the pair starts to have contacts
+  std::uint8_t begun = 0;                 // 1 in the first step in which the pair has contacts
   std::uint8_t ignored = 0;               // 1 when a listener vetoed it: kept, but not solved
   IndexedArray<ContactPoint<D>, kManifoldPoints<D>> points{};
-  /// When its points were made: where B's centre-of-mass frame was in A's, and the normal in A's. The world writes
+  /// Pose of B's centre-of-mass frame in A's, and the normal in A's frame, when the points were made. The world writes
   /// them.
   Pose<D> X_AB{};
   Vec<D> normalA = Vec<D>::Zero();
 
-  /// Manifolds are sorted by this, so that the order in which a broadphase finds pairs leaves no trace. The children
-  /// come last: those of one pair of shapes stand together.
+  /// Manifolds are sorted by this key, so that the order in which a broadphase finds pairs has no effect. The part
+  /// indices come last: manifolds of one pair of shapes are adjacent.
   auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, childA, childB); }
   auto shapeKey() const { return std::tuple(bodyA, shapeA, bodyB, shapeB); }
 };
 
-/// Separation of a contact point at the bodies' present poses (m): what a solver sees after it has moved them.
+/// Separation of a contact point at the bodies' current poses (m), after a solver has moved them.
 template <int D>
 Real separationNow(const Manifold<D>& m, const ContactPoint<D>& c, const Pose<D>& X_WA, const Pose<D>& X_WB) {
   return (X_WB * c.localB - X_WA * c.localA).dot(m.normal);
 }
 
-/// Both arms from the centres of mass to the point midway between the anchors (m, world axes), and the separation
-/// there at the present poses. Positions are subtracted first: far from the origin the sum would lose digits.
+/// Both arms from the centres of mass to the midpoint between the anchors (m, world axes), and the separation there at
+/// the current poses. Positions are subtracted first: far from the origin the sum would lose digits.
 template <int D>
 struct ContactArms {
   Vec<D> rA, rB;
@@ -73,7 +73,7 @@ struct ContactArms {
   }
 };
 
-/// How the coefficients of two shapes become that of their contact.
+/// How a contact's coefficient follows from the two shapes' coefficients.
 enum class MixRule : std::uint8_t { geometricMean, arithmeticMean, minimum, maximum, product };
 inline constexpr std::array<std::string_view, 5> kMixRuleNames = {"geometric_mean", "arithmetic_mean", "minimum",
                                                                   "maximum", "product"};
@@ -92,7 +92,7 @@ inline Real mix(MixRule rule, Real a, Real b) {
   }
   return 0;
 }
-/// Of friction and of restitution; the rules of the 2009 engine.
+/// Rules for friction and for restitution, as in the 2009 engine.
 struct MixRules {
   MixRule friction = MixRule::geometricMean, restitution = MixRule::arithmeticMean;
   bool operator==(const MixRules&) const = default;

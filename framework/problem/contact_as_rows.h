@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Contacts as the rows that joints have, for methods that want a whole problem. The sequential resolvers have kernels
-// of their own, which a test proves equal to these rows.
+// Contacts as constraint rows, for methods that take a whole problem. Sequential resolvers have their own kernels,
+// which a test compares with these rows.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Appends D rows per point of the manifold: a stop along the normal, then the tangents of its cone, which name the
-/// stop by its place in `out`. Without friction the tangents are absent. Impulses act midway between the anchors, so
-/// that angular momentum is kept to rounding also while shapes overlap.
+/// Appends D rows per point of the manifold: a stop along the normal, then the friction tangents, which refer to the
+/// stop by its index in `out`. Without friction the tangents are inactive. Impulses act at the midpoint between the
+/// anchors, which conserves angular momentum to rounding even while shapes penetrate.
 template <int D>
 void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<ConstraintRow<D>>& out) {
   const auto a = m.bodyA, b = m.bodyB;
@@ -34,7 +34,7 @@ void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<C
       return rowSpeed(normal, motion[a].v, motion[a].w, motion[b].v, motion[b].w);
     };
     const Real v = speed(in.bodies.motion), arrival = in.arrival.empty() ? v : speed(in.arrival);
-    // Hit within this step: it leaves with a share of the velocity with which it came, before this step's forces.
+    // Impact within this step: the contact separates with a share of the approach velocity before this step's forces.
     const bool hit = arrival < -in.restitutionThreshold && c.separation + v * in.dt <= 0;
     if (hit && in.features.restitution && m.restitution > 0) normal.bounce = -m.restitution * arrival;
     for (int i = 0; i < D - 1; ++i) {

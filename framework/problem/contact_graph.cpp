@@ -25,7 +25,7 @@ std::span<const std::int32_t> ContactGraph<D>::Incidence::of(std::int32_t body) 
   return {ids.data() + start[body], ids.data() + start[body + 1]};
 }
 
-// Counted, then filled in the order of the edges. `edge(k)`: its two bodies, -1 for the world or for no edge at all.
+// Counts the edges, then fills them in order. `edge(k)` returns its two bodies, -1 for the world or for no edge.
 template <int D>
 template <class Edge>
 void ContactGraph<D>::build(Incidence& out, std::size_t edges, const Edge& edge) const {
@@ -79,7 +79,7 @@ IndexedSpan<const std::int32_t> ContactGraph<D>::jointsOf(std::int32_t body) con
   return jointed().of(body);
 }
 
-// Breadth first from the lowest body that has no number yet: linear, where union-find is not quite.
+// Breadth-first search from the lowest body without a number: linear, unlike union-find.
 template <int D>
 void ContactGraph<D>::group(IndexedVector<std::int32_t>& out, bool alsoTouching) const {
   out.assign(m_bodies->pose.size(), -1);
@@ -161,11 +161,11 @@ void ContactGraph<D>::colour(std::span<const int> contacts, std::vector<int>& or
     m_colour.push_back(mine);
     colours = std::max(colours, mine + 1);
   }
-  // Sorted by counting: each colour keeps the order of the contacts.
+  // Counting sort: each colour keeps the order of the contacts.
   offsets.assign(static_cast<std::size_t>(colours) + 1, 0);
   for (const int c : m_colour) ++offsets[static_cast<std::size_t>(c) + 1];
   for (std::size_t c = 1; c < offsets.size(); ++c) offsets[c] += offsets[c - 1];
-  m_queue.assign(offsets.begin(), offsets.end());  // where the next of each colour goes
+  m_queue.assign(offsets.begin(), offsets.end());  // position of the next contact of each colour
   order.resize(contacts.size());
   for (std::size_t k = 0; k < contacts.size(); ++k)
     order[static_cast<std::size_t>(m_queue[m_colour[k]]++)] = contacts[k];

@@ -9,8 +9,8 @@ void ContactOrder::add(const decltype(Manifold<2>{}.key()) & key) {
   if (from > 0 && m_entries[from].key < m_entries[from - 1].key) m_sorted = false;
 }
 
-// Least significant digit first, of 16 bits; digits that are the same in all keys cost nothing, so four are left in a
-// world of fewer than 65,536 convex shapes.
+// Radix sort by 16-bit digits, least significant first. Digits that are equal in all keys are skipped, which leaves
+// four in a world of fewer than 65,536 convex shapes.
 void ContactOrder::sortEntries() {
   Key differs{}, bits{};
   for (const Entry& e : m_entries) {
@@ -24,7 +24,7 @@ void ContactOrder::sortEntries() {
     for (int shift = 0; shift < 32; shift += 16) {
       if (((differs[k] >> shift) & 0xffff) == 0) continue;
       const auto digit = [&](const Entry& e) { return (e.key[k] >> shift) & 0xffff; };
-      m_begin.assign(((bits[k] >> shift) & 0xffff) + 2, 0);  // the largest digit is at most all their bits
+      m_begin.assign(((bits[k] >> shift) & 0xffff) + 2, 0);  // the largest digit is at most the union of all bits
       for (const Entry& e : m_entries) ++m_begin[digit(e) + 1];
       for (std::size_t d = 1; d < m_begin.size(); ++d) m_begin[d] += m_begin[d - 1];
       for (const Entry& e : m_entries) m_scratch[m_begin[digit(e)]++] = e;

@@ -9,15 +9,15 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Brings pairs or manifolds into the order of Manifold::key, in time linear in their number: keys are added one by one
-/// and sorted by their bytes, then apply() moves each item once. Equal keys keep their order. Comparing sorts look at
-/// each manifold some log n times, and manifolds are large.
+/// Sorts pairs or manifolds by Manifold::key, in time linear in their number. Keys are added one by one and sorted by
+/// their bytes, then apply() moves each item once. Equal keys keep their order. A comparison sort would read each
+/// manifold about log n times, and manifolds are large.
 class ContactOrder {
  public:
   using Key = std::array<std::uint32_t, 6>;
 
   void add(const decltype(Manifold<2>{}.key()) & key);
-  /// Item i is that of the i-th key. Forgets the keys.
+  /// Item i belongs to the i-th key. Clears the keys.
   template <class T>
   void apply(std::span<T> items) {
     LPC_ASSERT(items.size() == m_entries.size());
@@ -36,7 +36,7 @@ class ContactOrder {
   };
   void sortEntries();
 
-  // In place: `to` takes the item at `from`, whose place takes the next, until a cycle closes.
+  // In place, by cycles: `to` takes the item at `from`, then `from` takes the next item, until the cycle closes.
   template <class T>
   void moveItems(std::span<T> items) {
     for (std::uint32_t i = 0; i < m_entries.size(); ++i) {

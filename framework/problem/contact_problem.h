@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Zlib
-// The velocity problem of a step as a whole, for methods that see all of it and for measures of what is left of it.
+// The velocity problem of a whole step, for methods that solve it as a whole and for measuring residuals.
 //
-// With one impulse x_i per row, the velocities of the rows after the step are u = W x + v - target, W = J M^-1 J^T and
-// v what they are now. Wanted are impulses with
+// With one impulse x_i per row, the row velocities after the step are u = W x + v - target, where W = J M^-1 J^T and v
+// are the current velocities. Find impulses with
 //
 //     free       u_i + compliance_i x_i = 0
 //     interval   lo_i <= x_i <= hi_i; u_i >= 0 at lo_i, <= 0 at hi_i, 0 between
 //     contact    |x_t| <= mu x_n and u_n >= 0, x_n u_n = 0, u_t = -s x_t with s >= 0, which is 0 inside the cone
 //
-// The law of a contact is not that of a convex problem. With De Saxce's correction, u_n + mu |u_t| for u_n, it reads
-// "x and u are in two cones that are dual to each other, and orthogonal", which one projection tests.
+// The contact law is not that of a convex problem. With De Saxce's correction, which replaces u_n by u_n + mu |u_t|, it
+// reads "x and u lie in two dual cones and are orthogonal". One projection tests this.
 //
-// All of it is double in either precision: redundant contacts make W singular, and float would decide by its rounding.
+// All numbers are double in either precision: redundant contacts make W singular, and rounding of floats would decide.
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,8 @@ struct ProblemRow {
   using Linear = Eigen::Matrix<double, D, 1, Eigen::DontAlign>;
   using Angular = Eigen::Matrix<double, kAngDim<D>, 1, Eigen::DontAlign>;
 
-  std::int32_t a = 0, b = 0;  // bodies by slot; the world has the number after the last
-  Linear d;                   // as of ConstraintRow
+  std::int32_t a = 0, b = 0;  // bodies by slot; the world has the number after the last slot
+  Linear d;                   // as in ConstraintRow
   Angular armA, armB;
   Linear pushA, pushB;    // velocity of a body per impulse, m/s per N s
   Angular turnA, turnB;   // the same, rad/s
@@ -43,25 +43,26 @@ struct ProblemRow {
   double compliance = 0;  // of a spring, velocity per impulse
   double lo = 0, hi = 0;  // of the impulse, N s or N m s
   double mass = 0;        // 1 / (W_ii + compliance)
-  double unit = 0;        // the same for all directions of a contact, or of what a joint holds: from their mean W_ii
-  double friction = 0;    // of a normal: the next D - 1 rows are its tangents
+  double unit = 0;        // one mass for all directions of a contact or of a joint's equality rows: from their mean
+                          // W_ii
+  double friction = 0;    // of a normal row, which is followed by its D - 1 tangent rows
   ProblemLaw law = ProblemLaw::free;
   bool ofJoint = false;
-  bool movable = false;                // can the centre of either body move?
+  bool movable = false;                // the centre of mass of at least one body can move
   std::int32_t owner = 0, number = 0;  // joint and row, or manifold and D x point + direction
 
-  /// One of those that a joint solves together: no limits, no compliance.
+  /// True for equality rows that a joint solves together: no limits, no compliance.
   bool holds() const { return ofJoint && law == ProblemLaw::free && !(compliance > 0); }
 };
 
-/// How far impulses are from a solution, in m/s (rad/s of angular rows): an error of impulse times W_ii, which is one
-/// over the mass that the row feels. Divided by g dt it is a share of the row's own weight.
+/// Distance of the impulses from a solution, in m/s (rad/s for angular rows): the impulse error times W_ii, the inverse
+/// of the row's effective mass. Divided by g dt it is relative to the row's own weight.
 struct ProblemResidual {
-  double natural = 0;  // of the natural map, the largest of all rows
-  double cone = 0;     // by how much the largest impulse is outside of its cone or interval
+  double natural = 0;  // residual of the natural map, maximum over all rows
+  double cone = 0;     // how far an impulse lies outside its cone or interval, maximum over all rows
 };
 
-/// The nearest point to (n, t) with |t| <= mu n.
+/// Projects (n, t) to the nearest point with |t| <= mu n.
 template <int D>
 void projectOnCone(double mu, double* x) {
   double squared = 0;
@@ -82,8 +83,8 @@ class ContactProblem {
   int size() const { return static_cast<int>(m_rows.size()); }
   const Row& row(int i) const { return m_rows[i]; }
 
-  /// Rows that nothing can move are left out. Arrays keep their capacity. What is given is not copied: it outlives
-  /// this.
+  /// Builds the problem. Leaves out rows that nothing can move. Arrays keep their capacity. Keeps a pointer to
+  /// in.given, which must outlive this object.
   void set(const VelocityInput<D>& in) {
     m_given = in.given;
     m_bodies = m_given ? m_given->size() : in.bodies.size();
@@ -99,7 +100,7 @@ class ContactProblem {
     group(in.bodies);
   }
 
-  /// Impulses of the last step, scaled to this one's length, on the rows of this; inside their limits.
+  /// The last step's impulses, scaled to this step's length and mapped to its rows; projected onto their limits.
   void lastImpulses(const VelocityInput<D>& in, double factor, std::vector<double>& x) const {
     if (in.lastDt > 0) factor *= double(in.dt) / double(in.lastDt);
     impulses(in, x);
@@ -107,7 +108,7 @@ class ContactProblem {
     for (int i = 0; i < size(); ++i) project(i, x.data() + i);
   }
 
-  /// Impulses that the manifolds and joints of set(), or what is given, have now: after a solve, its answer.
+  /// Impulses now stored in the manifolds and joints of set(), or in the given problem: after a solve, its answer.
   void impulses(const VelocityInput<D>& in, std::vector<double>& x) const {
     if (!in.given) return impulses(in.manifolds, in.joints, x);
     x.resize(m_rows.size());
@@ -118,7 +119,7 @@ class ContactProblem {
     for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = double(stored(manifolds, joints, m_rows[i]));
   }
 
-  /// Row velocities of now, less what is wanted: u without impulses.
+  /// Current row velocities minus their targets: u without impulses.
   void freeVelocities(const VelocityInput<D>& in, std::vector<double>& u) const {
     u.resize(m_rows.size());
     for (std::size_t i = 0; i < m_rows.size(); ++i) {
@@ -145,7 +146,7 @@ class ContactProblem {
     return w;
   }
 
-  /// W with the compliance of springs, of some rows, row by row.
+  /// W of the listed rows, row by row, with the compliance of springs.
   void assemble(std::span<const std::int32_t> which, std::vector<double>& w) const {
     const std::size_t n = which.size();
     w.resize(n * n);
@@ -156,7 +157,7 @@ class ContactProblem {
     }
   }
 
-  /// y = W x, with the compliance of springs, without W: through the velocities of the bodies.
+  /// y = W x, with the compliance of springs. Computed through the velocities of the bodies, without W.
   void multiply(IndexedSpan<const double> x, std::vector<double>& y) {
     clearMotion();
     for (int i = 0; i < size(); ++i) push(i, x[i]);
@@ -166,7 +167,7 @@ class ContactProblem {
     }
   }
 
-  /// Velocities that impulses have made since clearMotion(): what a sweep needs.
+  /// Resets the velocity changes that push() accumulates during a sweep.
   void clearMotion() {
     if (m_given) return m_moved.assign(static_cast<std::size_t>(m_bodies), 0);
     m_motion.assign(static_cast<std::size_t>(m_bodies) + 1, {});
@@ -188,8 +189,8 @@ class ContactProblem {
     return r.d.dot(b.v - a.v) + r.armB.dot(b.w) - r.armA.dot(a.w);
   }
 
-  /// Adds what the impulses do to the velocities, and writes them into manifolds and joints. A joint whose bodies
-  /// cannot move keeps what it had; a row that is absent now has none.
+  /// Applies the impulses to the velocities, and writes them into manifolds and joints. A joint between immovable
+  /// bodies keeps its old impulses; an inactive row gets zero.
   void apply(const VelocityInput<D>& in, IndexedSpan<const double> x) {
     clearMotion();
     if (in.given) {
@@ -216,14 +217,15 @@ class ContactProblem {
     }
   }
 
-  /// The nearest impulse that row i allows, x of the row. A normal takes its tangents with it; a tangent is left alone.
+  /// Projects x to the nearest impulse that row i allows. A normal row also projects its tangents; a tangent row is
+  /// left unchanged.
   void project(int i, double* x) const {
     const Row& r = row(i);
     if (r.law == ProblemLaw::interval) *x = std::clamp(*x, r.lo, r.hi);
     if (r.law == ProblemLaw::normal) projectOnCone<D>(r.friction, x);
   }
 
-  /// Of impulses x; `corrected` false: that of the convex law, without De Saxce's correction.
+  /// Residual of impulses x. With `corrected` false: that of the convex law, without De Saxce's correction.
   ProblemResidual naturalMap(IndexedSpan<const double> x, IndexedSpan<const double> freeVelocity,
                              bool corrected = true) {
     ProblemResidual worst;
@@ -234,7 +236,7 @@ class ContactProblem {
       const int n = r.law == ProblemLaw::normal ? D : 1;
       IndexedArray<double, D> here{}, u{}, moved{};
       double slide = 0;
-      const double mass = r.unit;  // one for all directions: another would turn the cone
+      const double mass = r.unit;  // one mass for all directions: different ones would tilt the cone
       for (int k = 0; k < n; ++k) {
         here[k] = x[i + k], u[k] = m_velocity[i + k] + freeVelocity[i + k];
         if (k > 0) slide += u[k] * u[k];
@@ -255,8 +257,8 @@ class ContactProblem {
     return worst;
   }
 
-  /// Rows that have to do with each other, through bodies that they can move: of one island those from
-  /// islands()[k] to islands()[k + 1] of grouped(), in the order of rows().
+  /// Rows that interact through bodies that they can move: the rows of island k are grouped()[islands()[k]] to
+  /// grouped()[islands()[k + 1]], in the order of rows().
   std::span<const std::int32_t> grouped() const { return m_grouped; }
   std::span<const std::int32_t> islands() const { return m_islands; }
 
@@ -299,7 +301,7 @@ class ContactProblem {
     return r;
   }
 
-  // Rows whose W_ii is 0 nothing moves; where friction's is, the contact slides for nothing.
+  // Skips rows with W_ii = 0, which nothing can move. A contact with such a tangent row slides without friction.
   void addGiven(bool friction) {
     const auto add = [&](std::int32_t number, ProblemLaw law) {
       Row& r = m_rows.emplace_back();
@@ -371,7 +373,7 @@ class ContactProblem {
         m_rows.resize(first);
         continue;
       }
-      if (!rubs) m_rows.resize(first + 1);  // pinned bodies: what cannot move along a tangent has no friction
+      if (!rubs) m_rows.resize(first + 1);  // pinned bodies: no friction when no tangent can move
       Row& normal = m_rows[first];
       normal.law = rubs ? ProblemLaw::normal : ProblemLaw::interval;
       normal.friction = rubs ? double(from[1].friction) : 0.0;
@@ -404,7 +406,7 @@ class ContactProblem {
       if (r.law == ProblemLaw::tangent) join(r.number, normal);
       if (r.law == ProblemLaw::normal) normal = r.number;
     }
-    // Islands are numbered by their first rows; rows keep their order inside.
+    // Number islands by their first rows; rows keep their order inside.
     m_number.assign(m_parent.size(), -1);
     m_islands.assign(1, 0), m_of.resize(m_rows.size());
     for (std::size_t i = 0; i < m_rows.size(); ++i) {
@@ -422,13 +424,13 @@ class ContactProblem {
   }
 
   const GivenProblem* m_given = nullptr;
-  std::int32_t m_bodies = 0;  // or rows of what is given
+  std::int32_t m_bodies = 0;  // or rows of the given problem
   IndexedVector<Row> m_rows;
-  IndexedVector<std::int32_t> m_joints;  // whose impulses are written
+  IndexedVector<std::int32_t> m_joints;  // joints that get impulses
   JointRows<D> m_jointRows;
   IndexedVector<ConstraintRow<D>> m_contactRows;
   IndexedVector<Moved> m_motion;
-  IndexedVector<double> m_moved;  // by row of what is given
+  IndexedVector<double> m_moved;  // by row of the given problem
   IndexedVector<double> m_velocity;
   IndexedVector<std::int32_t> m_parent, m_number, m_of, m_next, m_grouped, m_islands;
 };

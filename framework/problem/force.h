@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Forces: what a user adds, what a world keeps, and what a kind of force is. A kind is one file in algorithms/force/;
-// nobody else knows its name.
+// Forces: how a user defines one, what a world stores, and what a kind of force is. A kind is one file in
+// algorithms/force/; no other code uses its name.
 #pragma once
 
 #include <memory>
@@ -21,37 +21,37 @@ struct Wrench {
   Ang<D> torque = Ang<D>::Zero();  // N m, about the centre of mass, world
 };
 
-/// What forces may depend on. An integrator may ask about states that no body is in.
+/// The state on which forces may depend. An integrator may evaluate forces at trial states.
 template <int D>
 struct ForceState {
-  const Bodies<D>& bodies;          // masses, types, flags: not its poses and motions
+  const Bodies<D>& bodies;          // masses, types and flags; not for poses and motions
   IndexedSpan<const Pose<D>> pose;  // X_WC by slot
   IndexedSpan<const Motion<D>> motion;
-  Real dt = 0;  // s, of the step that is made: a force that brakes stops within it and does not turn round; 0: any
-  /// The contacts of the step before, with the impulses of its solver, and how long it took (s): for kinds that say
-  /// readsContacts(). They stay the same however often a step asks. None in the first step.
+  Real dt = 0;  // s, length of the step: a braking force must not reverse the motion within it; 0: any length
+  /// The contacts of the last step with their impulses, and the length of that step (s), for kinds with
+  /// readsContacts(). They do not change during a step. Empty in the first step.
   IndexedSpan<const Manifold<D>> contacts = {};
   Real contactDt = 0;
 };
 
-/// Forces of one's own, by code: a save does not hold them. `apply` must be pure: it may be called any number of times
-/// per step, at any state.
+/// A user's own force in code; not saved. `apply` must be pure: it may be called any number of times per step, at any
+/// state.
 template <int D>
 class ForceGenerator {
  public:
   virtual ~ForceGenerator() = default;
-  /// Adds to `out` (by body slot) what acts at time t (s).
+  /// Adds to `out` (by body slot) the forces at time t (s).
   virtual void apply(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const = 0;
 };
 
-/// A force as a user adds it, on B: `lpc list --stage force` names kinds and parameters.
+/// A force as a user adds it, acting on B. `lpc list --stage force` lists kinds and parameters.
 template <int D>
 struct ForceDef {
   std::string kind = "spring{stiffness=10}";
-  Handle bodyA = {};  // whom it comes from, where the kind has such an end; nobody: the world
-  Handle bodyB = {};  // nobody: every body that forces move, where the kind can
-  /// Where it acts, in the body's own frame, else at its centre of mass; of A in the world where A is nobody, else its
-  /// origin.
+  Handle bodyA = {};  // the source, for kinds that have one; none: the world
+  Handle bodyB = {};  // none: every body moved by forces, for kinds that allow it
+  /// Where the force acts, in the body frame; default: the centre of mass. For A = world a point in the world; default:
+  /// its origin.
   std::optional<Vec<D>> anchorA = {}, anchorB = {};
 };
 
@@ -62,20 +62,20 @@ template <int D>
 struct ForceRecord {
   std::shared_ptr<const ForceKind<D>> kind;  // null: a free slot
   std::string spec;                          // the kind with every parameter
-  std::int32_t bodyA = -1, bodyB = -1;       // -1: nobody
+  std::int32_t bodyA = -1, bodyB = -1;       // -1: none
   std::uint32_t generation = 0;
-  Vec<D> localA = Vec<D>::Zero();  // in the centre-of-mass frame; world where A is nobody
+  Vec<D> localA = Vec<D>::Zero();  // in the centre-of-mass frame; in the world when A is the world
   Vec<D> localB = Vec<D>::Zero();
 };
 
-/// The ends that a kind of force has.
+/// Which ends a kind of force has.
 struct ForceEnds {
-  bool from = false;     // comes from A, a body or the world
-  bool all = true;       // B may be nobody, which is all
+  bool from = false;     // has a source A, a body or the world
+  bool all = true;       // B may be none, which means all bodies
   bool anchors = false;  // acts at points of A and B
 };
 
-/// How a kind of force acts. Stateless, but for scratch.
+/// A kind of force. Stateless except for scratch memory.
 template <int D>
 class ForceKind : public Stage {
  public:
@@ -83,19 +83,19 @@ class ForceKind : public Stage {
   static constexpr int kDimension = D;
 
   virtual ForceEnds ends() const = 0;
-  /// Whether it asks for ForceState::contacts: an engine that tells of none refuses it then.
+  /// True when it reads ForceState::contacts. An engine that does not report contacts then rejects the force.
   virtual bool readsContacts() const { return false; }
-  /// Of a new force, at these poses. Throws UserError when its ends make no such force.
+  /// Called for a new force, with the current poses. Throws UserError when its ends are invalid for this kind.
   virtual void begin(const ForceRecord<D>&, const Pose<D>& /*X_WA*/, const Pose<D>& /*X_WB*/) const {}
-  /// Adds to `out` (by body slot) what acts at time t (s). Pure, and at any state, as a ForceGenerator's. Whom forces
-  /// do not move gets nothing.
+  /// Adds to `out` (by body slot) the force at time t (s). Pure, and at any state, as a ForceGenerator. Adds nothing
+  /// for bodies that forces do not move.
   virtual void apply(const ForceRecord<D>& force, const ForceState<D>& state, Real t,
                      std::span<Wrench<D>> out) const = 0;
 };
 
-/// The force of a definition between bodies as they are. Throws UserError for an unknown kind or parameter, ends that
-/// the kind has not, a body with itself, bodies that forces do not move, and anchors that are not finite. Precondition:
-/// handles are of `bodies`, or of nobody.
+/// Makes the record of a force from its definition. Throws UserError for an unknown kind or parameter, missing or
+/// invalid ends, a force from a body to itself, bodies that forces do not move, and anchors that are not finite.
+/// Precondition: handles are of `bodies`, or empty.
 template <int D>
 ForceRecord<D> makeForce(const ForceDef<D>& def, const Bodies<D>& bodies);
 
@@ -109,7 +109,7 @@ template <int D>
 bool movedByForces(const Bodies<D>& bodies, AnyIndex auto body) {
   return bodies.used[body] && bodies.type[body] == BodyType::dynamic;
 }
-/// f(slot) for each body that the force acts on: B, or all.
+/// Calls f(slot) for each body on which the force acts: B, or all.
 template <int D, class F>
 void forEachActedOn(const ForceRecord<D>& force, const Bodies<D>& bodies, const F& f) {
   const std::size_t first = force.bodyB < 0 ? 0 : static_cast<std::size_t>(force.bodyB);
@@ -119,10 +119,10 @@ void forEachActedOn(const ForceRecord<D>& force, const Bodies<D>& bodies, const 
   }
 }
 
-/// One end of a force: a point of a body, or of the world for -1.
+/// One end of a force: a point of a body, or of the world when -1.
 template <int D>
 struct ForceEnd {
-  Vec<D> p, arm = Vec<D>::Zero(), v = Vec<D>::Zero();  // world; the arm from the centre of mass
+  Vec<D> p, arm = Vec<D>::Zero(), v = Vec<D>::Zero();  // world; arm is from the centre of mass
   std::int32_t body;
 
   ForceEnd(const ForceState<D>& state, std::int32_t of, const Vec<D>& local) : p(local), body(of) {
@@ -138,7 +138,7 @@ struct ForceEnd {
   }
 };
 
-/// All forces of a world as a solver or integrator sees them: a pure function of state and time.
+/// All forces of a world, for a solver or integrator: a pure function of state and time.
 template <int D>
 class Forces {
  public:

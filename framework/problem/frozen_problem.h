@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A velocity problem taken out of its world: a copy of all that a resolver is given, so that any resolver can solve it
-// again, as often as one likes. In the world's axes, and without orientations: anchors and rows are turned already.
+// A velocity problem copied out of its world with all of a resolver's input, so that any resolver can solve it
+// repeatedly. In world axes and without orientations: anchors and rows are already rotated.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The rows that a joint had, whatever kind it was of.
+/// The rows of a joint, whatever its kind was.
 template <int D>
 class FrozenRows final : public JointKind<D> {
  public:
@@ -26,7 +26,7 @@ class FrozenRows final : public JointKind<D> {
   JointRows<D> m_rows;
 };
 
-/// The target velocities that a position resolver gave, by separation: they depend on nothing else.
+/// The target velocities of a position resolver, by separation, on which alone they depend.
 template <int D>
 class FrozenTargets final : public PositionResolver<D> {
  public:
@@ -51,17 +51,17 @@ class FrozenTargets final : public PositionResolver<D> {
 template <int D>
 struct FrozenProblem {
   Real dt = 0, lastDt = 0, restitutionThreshold = 0;
-  Vec<D> gravity = Vec<D>::Zero();  // m/s^2; nothing is solved with it: g dt is what errors are measured by
+  Vec<D> gravity = Vec<D>::Zero();  // m/s^2; not used for solving: g dt scales the errors
   Features features;
-  Bodies<D> bodies;                  // those that contacts and joints name
+  Bodies<D> bodies;                  // only bodies with contacts or joints
   IndexedVector<Motion<D>> arrival;  // as in VelocityInput; may be empty
   IndexedVector<Manifold<D>> manifolds;
   IndexedVector<int> order, colours;
   IndexedVector<JointRecord<D>> joints;
   FrozenTargets<D> position;
-  std::optional<GivenProblem> given;  // in the place of bodies, contacts and joints
+  std::optional<GivenProblem> given;  // replaces bodies, contacts and joints
 
-  /// A body of this velocity. `invInertia` is in the world's axes; both may be zero.
+  /// Adds a body with this velocity. `invInertia` is in world axes; both inverses may be zero.
   void addBody(BodyType type, bool awake, const Vec<D>& at, Real invMass, const Inertia<D>& invInertia,
                const Motion<D>& motion) {
     bodies.pose.push_back({at, {}}), bodies.motion.push_back(motion);
@@ -79,7 +79,7 @@ struct FrozenProblem {
     joint.bodyA = a, joint.bodyB = b, joint.impulse = impulse;
   }
 
-  /// What a resolver is given. It changes this problem: solve a copy.
+  /// The input for a resolver. Solving changes this problem: solve a copy.
   VelocityInput<D> input(WorkDone& work, Profiler& profiler) {
     return {dt,
             lastDt,
@@ -103,7 +103,8 @@ struct FrozenProblem {
   }
 };
 
-/// Of what is about to be solved. Bodies, contacts and joints keep their order; the free and the idle are left out.
+/// Copies the problem that is about to be solved. Bodies, contacts and joints keep their order; bodies without contacts
+/// and joints, and free or broken joints, are left out.
 template <int D>
 FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   FrozenProblem<D> out;
@@ -111,7 +112,7 @@ FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   out.features = in.features, out.position.rate = in.position.jointBias(in.dt);
   if (in.given) out.given = *in.given;
   const Bodies<D>& bodies = in.bodies;
-  IndexedVector<std::int32_t> slot(bodies.pose.size(), 0);  // 1: named; then its number + 1
+  IndexedVector<std::int32_t> slot(bodies.pose.size(), 0);  // 1: used; then its number + 1
   const auto name = [&](std::int32_t body) {
     if (body >= 0) slot[body] = 1;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A velocity problem of which nothing is known but its matrix: what others publish, and no bodies that it came from.
+// A velocity problem known only by its matrix, as published collections have it, without bodies.
 #pragma once
 
 #include <algorithm>
@@ -11,15 +11,14 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// u = W x + velocity, rows in the order: of each contact its normal and its D - 1 tangents, which are at right angles
-/// and measure alike, then those of equalities. The laws are those of ContactProblem; the signs, too: u_n > 0 parts.
-/// All of it is double in either precision, as is that of ContactProblem.
+/// u = W x + velocity. Row order: for each contact its normal and its D - 1 orthonormal tangents, then equality rows.
+/// Laws and signs are those of ContactProblem: u_n > 0 separates. Double in either precision, as in ContactProblem.
 struct GivenProblem {
-  // W, symmetric, in compressed columns: those of column j are at start[j] to start[j + 1], by rising row.
+  // W, symmetric, in compressed columns: column j is at start[j] to start[j + 1], by ascending row.
   IndexedVector<std::int32_t> start = {0}, row;
   IndexedVector<double> value;
   IndexedVector<double> friction;  // by contact
-  IndexedVector<double> velocity;  // by row, less what is wanted; with the impulses that a resolver has given
+  IndexedVector<double> velocity;  // by row, minus the target; a resolver adds the effect of its impulses
   IndexedVector<double> impulse;   // by row: of the last step, and after a solve its answer
 
   std::int32_t size() const { return static_cast<std::int32_t>(velocity.size()); }
@@ -28,7 +27,7 @@ struct GivenProblem {
     const auto it = std::lower_bound(row.begin() + start[j], end, i);
     return it != end && *it == i ? value[it - row.begin()] : 0;
   }
-  /// f(row, W of it) of all entries of a column.
+  /// Calls f(row, W of it) for all entries of a column.
   template <class F>
   void eachOf(std::int32_t column, const F& f) const {
     const auto end = start[column + 1];

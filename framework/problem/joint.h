@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Joints: what a user adds, what a world keeps, and what a kind of joint is. A kind is one file in algorithms/joint/;
-// nobody else knows its name, since every resolver takes its rows.
+// Joints: how a user defines one, what a world stores, and what a kind of joint is. A kind is one file in
+// algorithms/joint/. No other code uses its name, since every resolver takes its rows.
 #pragma once
 
 #include <array>
@@ -20,16 +20,16 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 inline constexpr int kJointRows = 8;
 
-/// A joint as a user adds it. Both bodies get a frame at X_WJ, in which the kind says what may move: `lpc list --stage
-/// joint` names kinds and parameters.
+/// A joint as a user adds it. Both bodies get a frame at X_WJ, in which the kind defines the free motion. `lpc list
+/// --stage joint` lists kinds and parameters.
 template <int D>
 struct JointDef {
-  std::string kind = "pivot";         // with parameters: "hinge{lower=-0.5,upper=0.5}"
-  Handle bodyA = {}, bodyB = {};      // bodyA may be the world: Handle{}
-  Pose<D> X_WJ{};                     // at the time of adding; in 3D its z is a hinge's axis
-  std::optional<Pose<D>> X_WJb = {};  // the frame on B, where it is another: the far end of a rope
-  bool collide = false;               // do the two bodies collide with each other?
-  Real breakForce = std::numeric_limits<Real>::infinity();   // N: a step that needs more is the joint's last
+  std::string kind = "pivot";                                // with parameters: "hinge{lower=-0.5,upper=0.5}"
+  Handle bodyA = {}, bodyB = {};                             // bodyA may be the world: Handle{}
+  Pose<D> X_WJ{};                                            // when the joint is added; in 3D its z is a hinge's axis
+  std::optional<Pose<D>> X_WJb = {};                         // the frame on B, when it differs: the far end of a rope
+  bool collide = false;                                      // true: the two bodies collide with each other
+  Real breakForce = std::numeric_limits<Real>::infinity();   // N: the joint breaks in a step that needs more
   Real breakTorque = std::numeric_limits<Real>::infinity();  // N m, of the angular rows
 };
 
@@ -43,35 +43,35 @@ struct JointRecord {
   std::int32_t bodyA = -1, bodyB = -1;       // bodyA -1: the world
   std::uint8_t collide = 0, broken = 0;      // a broken joint has no rows
   std::uint32_t generation = 0;
-  Pose<D> X_CaJ{}, X_CbJ{};  // in the centre-of-mass frames; X_WJ where A is the world
+  Pose<D> X_CaJ{}, X_CbJ{};  // in the centre-of-mass frames; X_WJ when A is the world
   Real breakForce = 0, breakTorque = 0;
   IndexedArray<Real, kJointRows> impulse{};  // of the last step, on B, by row: N s or N m s
-  IndexedArray<Real, kJointRows> memory{};   // the solver's own, by row
-  std::array<Real, 4> state{};               // the kind's own
+  IndexedArray<Real, kJointRows> memory{};   // data of the solver, by row
+  std::array<Real, 4> state{};               // data of the kind
 
   bool active() const { return kind && !broken; }
 };
 
-/// The rows of one joint. Row numbers are for ever: they do not depend on what is active, so that row i of this step
-/// starts from impulse i of the last.
+/// The rows of one joint. Row numbers never change with what is active, so that impulse i of the last step warm starts
+/// row i.
 template <int D>
 struct JointRows {
   IndexedArray<ConstraintRow<D>, kJointRows> row;
   int count = 0;
 
-  /// Along d at a point: rA and rB from the centres of mass, m.
+  /// Adds a row along d at a point: rA and rB from the centres of mass, m.
   ConstraintRow<D>& point(const Vec<D>& d, const Vec<D>& rA, const Vec<D>& rB, Real error) {
     ConstraintRow<D>& r = next();
     r.d = d, r.armA = cross(rA, d), r.armB = cross(rB, d), r.error = error;
     return r;
   }
-  /// About an axis, unit.
+  /// Adds a row about a unit axis.
   ConstraintRow<D>& turn(const Ang<D>& axis, Real error) {
     ConstraintRow<D>& r = next();
     r.armA = r.armB = axis, r.error = error, r.angular = true;
     return r;
   }
-  /// For the row just added: a number that is kept for a part that this joint has not.
+  /// Adds an inactive row, which keeps the number of a part that this joint lacks.
   ConstraintRow<D>& absent() {
     ConstraintRow<D>& r = next();
     r.block = RowBlock::box, r.lo = r.hi = 0;
@@ -99,42 +99,43 @@ struct JointFrames {
   }
 };
 
-/// How a kind of joint holds two bodies. Stateless: what a joint remembers is in its record.
+/// A kind of joint. Stateless: data of a joint is in its record.
 template <int D>
 class JointKind : public Stage {
  public:
   static constexpr StageKind kStage = StageKind::joint;
   static constexpr int kDimension = D;
 
-  /// Of a new joint: sets `state`. Throws UserError when the frames make no such joint.
+  /// Called for a new joint; sets `state`. Throws UserError when the frames are invalid for this kind.
   virtual void begin(JointRecord<D>& /*joint*/, const Pose<D>& /*X_WA*/, const Pose<D>& /*X_WB*/) const {}
-  /// The rows at these poses, equality rows first. Appends; changes nothing else; any poses, any number of times.
+  /// The rows at these poses, equality rows first. Only appends to `out`; may be called at any poses, any number of
+  /// times.
   virtual void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const = 0;
-  /// After a step: may update `state`.
+  /// Called after a step; may update `state`.
   virtual void finish(JointRecord<D>& /*joint*/, const Pose<D>& /*X_WA*/, const Pose<D>& /*X_WB*/) const {}
-  /// Of a new joint, after begin(), and when one of its bodies was changed: the massBetween() them, kg.
+  /// Called for a new joint after begin(), and when one of its bodies has changed: `mass` is massBetween() them, kg.
   virtual void weigh(JointRecord<D>& /*joint*/, Real /*mass*/) const {}
 };
 
-/// The joint of a definition between bodies at these poses. Throws UserError for an unknown kind or parameter, forces
-/// to break at that are not > 0, and frames that make no such joint.
+/// Makes a joint from its definition, between bodies at these poses. Throws UserError for an unknown kind or parameter,
+/// breaking forces that are not > 0, and frames that are invalid for this kind.
 template <int D>
 JointRecord<D> makeJoint(const JointDef<D>& def, const Pose<D>& X_WA, const Pose<D>& X_WB);
 
-/// How far the parts of a joint are from where they should be: metres and radians are never added.
+/// How far a joint is from its target. Metres and radians are never added.
 struct JointError {
   double linear = 0;   // m
   double angular = 0;  // rad
 };
 
-/// X_WC of a body, the world's own for -1.
+/// X_WC of a body; the identity for -1, the world.
 template <int D>
 Pose<D> poseOf(const Bodies<D>& bodies, std::int32_t body) {
   return body < 0 ? Pose<D>{} : bodies.pose[body];
 }
 
-/// The mass (kg) that two bodies have against each other, m M / (m + M): what a spring between them swings. Of those
-/// that do not move, the other's own. a -1: the world.
+/// Reduced mass (kg) of two bodies, m M / (m + M): the mass that a spring between them moves. When one does not move,
+/// the mass of the other. a = -1: the world.
 template <int D>
 Real massBetween(const Bodies<D>& bodies, std::int32_t a, std::int32_t b) {
   const Real mA = a < 0 ? Real(0) : bodies.mass[a];
@@ -142,14 +143,14 @@ Real massBetween(const Bodies<D>& bodies, std::int32_t a, std::int32_t b) {
   return mA > 0 && mB > 0 ? mA * (mB / (mA + mB)) : mA + mB;
 }
 
-/// Rows of a joint at the bodies' present poses; none where it is free or broken.
+/// Rows of a joint at the bodies' current poses; none for a free slot or a broken joint.
 template <int D>
 void jointRows(const JointRecord<D>& joint, const Bodies<D>& bodies, JointRows<D>& out) {
   out.count = 0;
   if (joint.active()) joint.kind->rows(joint, poseOf(bodies, joint.bodyA), poseOf(bodies, joint.bodyB), out);
 }
 
-/// Of the rows that are rigid: equalities, and stops that are passed.
+/// Error of the rigid rows: equalities, and stops that are exceeded.
 template <int D>
 JointError jointError(std::span<const ConstraintRow<D>> rows);
 
@@ -157,7 +158,7 @@ struct JointLoad {
   Real force = 0;   // N
   Real torque = 0;  // N m, of the angular rows
 };
-/// What B feels of the joint, from impulses (by row) over dt (s).
+/// Load of the joint on B, from impulses (by row) over dt (s).
 template <int D>
 JointLoad jointLoad(std::span<const ConstraintRow<D>> rows, std::span<const Real> impulse, Real dt);
 

@@ -16,7 +16,7 @@ Director<D>::Director(SceneSpec<D> scene)
     if (spawn.broughtBy < 0) m_coming.list.push_back({spawn.step, false, static_cast<int>(i)});
     if (spawn.removeAt >= 0 && spawn.takenBy < 0) m_leaving.list.push_back({spawn.removeAt, true, static_cast<int>(i)});
   }
-  // With the later of their bodies; with one that an event brings after the events.
+  // Due with the later of its bodies; after the events when an event adds that body.
   const auto between = [&](const auto& list, Turns& turns) {
     for (std::size_t i = 0; i < list.size(); ++i) {
       if (list[i].byEvent) continue;
@@ -69,7 +69,7 @@ void Director<D>::begin(Simulation<D>& world) {
     if (e.step > step) return false;
     const ForceRecord<D>& f = world.forces()[static_cast<std::size_t>(e.force.slot)];
     if (f.kind && f.generation == e.force.generation)
-      world.remove(e.force);  // else it went with a body, or by an event
+      world.remove(e.force);  // otherwise it was removed with a body or by an event
     return true;
   });
   m_forces.play(step, false, [&](int i) { addForce(world, i); });
@@ -81,7 +81,7 @@ void Director<D>::begin(Simulation<D>& world) {
       if (!event.place) throw;
       throw UserError(*event.place + ": at step " + std::to_string(step) + ": " + e.what());
     }
-    m_begin = world.stepCount() - step;  // a world that was cleared begins at 0, the script goes on
+    m_begin = world.stepCount() - step;  // a cleared world restarts at step 0, the script continues
   }
 }
 
@@ -91,7 +91,7 @@ void Director<D>::finish(Simulation<D>& world) {
   m_joints.play(step, true, [&](int i) { addJoint(world, i); });
   m_forces.play(step, true, [&](int i) { addForce(world, i); });
   m_leaving.play(step, true, [&](int i) {
-    if (world.valid(body(i))) world.remove(body(i));  // else an event has cleared the world
+    if (world.valid(body(i))) world.remove(body(i));  // otherwise an event has cleared the world
   });
 }
 

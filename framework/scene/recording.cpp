@@ -49,13 +49,13 @@ bool getRot(std::istream& in, Rot<3>& q) {
   return getReal(in, q.w) && getReal(in, q.x) && getReal(in, q.y) && getReal(in, q.z);
 }
 
-// How far from a unit a rotation may be that either precision wrote: f32's rounding, whatever reads it.
+// How far a stored rotation may be from unit length: the rounding of f32, whichever precision reads it.
 constexpr Real kWrittenUnit = Real(1e-5);
 
 Real lengthOf(const Rot<2>& q) { return std::sqrt(q.c * q.c + q.s * q.s); }
 Real lengthOf(const Rot<3>& q) { return std::sqrt(q.w * q.w + q.imag().squaredNorm()); }
 
-// The frame, from 1, in which something is not sound.
+// Throws for unsound data, with the number of the frame, from 1.
 struct Reading {
   std::istream& in;
   std::size_t frame;
@@ -145,7 +145,7 @@ void Recorder<D>::frame(const Simulation<D>& world) {
   put(m_out, static_cast<std::uint32_t>(world.bodyCount()));
   for (std::size_t i : arrivals) {
     m_known[i] = std::uint64_t(b.generation[i]) + 1;
-    std::vector<std::pair<ShapeView<D>, Pose<D>>> parts;  // convex ones
+    std::vector<std::pair<ShapeView<D>, Pose<D>>> parts;  // convex parts
     for (const ShapeRecord<D>& s : world.shapes()) {
       if (s.body != static_cast<std::int32_t>(i)) continue;
       forParts(s.shape, s.X_CS, [&](const auto& part, const Pose<D>& X_CP) { parts.emplace_back(part, X_CP); });

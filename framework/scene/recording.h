@@ -8,7 +8,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Poses over time, for looking at a run afterwards. Numbers are stored as double in both precisions.
+/// Poses over time, for viewing a run afterwards. Numbers are stored as double in both precisions.
 template <int D>
 struct Recording {
   struct Body {
@@ -17,7 +17,7 @@ struct Recording {
     std::uint8_t awake = 1;
     Pose<D> X_WC{};  // of the centre-of-mass frame
   };
-  /// The convex parts of a body's shapes, told once, in the frame in which it first appears.
+  /// The convex parts of a body's shapes, stored once, in the frame in which the body first appears.
   struct Arrival {
     std::int32_t slot = 0;
     std::uint32_t generation = 0;
@@ -35,16 +35,16 @@ struct Recording {
     std::int64_t step = 0;
     double time = 0;  // s
     std::vector<Arrival> arrivals;
-    std::vector<Body> bodies;  // all that are in the world, by slot
+    std::vector<Body> bodies;  // all bodies in the world, by slot
   };
   std::vector<Frame> frames;
-  bool torn = false;  // the bytes ended within a frame, which was dropped
+  bool torn = false;  // the bytes ended within a frame, which is dropped
 
-  /// Throws UserError when the bytes are not a recording of this dimension.
+  /// Reads a recording. Throws UserError when the bytes are not a recording of this dimension.
   static Recording read(std::istream& in);
 };
 
-/// 2 or 3, and the stream is where it was. Throws UserError for what is no recording.
+/// Returns 2 or 3 and leaves the stream position unchanged. Throws UserError when the bytes are not a recording.
 int recordingDimension(std::istream& in);
 
 template <int D>
@@ -52,7 +52,7 @@ class Recorder {
  public:
   /// Writes the header. The stream must outlive the recorder.
   explicit Recorder(std::ostream& out);
-  /// Appends the present state.
+  /// Appends the current state.
   void frame(const Simulation<D>& world);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A hull far from its own frame's origin costs every query digits, though its pose brings it back to where others are.
+// A hull far from its own frame's origin costs every query digits, even when its pose moves it back to the others.
 #include "framework/shape/shape.h"
 #include "framework/shape/shape_tolerances.h"
 
@@ -13,15 +13,15 @@ ShapePart<D> centredPart(const ShapePart<D>& part) {
   const Real size = (box.hi - box.lo).maxCoeff();
   Vec<D> middle = box.lo / 2 + box.hi / 2;
   if (!(middle.cwiseAbs().maxCoeff() > kFarHull * size)) return part;
-  // Along an axis on which it is no farther off than its size it stays: so no difference below is rounded, since both
+  // Do not move it along axes where it is no farther off than its size. Then no difference below is rounded: both
   // numbers are within a factor of two of each other.
   for (Real& x : middle) x = std::abs(x) > size ? x : Real(0);
   std::vector<Vec<D>> points;
   for (const Vec<D>& v : view.hull->vertices) points.push_back(v - middle);
   try {
-    // Made anew: coordinates that are known better have faces that were merged for their rounding.
+    // A new hull: the old one had faces merged because its coordinates were rounded more.
     return {Shape<D>::ofCorners(view.kind, points, view.radius), part.X_SP * Pose<D>{middle, {}}};
-  } catch (const UserError&) {  // no hull with whole faces, of coordinates that are no longer rounded so coarsely
+  } catch (const UserError&) {  // no closed hull of these coordinates, which are rounded less
     return part;
   }
 }

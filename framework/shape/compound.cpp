@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Shapes of several convex parts, and what the parts say together.
+// Shapes of several convex parts, and properties computed from all parts.
 #include <string>
 
 #include "framework/math/user_numbers.h"
@@ -13,13 +13,13 @@ namespace {
 template <int D>
 struct Placed {
   const ShapePart<D>& part;
-  Vec<D> center;  // of mass, in the part's own frame
+  Vec<D> center;  // centre of mass, in the part's own frame
   Aabb<D> box;
 
   explicit Placed(const ShapePart<D>& p)
       : part(p), center(massProperties(p.shape.view(), Real(1)).center), box(boundingBox(p.shape, p.X_SP)) {}
 
-  /// The farthest along unit d of the part when it is shrunk about its centre of mass.
+  /// Support point along unit d of the part, shrunk about its centre of mass.
   Vec<D> shrunk(const Vec<D>& d) const {
     const ShapeView<D>& view = part.shape.view();
     const Vec<D> local = part.X_SP.q.inverse() * d;
@@ -28,7 +28,7 @@ struct Placed {
   }
 };
 
-// Shrunk, parts that share a face lie apart by more than their rounding.
+// After shrinking, parts that share a face are apart by more than their rounding.
 template <int D>
 bool overlap(const Placed<D>& a, const Placed<D>& b) {
   if (!a.box.overlaps(b.box)) return false;

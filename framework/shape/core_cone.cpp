@@ -6,7 +6,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
-// A solid cone along x: its base at x = -half_height, its tip at x = half_height.
+// A solid cone along x, with its base at x = -half_height and its tip at x = half_height.
 template <int D>
 class Cone final : public CurvedBase<D, Cone<D>> {
  public:
@@ -22,21 +22,21 @@ class Cone final : public CurvedBase<D, Cone<D>> {
     if (!(largest > 0)) return {h, 0, 0};
     const N x = d[0] / largest, y = d[1] / largest, z = d[2] / largest, across = std::sqrt(y * y + z * z);
     if (2 * h * x >= r * across) return {h, 0, 0};
-    if (!(across > 0)) return {-h, 0, 0};  // the middle of the base is as far as its rim
+    if (!(across > 0)) return {-h, 0, 0};  // the centre of the base is as far as its rim
     return {-h, r * (y / across), r * (z / across)};
   }
 
   void supportFace(const Vec<3>& d, std::vector<Vec<3>>& corners) const override {
     const Real h = m_sizes[0], r = m_sizes[1], across = d.tail<2>().norm();
-    // What d is nearest to: the axis, the normal of the side, or that of the base.
+    // Which direction is nearest to d: the axis, the normal of the side, or that of the base.
     const Real side = (2 * h * across + r * d[0]) / std::sqrt(4 * h * h + r * r);
     if (d[0] > side) return corners.assign(1, Vec<3>(h, 0, 0));
     corners.clear();
-    if (side > -d[0] && across > 0) {  // the line of the side
+    if (side > -d[0] && across > 0) {  // a line of the side
       corners.assign({{h, 0, 0}, {-h, r * (d[1] / across), r * (d[2] / across)}});
       return;
     }
-    // An octagon in the base's circle. Its corners are fixed in the cone, so that contacts keep their numbers.
+    // An octagon in the base circle. Its corners are fixed in the cone, so that contacts keep their numbers.
     const Real s = r * Real(std::numbers::sqrt2 / 2);
     const Real y[8] = {r, s, 0, -s, -r, -s, 0, s}, z[8] = {0, -s, -r, -s, 0, s, r, s};
     for (int i = 0; i < 8; ++i) corners.push_back({-h, y[i], z[i]});

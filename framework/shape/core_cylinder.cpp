@@ -5,7 +5,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
-// A solid cylinder along x, as a capsule is: flat ends at x = -half_length and x = half_length.
+// A solid cylinder along x, as the capsule; flat ends at x = -half_length and x = half_length.
 template <int D>
 class Cylinder final : public CurvedBase<D, Cylinder<D>> {
  public:
@@ -19,7 +19,7 @@ class Cylinder final : public CurvedBase<D, Cylinder<D>> {
     const N h = m_sizes[0], r = m_sizes[1];
     const N largest = std::max(std::abs(d[1]), std::abs(d[2]));
     std::array<N, 3> p = {d[0] >= 0 ? h : -h, 0, 0};
-    if (!(largest > 0)) return p;  // straight along the axis: the middle of the end is as far as its rim
+    if (!(largest > 0)) return p;  // d is along the axis: the centre of the end is as far as its rim
     const N y = d[1] / largest, z = d[2] / largest, length = std::sqrt(y * y + z * z);
     p[1] = r * (y / length), p[2] = r * (z / length);
     return p;
@@ -28,12 +28,12 @@ class Cylinder final : public CurvedBase<D, Cylinder<D>> {
   void supportFace(const Vec<3>& d, std::vector<Vec<3>>& corners) const override {
     corners.clear();
     const Real h = m_sizes[0], r = m_sizes[1], across = d.tail<2>().norm();
-    if (std::abs(d[0]) < across) {  // the line of the side
+    if (std::abs(d[0]) < across) {  // a line of the side
       const Real y = r * (d[1] / across), z = r * (d[2] / across);
       corners.assign({{h, y, z}, {-h, y, z}});
       return;
     }
-    // An octagon in the end's circle. Its corners are fixed in the cylinder, so that contacts keep their numbers.
+    // An octagon in the end circle. Its corners are fixed in the cylinder, so that contacts keep their numbers.
     const Real x = d[0] < 0 ? -h : h, turn = d[0] < 0 ? Real(-1) : Real(1);
     const Real s = r * Real(std::numbers::sqrt2 / 2);
     const Real y[8] = {r, s, 0, -s, -r, -s, 0, s}, z[8] = {0, s, r, s, 0, -s, -r, -s};

@@ -5,7 +5,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
-// A solid ellipsoid with its axes along the frame's; in 2D an ellipse.
+// A solid ellipsoid with its axes along the frame's axes; in 2D an ellipse.
 template <int D>
 class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
  public:
@@ -16,7 +16,7 @@ class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
   std::span<const Real> sizes() const override { return m_sizes; }
   Vec<D> half() const override { return Eigen::Map<const Eigen::Matrix<Real, D, 1>>(m_sizes.data()); }
 
-  // The sphere's support under the stretch that makes the ellipsoid: p = S (S d) / |S d|.
+  // The sphere's support point, mapped by the stretch that makes the ellipsoid: p = S (S d) / |S d|.
   template <class N>
   CorePoint<N, D> extreme(const CorePoint<N, D>& d) const {
     CorePoint<N, D> p = d;
@@ -38,7 +38,7 @@ class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
     for (const Real a : m_sizes) volume *= a, squares += double(a) * a;
     MassProperties<D> m;
     m.mass = static_cast<Real>(density * volume);
-    for (int k = 0; k < kAngDim<D>; ++k) {  // in 2D about z, which is none of the axes
+    for (int k = 0; k < kAngDim<D>; ++k) {  // in 2D about z, which is not an axis of the ellipse
       const double own = D == 2 ? 0 : double(m_sizes[k]);
       m.inertia(k, k) = static_cast<Real>(density * volume * (squares - own * own) / (D + 2));
     }

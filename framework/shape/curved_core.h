@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Convex cores without a list of corners: a cylinder, an ellipsoid. A kind of them is one file,
-// framework/shape/core_<kind>.cpp, which registers how it is made, and one name in ShapeKind; nobody else knows it by
-// name. A plugin registers its own as ShapeKind::custom, of which there is one.
+// Convex cores without a list of corners: a cylinder, an ellipsoid. A kind is one file,
+// framework/shape/core_<kind>.cpp, which registers its constructor, and one name in ShapeKind; no other code uses the
+// name. A plugin registers its own core as ShapeKind::custom; there is only one.
 //
 //   template <int D> struct Ball : CurvedBase<D, Ball<D>> {
 //     template <class N> std::array<N, D> extreme(const std::array<N, D>& d) const;   // farthest along d
@@ -18,7 +18,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A point of a core, in numbers of any precision.
+/// A point of a core, with numbers of any precision.
 template <class N, int D>
 using CorePoint = std::array<N, static_cast<std::size_t>(D)>;
 
@@ -26,24 +26,25 @@ template <int D>
 class CurvedCore {
  public:
   virtual ~CurvedCore() = default;
-  /// What it was made from (m), as in CurvedKind::sizes.
+  /// The sizes from which it was made (m), as in CurvedKind::sizes.
   virtual std::span<const Real> sizes() const = 0;
-  /// Half extents of its box around the origin of its own frame (m).
+  /// Half extents of its box around the origin of its frame (m).
   virtual Vec<D> half() const = 0;
-  /// A point of the core that lies farthest along d, of any length; for d = 0 some point of the core.
+  /// Support point: a point of the core farthest along d. d may have any length; for d = 0 any point of the core.
   virtual Vec<D> support(const Vec<D>& d) const = 0;
-  /// The same for the referee: within 8 roundings of a long double of half().norm() from the core, and as far along d.
+  /// The same for the referee. The point is within 8 long-double roundings of half().norm() from the core, and equally
+  /// far along d.
   virtual CorePoint<long double, D> support(const CorePoint<long double, D>& d) const = 0;
-  /// The flat or straight part of the surface that meets a plane with outward normal d best, as contact generators clip
-  /// it: one corner where there is none, two of a straight line, or a convex polygon inscribed in a flat face,
-  /// counter-clockwise seen from outside, of up to 64 corners. The i-th corner stays the i-th while d changes little.
-  /// Any length of d.
+  /// Support feature: the flat or straight part of the surface most nearly perpendicular to d, which contact generators
+  /// clip. One corner when there is none, two corners of a straight line, or a convex polygon inscribed in a flat face,
+  /// with up to 64 corners, counter-clockwise from outside. Corner i stays corner i while d changes little. d may have
+  /// any length.
   virtual void supportFace(const Vec<D>& d, std::vector<Vec<D>>& corners) const = 0;
-  /// Of the solid core, in its own frame.
+  /// Mass properties of the solid core, in its own frame.
   virtual MassProperties<D> massProperties(Real density) const = 0;
 };
 
-/// Writes both support functions from one template, `extreme`.
+/// Implements both support functions by one template, `extreme`.
 template <int D, class Core>
 class CurvedBase : public CurvedCore<D> {
  public:
@@ -64,26 +65,26 @@ class CurvedBase : public CurvedCore<D> {
 /// How cores of a kind are made.
 template <int D>
 struct CurvedKind {
-  std::vector<std::string_view> sizes;  // names, all lengths above zero (m)
+  std::vector<std::string_view> sizes;  // names of the sizes, all lengths > 0 (m)
   std::function<std::shared_ptr<const CurvedCore<D>>(std::span<const Real>)> create;
-  int claims = 1;  // registrations: of more than one, by two plugins, none is the kind
+  int claims = 1;  // number of registrations; when two plugins register, neither is used
 };
 
 /// Throws UserError when the kind is not curved or not of this dimension.
 template <int D>
 const CurvedKind<D>& curvedKind(ShapeKind kind);
 
-/// Throws UserError, `who` first, unless the core is what it says along some hundred fixed directions: finite, inside
-/// its box and as large as it, convex (no point lies farther along a direction than its support point), the same in
-/// both number types, and with mass. Costs a fraction of a millisecond.
+/// Throws UserError, starting with `who`, unless the core is consistent along some hundred fixed directions. It must be
+/// finite, fill its box, have mass, and be equal in both number types. It must be convex: no point is farther along a
+/// direction than its support point. Costs a fraction of a millisecond.
 template <int D>
 void requireConvexCore(const CurvedCore<D>& core, const std::string& who);
 
-/// All of this dimension, in the order of the kinds.
+/// All kinds of this dimension, in the order of ShapeKind.
 template <int D>
 std::map<ShapeKind, CurvedKind<D>>& curvedKinds();
 
-namespace {  // as Registrar
+namespace {  // as in Registrar
 
 template <template <int> class Core, int... D>
 class CurvedRegistrar {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a plugin gives as a convex core is asked for what every algorithm takes for granted.
+// Checks that a plugin's convex core has the properties on which every algorithm relies.
 #include <vector>
 
 #include "framework/shape/curved_core.h"
@@ -8,9 +8,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr std::size_t kMostFaceCorners = 64;  // that contact generators clip
+constexpr std::size_t kMostFaceCorners = 64;  // most corners that contact generators clip
 
-// Whole numbers from -3 to 3, made unit: 48 in the plane, 342 in space.
+// Integer vectors with components from -3 to 3, normalised: 48 in 2D, 342 in 3D.
 template <int D>
 std::vector<Vec<D>> directions() {
   constexpr int kReach = 3;

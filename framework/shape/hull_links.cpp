@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Zlib
-// The neighbours of a hull's vertices, and when they prove that a vertex is the farthest (Polytope<3>::slack).
+// Neighbours of a hull's vertices, and when they prove that a vertex is a support point (Polytope<3>::slack).
 //
-// A convex polytope has no local maximum but the farthest vertices, so that a climb along its edges finds them. What
-// Qhull leaves is convex within rounding: its faces merge triangles that are not quite in one plane. Let Q be the
-// convex hull of the vertices, S the surface made of the faces, c a point with a ball of radius r inside all planes, R
-// how far the vertices are from c, and s how far corners of a face may lie below its plane, which nothing lies above
-// (the offset of a face is that of its foremost vertex). Seen from c, a point of S and the point of Q's surface behind
-// it are p and c + l (p - c) with 1 <= l <= 1 + s / (r - s): p is made of corners and so within Q, and the plane of
-// p's face ends Q. So the two surfaces differ by no more than t = R s / (r - s) in height along any unit direction n.
+// A convex polytope has no local maximum other than its support vertices, so hill climbing along its edges finds them.
+// Qhull's result is convex only within rounding: its faces merge triangles that are not exactly coplanar. Let Q be the
+// convex hull of the vertices, and S the surface made of the faces. Let c be a point with a ball of radius r inside all
+// planes, and R the distance of the vertices from c. Let s be how far corners of a face may lie below its plane;
+// nothing lies above it (the offset of a face is that of its highest vertex). Seen from c, a point of S and the point
+// of Q's surface behind it are p and c + l (p - c) with 1 <= l <= 1 + s / (r - s). The lower bound: p is a convex
+// combination of corners, so it is within Q. The upper bound: the plane of p's face bounds Q. So along any unit
+// direction n, the two surfaces differ in height by at most t = R s / (r - s).
 //
-// Let T be vertices that are connected by edges, all their other neighbours more than `slack` below the highest of
-// them, v. If a vertex w besides T were not below v: what of Q's surface lies no lower than v - t is connected, and so
-// there is a path on it, from above v to above w, that is never lower. Its shadow on S leaves the corners that T cuts
-// off its faces, somewhere between two neighbours of T, which are lower than v - slack: on Q's surface it is lower
-// there than v - slack + t. So `slack` is 2 t, and what rounding takes from heights; with `slack + band` T has all that
-// lie no lower than v - band. The shadow needs an S that is seen once in each direction from c, with faces that are
-// convex from there: that is tested, corner by corner.
+// Let T be vertices connected by edges, with all their other neighbours more than `slack` below the highest of them, v.
+// Suppose that a vertex w outside T is not below v. The part of Q's surface that lies no lower than v - t is connected,
+// so it has a path from above v to above w. The projection of this path on S crosses the corners that T cuts off its
+// faces, somewhere between two neighbours of T, which are lower than v - slack. There the path on Q's surface is lower
+// than v - slack + t. So `slack` is 2 t plus the rounding of heights. With `slack + band`, T contains all vertices no
+// lower than v - band. The projection needs an S that is seen once in each direction from c, with faces that are convex
+// from there: this is tested, corner by corner.
 #include <algorithm>
 #include <limits>
 
@@ -59,7 +60,7 @@ double slackOf(const Polytope<3>& hull) {
       below = std::max(below, double(f.offset) - n.dot(corner(i)));
       const int next = i + 1 < f.end ? i + 1 : f.begin, last = i > f.begin ? i - 1 : f.end - 1;
       if (!turnsLeft(last, i, next)) return kNone;
-      if (last > f.begin && i > f.begin && !turnsLeft(f.begin, last, i)) return kNone;  // it goes round but once
+      if (last > f.begin && i > f.begin && !turnsLeft(f.begin, last, i)) return kNone;  // the loop goes round only once
     }
   }
   const double rounding = kHeightRounding * largest;
@@ -74,7 +75,7 @@ void linkVertices(Polytope<3>& hull) {
   hull.spokes.clear(), hull.firstSpoke.clear();
   hull.slack = std::numeric_limits<Real>::infinity();
   if (!isWhole(hull)) return;
-  // Counted, then filled in the order of the edges.
+  // Count, then fill in the order of the edges.
   hull.firstSpoke.assign(hull.vertices.size() + 1, 0);
   hull.spokes.resize(2 * hull.edges.size());
   const auto first = [&](int v) -> int& { return hull.firstSpoke[v]; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Closed forms in double. Capsules by the parts they are made of, polytopes by simplices from their own middle.
+// Closed forms in double. Capsules are summed from a bar and a ball, polytopes from simplices around their own middle.
 #include <Eigen/Cholesky>
 #include <numbers>
 
@@ -15,7 +15,7 @@ Inertia<3> rotateInertia(const Rot<3>& q, const Inertia<3>& inertia) {
 
 bool isInertia(const Inertia<2>& inertia) { return inertia(0, 0) >= 0; }
 
-// By second moments, which are half the trace less the inertia: they are of a solid when none is below zero.
+// Tests the second moments, which are half the trace minus the inertia: a solid has none below zero.
 bool isInertia(const Inertia<3>& inertia) {
   const Real trace = inertia.trace(), rounding = kUnitTolerance * trace;
   if (!((inertia - inertia.transpose()).cwiseAbs().maxCoeff() <= rounding)) return false;
@@ -53,7 +53,7 @@ MassProperties<3> solid(double mass, double ix, double iy, double iz) {
 
 MassProperties<2> ofCapsule(const Vec<2>& half, double r, double density) {  // half = 0: a disc
   const double h = half[0], bar = density * 4 * h * r, disc = density * kPi * r * r;
-  // A half disc's centroid is 4r/3pi from its flat side, which lies h from the middle.
+  // A half disc's centroid is 4r/3pi from its flat side, which is h from the middle.
   return solid(bar + disc, bar * (h * h + r * r) / 3 + disc * (r * r / 2 + h * h + 2 * h * 4 * r / (3 * kPi)));
 }
 MassProperties<3> ofCapsule(const Vec<3>& half, double r, double density) {  // half = 0: a ball
@@ -73,8 +73,8 @@ MassProperties<3> ofBox(const Vec<3>& half, double density) {
   return solid(mass, mass * (y * y + z * z) / 3, mass * (x * x + z * z) / 3, mass * (x * x + y * y) / 3);
 }
 
-// Volume integrals of 1, p and p p^T over simplices with one corner at a reference point near the middle: about the
-// frame's origin a small shape far away would be the difference of huge numbers, down to negative inertia.
+// Volume integrals of 1, p and p p^T over simplices with one corner at a reference point near the middle. About the
+// frame's origin, a small shape far away would be a difference of huge numbers, even a negative inertia.
 template <int D>
 struct Integrals {
   using Point = Eigen::Matrix<double, D, 1>;
@@ -83,7 +83,7 @@ struct Integrals {
   Point first = Point::Zero();
   Square second = Square::Zero();
 
-  // `corners` are the simplex's other corners as columns, `measure` its signed volume.
+  // `corners`: the simplex's other corners as columns; `measure`: its signed volume.
   void add(const Square& corners, double measure) {
     const Point sum = corners.rowwise().sum();
     volume += measure;
@@ -154,7 +154,7 @@ MassProperties<D> massProperties(const ShapeView<D>& shape, Real density) {
     case CoreClass::box:
       return ofBox(shape.half, density);
     case CoreClass::hull:
-      if (shape.kind == ShapeKind::triangle) {  // no volume; where its middle is somebody may ask
+      if (shape.kind == ShapeKind::triangle) {  // no volume, but its middle is needed
         MassProperties<D> none;
         none.center = middle<D>(*shape.hull).template cast<Real>();
         return none;
@@ -162,10 +162,10 @@ MassProperties<D> massProperties(const ShapeView<D>& shape, Real density) {
       return ofPolytope<D>(*shape.hull, density);
     case CoreClass::curved:
       return shape.curved->massProperties(density);
-    case CoreClass::plane:  // never moves: no mass is asked for, and none would be right
+    case CoreClass::plane:  // never moves: its mass is never used
       return {};
   }
-  MassProperties<D> m;  // a thin rod across every axis but its own: in 2D the only axis is across
+  MassProperties<D> m;  // a thin rod: no inertia about its own axis; in 2D the only axis is perpendicular
   m.mass = density * 2 * shape.half[0];
   m.inertia = m.mass / 3 * pointInertia<D>(shape.half);
   return m;
@@ -179,8 +179,8 @@ MassProperties<D> transformed(const MassProperties<D>& m, const Pose<D>& X_AS) {
 template <int D>
 MassProperties<D> combined(const MassProperties<D>& a, const MassProperties<D>& b) {
   const Real mass = a.mass + b.mass;
-  if (mass == 0) return a;  // NaN goes on: it is for the caller to see
-  // By the distance of the two centres and never by that to the origin.
+  if (mass == 0) return a;  // NaN is passed on, for the caller to detect
+  // Use the distance of the two centres, never that to the origin.
   const Vec<D> apart = b.center - a.center;
   const Real share = b.mass / mass;
   return {mass, a.center + share * apart, a.inertia + b.inertia + a.mass * share * pointInertia<D>(apart)};

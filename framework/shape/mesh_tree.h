@@ -12,8 +12,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Boxes that never move, split at the median of their longest spread until a leaf has few (Ericson 2005, 6.2). Nodes
-/// lie in the order of a walk from the root, each with the number of the one that follows when it is passed over.
+/// A tree of fixed boxes, split at the median along the longest extent until a leaf has few boxes (Ericson 2005, 6.2).
+/// Nodes are in preorder; each stores the index of the node after its subtree.
 template <int D>
 class MeshTree {
  public:
@@ -23,7 +23,8 @@ class MeshTree {
     if (!m_items.empty()) build(0, m_items.size());
   }
 
-  /// The numbers of all boxes for which meets(box), in rising order. Who meets a box must meet all that hold it.
+  /// Indices of all boxes for which meets(box) is true, ascending. `meets` must be true for a box that contains one for
+  /// which it is true.
   template <class Meets>
   void find(const Meets& meets, std::vector<std::int32_t>& out, WorkDone& work) const {
     out.clear();
@@ -45,12 +46,12 @@ class MeshTree {
   }
 
  private:
-  static constexpr std::size_t kLeaf = 4;  // boxes; fewer are more nodes than tests saved
+  static constexpr std::size_t kLeaf = 4;  // boxes; fewer add more nodes than they save tests
 
   struct Node {
     Aabb<D> box;
-    std::int32_t past = 0;             // the node after all below this one
-    std::int32_t first = 0, last = 0;  // its items, if it is a leaf
+    std::int32_t past = 0;             // the node after this subtree
+    std::int32_t first = 0, last = 0;  // its items, when it is a leaf
   };
 
   void build(std::size_t begin, std::size_t end) {
@@ -67,7 +68,8 @@ class MeshTree {
     } else {
       Eigen::Index axis = 0;
       (centers.hi - centers.lo).maxCoeff(&axis);
-      const auto before = [&](std::int32_t a, std::int32_t b) {  // never equal: the order is one for all libraries
+      const auto before = [&](std::int32_t a, std::int32_t b) {  // never equal: the same order in every standard
+                                                                 // library
         return std::pair(m_boxes[a].center()[axis], a) < std::pair(m_boxes[b].center()[axis], b);
       };
       const std::size_t middle = begin + (end - begin) / 2;

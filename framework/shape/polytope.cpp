@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Convex hulls. All arithmetic is double in both precisions; the tolerance is what the coordinates themselves were
-// rounded to, so that eight corners of a turned box give six faces and not twelve.
+// Convex hulls. All arithmetic is double in both precisions. The tolerance is the rounding of the coordinates, so that
+// eight corners of a rotated box give six faces and not twelve.
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
@@ -20,8 +20,8 @@ namespace {
 template <int D>
 using Point = Eigen::Matrix<double, D, 1>;
 
-// The points, and the length by which rounding of the given coordinates may have moved them. Only differences of points
-// are ever used: they are right to the last digit also far from the origin.
+// The points, and how far rounding may have moved the given coordinates. Only differences of points are used: they are
+// exact even far from the origin.
 template <int D>
 struct Cloud {
   IndexedVector<Point<D>> p;
@@ -71,7 +71,8 @@ void requireVolume(const Cloud<D>& cloud) {
   const Point<D> a = p[farthestFrom<D>(p, [&](const Point<D>& q) { return (q - p[0]).norm(); })];
   const Point<D> b = p[farthestFrom<D>(p, [&](const Point<D>& q) { return (q - a).norm(); })];
   if (!((b - a).norm() > cloud.tolerance)) flat("on one point");
-  Eigen::Matrix<double, D, D> axes = Eigen::Matrix<double, D, D>::Zero();  // orthonormal, one per dimension found
+  Eigen::Matrix<double, D, D> axes = Eigen::Matrix<double, D, D>::Zero();  // orthonormal, one column per dimension
+                                                                           // found
   axes.col(0) = (b - a).normalized();
   for (int k = 1; k < D; ++k) {
     const auto residual = [&](const Point<D>& q) {
@@ -89,7 +90,7 @@ double area2(const Point<2>& a, const Point<2>& b, const Point<2>& c) {
   return (b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0];
 }
 
-// Andrew's monotone chain; indices counter-clockwise.
+// Andrew's monotone chain; returns indices, counter-clockwise.
 std::vector<std::size_t> monotoneChain(const IndexedVector<Point<2>>& p) {
   std::vector<std::size_t> order(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) order[i] = i;
@@ -106,20 +107,20 @@ std::vector<std::size_t> monotoneChain(const IndexedVector<Point<2>>& p) {
       while (hull.size() >= start + 2 && area2(p[hull[hull.size() - 2]], p[hull.back()], p[i]) <= 0) hull.pop_back();
       hull.push_back(i);
     }
-    hull.pop_back();  // starts the other half
+    hull.pop_back();  // it is the first point of the other half
     std::reverse(order.begin(), order.end());
   }
   return hull;
 }
 
-// Drops vertices that lie on the line of those kept before and after them. Every dropped one is measured against the
-// final edge: dropping by neighbours alone would eat up a finely sampled circle.
+// Drops vertices that are collinear with the kept vertices before and after them. Each dropped vertex is measured
+// against the final edge: comparing neighbours only would consume a finely sampled circle.
 std::vector<std::size_t> withoutCollinear(const Cloud<2>& cloud, std::vector<std::size_t> hull) {
   const auto& p = cloud.p;
   const auto onLine = [&](std::size_t a, std::size_t b, std::size_t q) {
     return std::abs(area2(p[a], p[b], p[q])) <= cloud.tolerance * (p[b] - p[a]).norm();
   };
-  // Start where the hull surely turns: at an end of its diameter.
+  // Start at a true corner: an end of the hull's diameter.
   const auto& first = p[hull[0]];
   std::size_t start = 0;
   for (std::size_t i = 1; i < hull.size(); ++i) {
@@ -139,7 +140,7 @@ std::vector<std::size_t> withoutCollinear(const Cloud<2>& cloud, std::vector<std
   return kept;
 }
 
-// A face of the hull: indices into the given points, counter-clockwise from outside, and the normal that Qhull used.
+// A face of the hull: indices of the given points, counter-clockwise from outside, and Qhull's normal.
 struct Loop {
   std::vector<int> v;
   Point<3> normal;
@@ -158,8 +159,8 @@ class QhullRun {
   QhullRun(const QhullRun&) = delete;
   QhullRun& operator=(const QhullRun&) = delete;
 
-  // Qhull's own merging of facets that are not clearly convex is what makes it robust; E tells it how exact the
-  // coordinates are, so that it merges what rounding has split.
+  // Qhull is robust because it merges facets that are not clearly convex. E tells it the precision of the coordinates,
+  // so that it merges what rounding has split.
   bool run(std::vector<double>& coordinates, double tolerance, const char* options) {
     char command[128];
     std::snprintf(command, sizeof command, "qhull %s E%.17g", options, tolerance);
@@ -168,7 +169,7 @@ class QhullRun {
   }
   std::vector<Loop> loops() {
     std::vector<Loop> out;
-    qhT* qh = &m_qh;  // the macros want this name
+    qhT* qh = &m_qh;  // Qhull's macros use this name
     facetT* facet;
     FORALLfacets {
       setT* ordered = qh_facet3vertex(qh, facet);
@@ -187,7 +188,7 @@ class QhullRun {
   std::FILE* m_errors;
 };
 
-// Removes vertices that only two faces share: they lie inside an edge.
+// Removes vertices with only two faces: they lie inside an edge.
 void dropEdgeVertices(std::vector<Loop>& loops, std::size_t points) {
   for (bool again = true; again;) {
     again = false;
@@ -202,7 +203,7 @@ void dropEdgeVertices(std::vector<Loop>& loops, std::size_t points) {
   }
 }
 
-// How far any of the points stands out of the face's plane with this normal (m).
+// How far the points stand out of the face's plane with this normal, at most (m).
 double outside(const IndexedVector<Point<3>>& p, const std::vector<int>& hull, const Loop& loop,
                const Point<3>& normal) {
   double inner = std::numeric_limits<double>::infinity(), outer = -inner;
@@ -212,7 +213,7 @@ double outside(const IndexedVector<Point<3>>& p, const std::vector<int>& hull, c
   return outer - inner;
 }
 
-// Of the loop's area; that of the loop where it has none.
+// Normal of the loop's area; the loop's own normal when the area is zero.
 Point<3> areaNormal(const IndexedVector<Point<3>>& p, const Loop& loop) {
   const Point<3>& base = p[loop.v[0]];
   Point<3> area = Point<3>::Zero();
@@ -223,16 +224,17 @@ Point<3> areaNormal(const IndexedVector<Point<3>>& p, const Loop& loop) {
   return area.norm() > 0 ? Point<3>(area.normalized()) : loop.normal;
 }
 
-// The sine of the loop's turn at b, on its way from a to c; negative where it turns inwards.
+// Sine of the loop's turn at b, from a to c; negative when it turns inwards.
 double turn(const IndexedVector<Point<3>>& p, const Point<3>& normal, int a, int b, int c) {
   const Point<3> in = p[b] - p[a];
   const Point<3> out = p[c] - p[b];
   return in.cross(out).dot(normal) / (in.norm() * out.norm());
 }
 
-// Where merging what rounding has split left a corner that turns inwards, the loop becomes two. Either a narrow
-// triangle of a sliver's other side was laid into this one: it is a face of its own, across the dent. Or two faces of
-// this side became one: they meet again in an edge from that corner. False when no corner does, or nothing helps.
+// Splits a loop in two at a corner that turns inwards, which merging may leave. Either a narrow triangle of a sliver's
+// other side was merged into this face: it becomes a face of its own, across the dent. Or two faces of this side were
+// merged: they become separate at an edge from that corner. Returns false when no corner turns inwards, or no split
+// helps.
 bool mendDent(const IndexedVector<Point<3>>& p, const std::vector<int>& hull, double tolerance, Loop& loop,
               std::vector<Loop>& more) {
   std::vector<int>& v = loop.v;
@@ -261,14 +263,15 @@ bool mendDent(const IndexedVector<Point<3>>& p, const std::vector<int>& hull, do
   return false;
 }
 
-// The normal of the area is the better one for wide faces, but that of a sliver is made of rounding: Qhull knows it
-// from the neighbourhood. The one that leaves less outside is taken.
+// The area's normal is better for wide faces, but for a sliver it is made of rounding: Qhull's normal uses the
+// neighbourhood. Takes the one that leaves less outside.
 Point<3> faceNormal(const IndexedVector<Point<3>>& p, const std::vector<int>& hull, const Loop& loop) {
   const Point<3> area = areaNormal(p, loop);
   return outside(p, hull, loop, area) <= outside(p, hull, loop, loop.normal) ? area : loop.normal;
 }
 
-// The loops as a polytope; null when they do not close: some edge has not exactly two faces, or Euler's count is off.
+// Builds a polytope from the loops. Returns null when they are not closed: an edge does not have exactly two faces, or
+// Euler's count is wrong.
 std::shared_ptr<Polytope<3>> assemble(std::span<const Vec<3>> points, const Cloud<3>& cloud, std::vector<Loop> loops) {
   dropEdgeVertices(loops, points.size());
   IndexedVector<int> number(points.size(), -1);
@@ -288,10 +291,10 @@ std::shared_ptr<Polytope<3>> assemble(std::span<const Vec<3>> points, const Clou
     while (mendDent(cloud.p, used, cloud.tolerance, loops[i], more)) continue;
     loops.insert(loops.end(), more.begin(), more.end());
   }
-  // One order, whatever Qhull's was: each loop from its lowest vertex, faces by their loops.
+  // A canonical order, whatever Qhull's was: each loop starts at its lowest vertex, faces are sorted by loops.
   for (Loop& loop : loops) std::rotate(loop.v.begin(), std::min_element(loop.v.begin(), loop.v.end()), loop.v.end());
   std::sort(loops.begin(), loops.end());
-  std::map<std::pair<int, int>, std::size_t> open;  // edges that wait for their second face
+  std::map<std::pair<int, int>, std::size_t> open;  // edges with only one face so far
   for (std::size_t f = 0; f < loops.size(); ++f) {
     const std::vector<int>& loop = loops[f].v;
     Polytope<3>::Face face;
@@ -348,7 +351,7 @@ std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points) {
     const Point<3> near = q - cloud.p[0];
     coordinates.insert(coordinates.end(), {near[0], near[1], near[2]});
   }
-  for (const double grown : kHullTries) {  // near-degenerate clouds can defeat a tolerance, rarely three
+  for (const double grown : kHullTries) {  // a near-degenerate point cloud can fail at one tolerance, rarely at three
     QhullRun qhull;
     if (!qhull.run(coordinates, grown * cloud.tolerance, "Q12")) continue;
     if (auto hull = assemble(points, cloud, qhull.loops())) return hull;

@@ -17,7 +17,7 @@ namespace {
 constexpr IndexedArray<std::string_view, kShapeKinds> kKindNames = {
     "sphere", "capsule", "segment", "box", "polytope", "cylinder", "ellipsoid", "plane", "cone", "triangle", "custom"};
 
-// One line of what was found and what would do; the comparison is written so that NaN is refused, too.
+// Throws one line with what was found and what is valid; written so that NaN is rejected too.
 void requireSize(const char* shape, const char* what, Real value, bool zeroAllowed) {
   const bool large = zeroAllowed ? value >= 0 : value > 0;
   if (large && std::isfinite(value)) return;
@@ -39,7 +39,7 @@ ShapeKind shapeKindFromName(std::string_view name) {
 
 bool kindExists(ShapeKind kind, int dimension) {
   if (kind == ShapeKind::custom) {
-    const auto isIn = [&](const auto& kinds) {  // a core without a size cannot be drawn, saved or scaled
+    const auto isIn = [&](const auto& kinds) {  // a core without sizes cannot be drawn, saved or scaled
       const auto found = kinds.find(kind);
       return found != kinds.end() && !found->second.sizes.empty();
     };
@@ -95,7 +95,7 @@ Shape<D> Shape<D>::polytope(std::shared_ptr<const Polytope<D>> hull, Real roundi
   if (!hull) throw UserError("polytope: there is no hull");
   requireSize("polytope", "rounding", rounding, true);
   if constexpr (D == 3) {
-    if (hull->firstSpoke.size() != hull->vertices.size() + 1) {  // made by hand
+    if (hull->firstSpoke.size() != hull->vertices.size() + 1) {  // a hull made by hand
       auto linked = std::make_shared<Polytope<3>>(*hull);
       linkVertices(*linked);
       if (linked->firstSpoke.empty()) throw UserError("polytope: a face or an edge of a vertex that does not exist");
@@ -227,7 +227,7 @@ Real boundingRadius(const ShapeView<D>& shape) {
     case CoreClass::point:
     case CoreClass::segment:
     case CoreClass::box:
-    case CoreClass::curved:  // the corner of its box: not the smallest, but one that holds for every curved core
+    case CoreClass::curved:  // the corner of its box: not the smallest sphere, but valid for every curved core
       return shape.half.norm() + shape.radius;
     case CoreClass::plane:
       return std::numeric_limits<Real>::infinity();

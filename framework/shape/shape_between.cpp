@@ -6,10 +6,10 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A turn of the x axis into a direction (unit).
+// Rotation of the x axis to a direction (unit).
 Rot<2> fromX(const Vec<2>& d) { return {d[0], d[1]}; }
 Rot<3> fromX(const Vec<3>& d) {
-  // Half of 1 + x is the squared cosine of half the angle. Where that is small: half a turn about z, and then from -x.
+  // (1 + x) / 2 is the squared cosine of half the angle. When it is small: first half a turn about z, then from -x.
   if (d[0] >= 0) return Rot<3>{1 + d[0], 0, -d[2], d[1]}.normalized();
   return Rot<3>{1 - d[0], 0, d[2], -d[1]}.normalized() * Rot<3>{0, 0, 0, 1};
 }

@@ -6,10 +6,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The box with these two opposite corners (m), in the frame in which they are told, whose axes are turned by q.
+/// The box with these two opposite corners (m), given in a frame that is rotated by q.
 template <int D>
 ShapeDef<D> boxBetween(const Vec<D>& corner, const Vec<D>& opposite, const Rot<D>& q = {});
-/// All points within `radius` (m) of the line from one point to the other: a capsule, of equal points a ball.
+/// All points within `radius` (m) of the line between two points: a capsule; for equal points a sphere.
 template <int D>
 ShapeDef<D> capsuleBetween(const Vec<D>& from, const Vec<D>& to, Real radius);
 /// 2D: a line without width; its density is kg/m.

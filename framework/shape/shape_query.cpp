@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Points, boxes and rays against one shape. Exact but for rounding and closed: no tolerance, and an iteration only for
-// curved cores. A rounded shape is the set of points within `radius` of its core, so every question becomes one about
-// the core's features.
+// Queries of one shape with points, boxes and rays. Exact except for rounding, and closed: no tolerance; iterative only
+// for curved cores. A rounded shape is the set of points within `radius` of its core, so each query reduces to the
+// core's features.
 #include <algorithm>
 #include <limits>
 
@@ -17,7 +17,7 @@ constexpr Real kInf = std::numeric_limits<Real>::infinity();
 
 Real planeOffset(const Polytope<2>& hull, std::size_t i) { return hull.normals[i].dot(hull.vertices[i]); }
 
-// f(normal, offset): inside is normal . p <= offset.
+// Calls f(normal, offset); inside is normal . p <= offset.
 template <class F>
 void forEachPlane(const Polytope<2>& hull, F&& f) {
   for (std::size_t i = 0; i < hull.normals.size(); ++i) f(hull.normals[i], planeOffset(hull, i));
@@ -46,7 +46,7 @@ Vec<D> corner(const Vec<D>& half, int bits) {
   return v;
 }
 
-// f(a, b) for every edge of the core; a point's is the point. Curved cores and planes have none.
+// Calls f(a, b) for every edge of the core; a point core is one edge of length zero. Curved cores and planes have none.
 template <int D, class F>
 void forEachEdge(const ShapeView<D>& shape, F&& f) {
   switch (shape.core()) {
@@ -68,7 +68,7 @@ void forEachEdge(const ShapeView<D>& shape, F&& f) {
   }
 }
 
-// A polygon's faces are its edges; only in 3D there is more than edges.
+// In 2D faces are edges, which are handled elsewhere; only 3D has more faces.
 bool insideFace(const Polytope<3>& hull, const Polytope<3>::Face& face, const Vec<3>& p) {
   if (face.end - face.begin < 3) return false;  // a triangle's side has no area: it is an edge
   for (int i = face.begin; i < face.end; ++i) {
@@ -80,7 +80,7 @@ bool insideFace(const Polytope<3>& hull, const Polytope<3>::Face& face, const Ve
   return true;
 }
 
-// Distance of an outer point to the nearest face that it stands over.
+// Distance of an outer point to the nearest face with the point's projection in its interior.
 Real faceDistance(const Polytope<2>&, const Vec<2>&) { return kInf; }
 Real faceDistance(const Polytope<3>& hull, const Vec<3>& p) {
   Real best = kInf;
@@ -91,7 +91,7 @@ Real faceDistance(const Polytope<3>& hull, const Vec<3>& p) {
   return best;
 }
 
-// Entry of a ray through the faces moved outwards by r.
+// Entry of a ray through the faces, moved outwards by r.
 RayEntry<2> faceRay(const Polytope<2>&, Real, const Vec<2>&, const Vec<2>&) { return {kInf}; }
 RayEntry<3> faceRay(const Polytope<3>& hull, Real r, const Vec<3>& p, const Vec<3>& d) {
   RayEntry<3> best{kInf};
@@ -112,13 +112,13 @@ Real pointSegmentSquared(const Vec<D>& p, const Vec<D>& a, const Vec<D>& b) {
   return (p - (a + t * u)).squaredNorm();
 }
 
-// How far p, in the shape's frame, is from a curved core, and the direction from p to it.
+// Distance of p, in the shape's frame, from a curved core, and the direction from p to the core.
 template <int D>
 Gap<D> pointCurvedGap(const CurvedCore<D>& core, const Vec<D>& p) {
   return gapToOrigin<D>([&](const Vec<D>& d) { return Vec<D>(core.support(d) - p); }, -p);
 }
 
-// Squared distance of p, in the shape's frame, to the core.
+// Squared distance of p, in the shape's frame, from the core.
 template <int D>
 Real pointCoreSquared(const ShapeView<D>& shape, const Vec<D>& p) {
   switch (shape.core()) {
@@ -147,8 +147,8 @@ Real pointCoreSquared(const ShapeView<D>& shape, const Vec<D>& p) {
   return best;
 }
 
-// Squared distance of the segment a b to the box |x_k| <= half_k. The square of the distance at a + t (b - a) is convex
-// and piecewise quadratic in t, so its slope is piecewise linear and has its zero between two neighbouring breaks.
+// Squared distance of the segment a b from the box |x_k| <= half_k. The squared distance at a + t (b - a) is convex and
+// piecewise quadratic in t, so its slope is piecewise linear and has its zero between two neighbouring breaks.
 template <int D>
 Real segmentBoxSquared(const Vec<D>& a, const Vec<D>& b, const Vec<D>& half) {
   const Vec<D> u = b - a;
@@ -181,7 +181,7 @@ void takeNearer(RayEntry<D>& best, const RayEntry<D>& other) {
   if (other.t < best.t) best = other;
 }
 
-// Entry of a ray into the ball of radius r around c. The chord is measured from the point of closest approach: the
+// Entry of a ray into the ball of radius r around c. The chord is measured from the closest point of the ray: the
 // textbook discriminant loses all digits for far balls (Haines, Guenther, Akenine-Moeller 2019).
 template <int D>
 RayEntry<D> ballRay(const Vec<D>& c, Real r, const Vec<D>& p, const Vec<D>& d) {
@@ -196,7 +196,7 @@ RayEntry<D> ballRay(const Vec<D>& c, Real r, const Vec<D>& p, const Vec<D>& d) {
   return {t, Vec<D>(closest - back * d).normalized()};
 }
 
-// Entry of a ray that starts outside into the capsule around a b.
+// Entry of a ray that starts outside into the capsule around segment a b.
 template <int D>
 RayEntry<D> capsuleRay(const Vec<D>& a, const Vec<D>& b, Real r, const Vec<D>& p, const Vec<D>& d) {
   const Vec<D> u = b - a;
@@ -204,7 +204,7 @@ RayEntry<D> capsuleRay(const Vec<D>& a, const Vec<D>& b, Real r, const Vec<D>& p
   RayEntry<D> best = ballRay<D>(a, r, p, d);
   takeNearer(best, ballRay<D>(b, r, p, d));
   if (!(uu > 0)) return best;
-  // Seen along the axis the mantle is a ball (a strip in 2D) around a.
+  // Seen along the axis, the lateral surface is a ball (a strip in 2D) around a.
   const Vec<D> m = p - a;
   const Vec<D> mSide = m - u * (m.dot(u) / uu), dSide = d - u * (d.dot(u) / uu);
   if (dSide.squaredNorm() > 0) {
@@ -217,7 +217,7 @@ RayEntry<D> capsuleRay(const Vec<D>& a, const Vec<D>& b, Real r, const Vec<D>& p
   return best;
 }
 
-// Entry of a ray into the box |x_k| <= half_k whose faces are moved outwards by r, edges left to others.
+// Entry of a ray into the box |x_k| <= half_k with faces moved outwards by r; edges are handled elsewhere.
 template <int D>
 RayEntry<D> boxFaceRay(const Vec<D>& half, Real r, const Vec<D>& p, const Vec<D>& d) {
   RayEntry<D> best{kInf};
@@ -232,8 +232,8 @@ RayEntry<D> boxFaceRay(const Vec<D>& half, Real r, const Vec<D>& p, const Vec<D>
   return best;
 }
 
-// Entry of a ray into a core without rounding that is a box, a flat one too. Of the planes that it faces it meets that
-// of the face it enters by last.
+// Entry of a ray into a box core without rounding, even a flat one. The entry face is the last of the facing planes
+// that the ray crosses.
 template <int D>
 RayEntry<D> sharpBoxRay(const Vec<D>& half, const Vec<D>& p, const Vec<D>& d, Real maxT) {
   RayEntry<D> entry{castRay(Aabb<D>{-half, half}, p, d, maxT)};
@@ -247,7 +247,7 @@ RayEntry<D> sharpBoxRay(const Vec<D>& half, const Vec<D>& p, const Vec<D>& d, Re
   return entry;
 }
 
-// Entry of a ray into a polytope without rounding, by clipping with its planes, all of them farther out by `slack` (m).
+// Entry of a ray into a polytope without rounding, by clipping with its planes, moved outwards by `slack` (m).
 template <int D>
 RayEntry<D> planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d, Real slack) {
   RayEntry<D> enter{0};
@@ -265,8 +265,8 @@ RayEntry<D> planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d,
   return enter.t <= leave ? enter : RayEntry<D>{kInf};
 }
 
-// Entry of a ray that starts outside a curved core with rounding r. The nearest point's tangent plane lies before the
-// surface everywhere, so the ray may go on to where it meets that plane; near the surface this is Newton's iteration.
+// Entry of a ray that starts outside a curved core with rounding r. The tangent plane at the nearest point lies before
+// the whole surface, so the ray may advance to that plane. Near the surface this is Newton's iteration.
 template <int D>
 RayEntry<D> curvedRay(const CurvedCore<D>& core, Real r, const Vec<D>& p, const Vec<D>& d) {
   Real t = 0;
@@ -279,11 +279,11 @@ RayEntry<D> curvedRay(const CurvedCore<D>& core, Real r, const Vec<D>& p, const 
     if (!(speed > 0)) return {kInf};
     t += ahead / speed;
   }
-  return {kInf};  // along the surface, nearer and nearer: it grazes
+  return {kInf};  // grazing: closer and closer along the surface
 }
 
-// f(axis): every direction in which a box or hull and an axis-aligned box can be separated. The cross products with the
-// box's axes only swap components, so that a small one is as exact as a large one: nothing has to be skipped.
+// Calls f(axis) for every separating axis of a box or hull and an axis-aligned box. Cross products with the box's axes
+// only swap components, so that a small one is as exact as a large one: none has to be skipped.
 template <class F>
 void forEachAxis(const ShapeView<2>& shape, const Rot<2>& q, F&& f) {
   for (int k = 0; k < 2; ++k) f(Vec<2>(Vec<2>::Unit(k)));
@@ -313,8 +313,8 @@ bool containsPoint(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>&
 
 template <int D>
 bool overlapsBox(const ShapeView<D>& shape, const Pose<D>& X_WS, const Aabb<D>& box) {
-  // What lies far from the shape plays no part: cutting it off makes huge and unbounded boxes harmless.
-  if (shape.core() == CoreClass::plane) {  // the box's corner that lies lowest
+  // Cut off what is far from the shape: this makes huge and unbounded boxes harmless.
+  if (shape.core() == CoreClass::plane) {  // test the lowest corner of the box
     const Vec<D> up = X_WS.q * Vec<D>(Vec<D>::Unit(1));
     Real lowest = 0;
     for (int k = 0; k < D; ++k) lowest += up[k] == 0 ? Real(0) : up[k] * ((up[k] > 0 ? box.lo : box.hi)[k] - X_WS.p[k]);
@@ -383,13 +383,13 @@ RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D
   if (!(d.squaredNorm() > 0)) return {};
   const bool sharp = !(shape.radius > 0);
   RayEntry<D> entry{kInf};
-  // Flat parts of a surface share their borders, each rounded around its own middle: no ray may pass between two, so
-  // that a miss is asked again with them wider.
+  // Flat parts of a surface share borders, and each is rounded around its own middle. No ray may pass between two
+  // parts: after a miss, test again with wider parts.
   const Real wider = kTurnedBox * (p.cwiseAbs().maxCoeff() + X_WS.p.cwiseAbs().maxCoeff() + shape.half.maxCoeff());
   const auto missed = [&] { return !(entry.t >= 0 && entry.t < kInf); };
   switch (shape.core()) {
     case CoreClass::point:
-    case CoreClass::segment:  // without rounding a flat box
+    case CoreClass::segment:  // a flat box when it has no rounding
       if (sharp) entry = sharpBoxRay<D>(shape.half, p, d, maxT);
       if (shape.kind == ShapeKind::segment && missed()) {
         entry = sharpBoxRay<D>(Vec<D>(shape.half + wider * Vec<D>::Unit(0)), p, d, maxT);
@@ -413,7 +413,7 @@ RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D
     forEachEdge(shape,
                 [&](const Vec<D>& a, const Vec<D>& b) { takeNearer(entry, capsuleRay<D>(a, b, shape.radius, p, d)); });
   }
-  if (!(entry.t >= 0 && entry.t <= maxT && entry.t < kInf)) return {};  // maxT may be infinite; a miss is so, too
+  if (!(entry.t >= 0 && entry.t <= maxT && entry.t < kInf)) return {};  // a miss is infinite; maxT may be too
   return {entry.t, X_WS.q * entry.normal};
 }
 

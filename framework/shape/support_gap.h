@@ -10,15 +10,16 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How far a convex set lies from the origin at least, and along which unit direction n: n . m >= gap on all of it.
+/// Distance of a convex set from the origin, and the unit direction n of it: n . m >= gap for all points m of the set.
 template <int D>
 struct Gap {
-  Real gap = -std::numeric_limits<Real>::infinity();  // <= 0: the origin is in the set, or on it within rounding
+  Real gap = -std::numeric_limits<Real>::infinity();  // <= 0: the set contains the origin, or touches it within
+                                                      // rounding
   Vec<D> n = Vec<D>::Zero();
 };
 
-/// Moves w, a corner, to the point of the plane through w and its edges that is nearest to the origin; false when that
-/// lies outside of the face they span, or the face is flat. Gram and Schmidt, then back substitution.
+/// Moves the corner w to the point nearest to the origin in the plane through w and its edges. Returns false when this
+/// point is outside of the face, or the face is flat. Gram-Schmidt, then back substitution.
 template <int D>
 bool dropToFace(std::span<const Vec<D>> edges, Vec<D>& w) {
   IndexedArray<Vec<D>, D> q;
@@ -43,11 +44,10 @@ bool dropToFace(std::span<const Vec<D>> edges, Vec<D>& w) {
   return sum < 1;
 }
 
-/// By the walk of Gilbert, Johnson and Keerthi (1988). `support(d)` is a point of the set that lies farthest along d.
-/// What is returned is the best bound that was met and no difference of points, so a direction that is off by a little
-/// costs only the square of that little. For few questions about sets without corners: the nearest point of a simplex
-/// is looked for among all its faces. `left`: by how much the gap may be too small (m), beside roundings; `far`: one
-/// that is proved to be more is not looked for any further.
+/// Distance of a convex set from the origin by GJK (Gilbert, Johnson and Keerthi 1988). `support(d)` is the support
+/// point of the set along d. Returns the best bound found, not a difference of points: a small error of the direction
+/// costs only its square. For rare queries of sets without corners: each simplex is searched by testing all its faces.
+/// `left`: allowed error of the gap (m), besides rounding. `far`: the search stops when the gap is proved to be larger.
 template <int D, class Support>
 Gap<D> gapToOrigin(const Support& support, Vec<D> start, Real left = 0,
                    Real far = std::numeric_limits<Real>::infinity()) {
@@ -62,11 +62,11 @@ Gap<D> gapToOrigin(const Support& support, Vec<D> start, Real left = 0,
     if (towards.dot(w) > best.gap) best = {towards.dot(w), towards};
     if (best.gap > far) break;
     if (step > 0 && length - best.gap <= std::max(left, kGapRounding * (length + w.norm()))) break;
-    if (count == points.size()) break;  // rounding: the last simplex was full and had to hold the origin
+    if (count == points.size()) break;  // rounding: the last simplex was full and had to contain the origin
     points[count++] = w;
     Real least = std::numeric_limits<Real>::infinity();
     unsigned keep = 0;
-    for (unsigned face = 1u << (count - 1); face < 1u << count; ++face) {  // those with the newest point
+    for (unsigned face = 1u << (count - 1); face < 1u << count; ++face) {  // faces that contain the newest point
       IndexedArray<Vec<D>, D> edges;
       std::size_t n = 0;
       for (std::size_t i = 0; i + 1 < count; ++i) {

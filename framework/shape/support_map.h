@@ -6,9 +6,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A point of the shape's core (its rounding left out) that lies farthest along `d`, in the shape's frame. `d` may have
-/// any length; for d = 0 it is some point of the core. Not for a plane. For a polytope `hint`, when given, receives the
-/// vertex's index.
+/// Support point of the shape's core (without its rounding) along `d`, in the shape's frame. `d` may have any length;
+/// for d = 0 any point of the core. Not for a plane. For a polytope `hint`, when given, receives the vertex's index.
 template <int D>
 inline Vec<D> coreSupport(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr) {
   switch (shape.core()) {
@@ -38,13 +37,13 @@ inline Vec<D> coreSupport(const ShapeView<D>& shape, const Vec<D>& d, int* hint 
     case CoreClass::curved:
       return shape.curved->support(d);
     case CoreClass::plane:
-      LPC_ASSERT(false);  // unbounded: nothing lies farthest
+      LPC_ASSERT(false);  // unbounded: there is no support point
       break;
   }
   return Vec<D>::Zero();
 }
 
-/// h(d) = max over the whole shape of p . d, in the shape's frame; d need not be unit.
+/// Support value: h(d) = max of p . d over the whole shape, in its frame; d need not be unit.
 template <int D>
 inline Real supportValue(const ShapeView<D>& shape, const Vec<D>& d) {
   return coreSupport(shape, d).dot(d) + shape.radius * d.norm();

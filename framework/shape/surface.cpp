@@ -32,10 +32,10 @@ void checkCorners(IndexedSpan<const Vec<D>> points, std::span<const std::array<i
   }
 }
 
-// A part is posed at its own middle, so that sizes and roundings near it are its own and not the whole surface's.
+// Places a part at its own middle, so that sizes and roundings near it are its own, not those of the whole surface.
 PlacedView<3> placeTriangle(const std::array<Vec<3>, 3>& p, const std::string& who,
                             std::vector<std::shared_ptr<const Polytope<3>>>& hulls) {
-  flatTriangle(p, who);  // where it lies its corners must be told apart
+  flatTriangle(p, who);  // checks that the corners are distinct at their position in the surface
   const Eigen::Vector3d middle = (p[0].cast<double>() + p[1].cast<double>() + p[2].cast<double>()) / 3;
   PlacedView<3> part;
   part.X_SP.p = middle.cast<Real>();
@@ -117,7 +117,7 @@ void Surface<2>::findNeighbours(std::string_view) {
 template <>
 void Surface<3>::findNeighbours(std::string_view who) {
   struct Side {
-    int low, high;  // points
+    int low, high;  // point indices
     std::int32_t part;
     int number;
     bool rising;  // goes from low to high

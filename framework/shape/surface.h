@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// What Shape::mesh and Shape::chain are made of: triangles in space, segments in the plane. Each is a convex part like
-// those of a compound; besides the surface knows who lies across each edge, so that contacts on inner edges can be told
-// from those with true ones (internal_edges.h).
+// The data of Shape::mesh and Shape::chain: triangles in 3D, segments in 2D. Each is a convex part, as in a compound.
+// The surface also knows the neighbour across each edge, which distinguishes contacts at internal edges from others
+// (internal_edges.h).
 #pragma once
 
 #include <array>
@@ -15,18 +15,18 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class Surface {
  public:
-  /// A triangle's edge, from its corner `number` to the next one; of a segment's two ends the first is number 0.
+  /// A triangle's edge, from corner `number` to the next corner; of a segment's two ends, the first is number 0.
   struct Border {
-    Vec<D> outward;               // unit, in the part's plane, away from it
+    Vec<D> outward;               // unit, in the part's plane, pointing away from it
     Vec<D> at;                    // a point of the edge
-    std::int32_t neighbour = -1;  // the part across it; -1: the surface ends here
+    std::int32_t neighbour = -1;  // the part across the edge; -1: the surface ends here
   };
   static constexpr int kBorders = D;
 
-  /// Throws UserError, `who` at its beginning, for what Shape::mesh and Shape::chain refuse.
+  /// Builds a surface. Throws UserError, starting with `who`, for what Shape::mesh and Shape::chain reject.
   Surface(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view who);
 
-  /// As they were given.
+  /// As given by the user.
   const std::vector<Vec<D>>& points() const { return m_points; }
   const std::vector<std::array<int, D>>& corners() const { return m_corners; }
 
@@ -36,7 +36,7 @@ class Surface {
   const Aabb<D>& box() const { return m_box; }
   const Vec<D>& normal(std::int32_t part) const { return m_normals[part]; }
   Border border(std::int32_t part, int number) const;
-  /// Radius of a sphere around the frame's origin that holds it (m).
+  /// Radius of a sphere around the frame's origin that contains the surface (m).
   Real reach() const { return m_reach; }
 
  private:
@@ -47,7 +47,7 @@ class Surface {
   std::vector<std::array<int, D>> m_corners;
   std::vector<std::shared_ptr<const Polytope<D>>> m_hulls;  // of triangles
   IndexedVector<PlacedView<D>> m_parts;                     // views point into m_hulls
-  IndexedVector<Vec<D>> m_normals;                          // to the outside
+  IndexedVector<Vec<D>> m_normals;                          // pointing outside
   IndexedVector<IndexedArray<std::int32_t, D>> m_neighbours;
   Aabb<D> m_box;
   Real m_reach = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A flat triangle as a hull. In double, as all hulls are made.
+// A flat triangle as a hull. Computed in double, as all hulls are.
 #include <algorithm>
 #include <string>
 
@@ -26,13 +26,13 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
     throw UserError(std::string(who) + ": it is " + std::to_string(longest) + " m long; valid: " +
                     std::to_string(1 / kLargestExtent) + " to " + std::to_string(2 * kLargestExtent));
   }
-  // Of the two shortest edges the normal has the most digits: it is right at the corner across from the longest.
+  // The cross product of the two shortest edges has the most digits: use the corner opposite the longest edge.
   std::size_t apex = 0;
   for (std::size_t i = 1; i < 3; ++i) {
     if (edge[(i + 1) % 3].squaredNorm() > edge[(apex + 1) % 3].squaredNorm()) apex = i;
   }
   const Point across = longest > 0 ? Point(edge[(apex + 2) % 3].cross(edge[apex]) / longest) : Point(Point::Zero());
-  if (!(across.norm() > kFlattestTriangle * kHullRounding * largest)) {  // its height on the longest edge
+  if (!(across.norm() > kFlattestTriangle * kHullRounding * largest)) {  // its height over the longest edge
     throw UserError(std::string(who) + ": its corners lie on one line within rounding; valid: a triangle with area");
   }
   const Point n = across.normalized();

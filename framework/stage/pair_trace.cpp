@@ -19,7 +19,7 @@ std::string vectorText(const Vec<D>& v) {
   return out + ")";
 }
 
-// Who can show its steps with such a pair.
+// Names of the methods that can record their steps for such a pair.
 template <int D>
 std::vector<std::string> tracers(const PairView<D>& pair) {
   std::vector<std::string> out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// One list of parameters per algorithm: it feeds the pipeline text, the sweep files, `lpc list` and the report.
+// One list of parameters per algorithm, which feeds the pipeline text, sweep files, `lpc list` and the report.
 //
 //   struct Params {
 //     int iterations = 10;
@@ -22,12 +22,12 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What a number is to its method. Searches at equal cost, curves over iterations and tests of convergence ask for the
-/// role and know no names.
+/// The role of a parameter. Searches at equal cost, curves over iterations and tests of convergence find parameters by
+/// role, not by name.
 enum class ParamRole {
-  manner,    // how the method works, and what multiplies an effort, such as sweeps within each sub-step
-  effort,    // how much it does: more is dearer and comes nearer; a real one counts per contact. The first is searched
-  tolerance  // an error at which it stops
+  manner,    // how the method works; also factors of an effort, such as sweeps within each sub-step
+  effort,    // more costs more and is more accurate; a real one counts per contact. Searches use the first
+  tolerance  // the error at which the method stops
 };
 
 class ParamVisitor {
@@ -41,7 +41,7 @@ class ParamVisitor {
   virtual void flag(std::string_view name, bool& value, std::string_view meaning) = 0;
   /// Another algorithm inside this one, such as a solver's velocity resolver.
   virtual void stage(std::string_view name, Spec& value, StageKind kind, std::string_view meaning) = 0;
-  /// An enum whose values count from 0 in the order of `names`.
+  /// An enum with values from 0, in the order of `names`.
   template <class Enum>
   void choice(std::string_view name, Enum& value, std::initializer_list<std::string_view> names,
               std::string_view meaning) {
@@ -60,20 +60,20 @@ struct NoParams {
   void visit(ParamVisitor&) {}
 };
 
-/// What a parameter is, for people and programs.
+/// Describes a parameter for users and programs.
 struct ParamInfo {
   struct Range {
-    double lo, hi;  // in `unit`; both are valid values
+    double lo, hi;  // in `unit`; both ends are valid
   };
   std::string name, type, unit, meaning, defaultText;
   std::optional<Range> range;        // of an integer or real
   std::vector<std::string> choices;  // of a choice, flag or stage
-  /// The stage whose algorithms it takes; nullptr for one that takes numbers, choices or flags.
+  /// The stage of a parameter that names an algorithm; nullptr for numbers, choices and flags.
   const StageInfo* stage = nullptr;
   ParamRole role = ParamRole::manner;
 };
 
-/// The first parameter of a role; nullptr where there is none.
+/// The first parameter of a role; nullptr when there is none.
 const ParamInfo* firstOf(ParamRole role, const std::vector<ParamInfo>& params);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// For algorithms outside of the tree: build them as a shared library against lpc::lpc (or lpc::lpc_f32), put
+// For algorithms outside of the source tree: build them as a shared library against lpc::lpc (or lpc::lpc_f32), put
 //
 //   LPC_PLUGIN;
 //
@@ -12,8 +12,8 @@
 #define LPC_TEXT_OF_(x) #x
 #define LPC_TEXT_OF(x) LPC_TEXT_OF_(x)
 
-/// What two builds must share: the version, the precision, the compiler. The mark in front lets `lpc` find it in the
-/// file before it loads it: a library of the other precision must not even run its initialisers.
+/// What two builds must share: version, precision and compiler. `lpc` searches the file for the prefix before loading
+/// it: even the initialisers of a library of the other precision must not run.
 #define LPC_ABI_TEXT "LPC-ABI|" LPC_VERSION_TEXT "|" LPC_TEXT_OF(LPC_PRECISION) "|" __VERSION__
 
 #define LPC_PLUGIN                      \

@@ -10,7 +10,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 void Profiler::countMemory(MemoryUse (*counter)()) {
   m_counter = counter;
   m_told = {};
-  m_frame.times.reserve(32);  // so that no stage is told what its own name takes up here
+  m_frame.times.reserve(32);  // so that no stage is charged for the entry of its own name
 }
 
 void Profiler::beginFrame(long step) {
@@ -44,7 +44,7 @@ void Profiler::tell(Time& time, const MemoryUse& untoldBefore) {
 }
 
 void Profiler::writeCsv(std::ostream& out) const {
-  std::vector<const char*> names;  // a phase may appear late: the columns are the union over all frames
+  std::vector<const char*> names;  // a phase may first appear late: the columns are the union over all frames
   for (const Frame& f : m_frames) {
     for (const Time& t : f.times) {
       const auto same = [&](const char* n) { return std::strcmp(n, t.name) == 0; };

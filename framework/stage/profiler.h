@@ -13,11 +13,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What was allocated and given back.
+/// Memory allocated and freed.
 struct MemoryUse {
-  std::int64_t allocations = 0;  // how many
-  std::int64_t allocated = 0;    // bytes, given back or not
-  std::int64_t held = 0;         // bytes allocated less those given back: below 0 where more is given back
+  std::int64_t allocations = 0;  // count
+  std::int64_t allocated = 0;    // bytes, freed or not
+  std::int64_t held = 0;         // bytes allocated minus bytes freed; negative when more is freed
 
   MemoryUse& operator+=(const MemoryUse& x) {
     allocations += x.allocations, allocated += x.allocated, held += x.held;
@@ -28,8 +28,8 @@ struct MemoryUse {
   }
 };
 
-/// Times and counts per stage and step. Two clock reads per scope, always on; rows are kept only when asked for. Memory
-/// is counted where the program counts its allocations and says so (`countMemory`).
+/// Times and counts per stage and step. Costs two clock reads per scope, and is always on; rows are kept only on
+/// request. Memory is counted when the program provides an allocation counter (`countMemory`).
 class Profiler {
  public:
   /// Times a stage or a phase inside one ("solver", "solver.iterate"). Names are string literals: they are kept by
@@ -56,8 +56,8 @@ class Profiler {
 
   struct Time {
     const char* name;
-    double seconds;    // with those of the scopes inside
-    MemoryUse memory;  // without: what all scopes and `elsewhere` tell is together that of the step
+    double seconds;    // including nested scopes
+    MemoryUse memory;  // excluding nested scopes: the sum over all scopes and `elsewhere` is that of the step
   };
   /// One step.
   struct Frame {
@@ -65,27 +65,27 @@ class Profiler {
     double seconds = 0;       // the whole step
     std::vector<Time> times;  // in order of first use
     MemoryUse elsewhere;      // in the step, outside of every scope
-    double lostTime = 0;      // s, that stopped bodies have lost, summed
+    double lostTime = 0;      // s, summed over stopped bodies
     int bodies = 0, awake = 0, pairs = 0, manifolds = 0, points = 0;
     WorkDone work;
   };
 
   void keepFrames(bool keep) { m_keep = keep; }
-  /// `counter` tells what this thread has allocated so far, as an `operator new` of the program's own counts it; null:
+  /// `counter` returns what this thread has allocated so far, as counted by the program's own `operator new`; null:
   /// memory is not counted.
   void countMemory(MemoryUse (*counter)());
   void beginFrame(long step);
   void endFrame(double seconds);
-  Frame& frame() { return m_frame; }  // the present or last step
+  Frame& frame() { return m_frame; }  // the current or last step
   const std::vector<Frame>& frames() const { return m_frames; }
-  /// Of the present step; kept until another name comes.
+  /// Adds to the current step. Names are kept from step to step.
   Time& add(const char* name, double seconds);
 
-  /// CSV: `#` lines that say what each column is and in which unit, one header line, one line per kept frame.
+  /// CSV: `#` lines with meaning and unit of each column, one header line, one line per kept frame.
   void writeCsv(std::ostream& out) const;
 
  private:
-  // What no scope has told yet: the difference of two is what a piece of code used itself, without the scopes in it.
+  // Memory not yet assigned to a scope. The difference of two values is a scope's own use without nested scopes.
   MemoryUse untold() const { return m_counter ? m_counter() - m_told : MemoryUse{}; }
   void tell(Time& time, const MemoryUse& untoldBefore);
 

@@ -187,7 +187,7 @@ const ParamInfo* Registry::parameter(StageKind stage, const std::string& name, s
 const Registered& Registry::find(StageKind stage, int dimension, std::string_view name) const {
   const auto it = m_all.find(Key{stage, dimension, std::string(name)});
   if (it != m_all.end()) return it->second;
-  std::set<StageKind> others;  // that have one of this name: only a single one is what was meant
+  std::set<StageKind> others;  // stages that have this name: suggest a stage only when it is the only one
   for (const auto& [key, entry] : m_all) {
     if (entry.info.name == name) others.insert(entry.stage);
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// Algorithms enter by name and nobody includes them. At the foot of an algorithm's one file:
+// Algorithms register by name; no file includes them. At the end of an algorithm's file:
 //
 //   LPC_REGISTER(Broadphase, SortAndSweep, 2, 3);
 //
-// which instantiates SortAndSweep<2> and <3> and files them. The class has a nested `Params`, a constructor from it,
-// and `static AlgorithmInfo info()`.
+// instantiates and registers SortAndSweep<2> and <3>. The class has a nested `Params`, a constructor from it, and
+// `static AlgorithmInfo info()`.
 #pragma once
 
 #include <functional>
@@ -23,44 +23,46 @@ namespace lpc { inline namespace LPC_PRECISION {
 enum class Guarantee { exact, conservative, approximate };
 enum class AlgorithmRole { competitor, witness, referee, engine };
 
-/// What friction a resolver aims at. Two methods are compared by their own law, and by `coulomb` as the common one.
+/// The friction law that a resolver solves. Two methods are compared by their own laws, and by `coulomb` as the common
+/// one.
 enum class FrictionLaw {
   unstated,   // the algorithm solves no contacts
-  coulomb,    // |f| <= mu n, against the sliding velocity (maximum dissipation); contacts do not part by sliding
-  convex,     // the same cone without De Saxce's correction: what slides also lifts
-  pyramid,    // each tangent within mu n by itself
-  facets,     // a cone of k facets, which lie where the method says
-  lagged,     // each tangent by itself, within mu n of the last step
-  ofItsParts  // that of the stage which its parameters name
+  coulomb,    // |f| <= mu n, against the sliding velocity (maximum dissipation); sliding does not separate contacts
+  convex,     // the same cone without De Saxce's correction: sliding contacts also lift
+  pyramid,    // each tangent within mu n on its own
+  facets,     // a cone of k facets, oriented by the method
+  lagged,     // each tangent on its own, within mu n of the last step
+  ofItsParts  // the law of the stage named in its parameters
 };
 std::string_view frictionLawName(FrictionLaw law);
 
-/// A way in which a method is known to fail. The test named here is run and must fail.
+/// A known failure of a method. The named test is run and must fail.
 struct FailureMode {
   std::string when, symptom, test;
 };
 
-/// A choice of a parameter that changes the law: {"friction", "box", FrictionLaw::lagged}.
+/// A parameter value that changes the law: {"friction", "box", FrictionLaw::lagged}.
 struct FrictionChoice {
   std::string parameter, choice;
   FrictionLaw law;
 };
 
 struct AlgorithmInfo {
-  std::string name;     // stable for ever: it stands in result files
+  std::string name;     // never changes, since result files contain it
   std::string summary;  // one line
   std::string paper;    // key in docs/references.bib; empty when there is none
   std::string complexity;
   Guarantee guarantee = Guarantee::exact;
   std::vector<FailureMode> failures = {};
-  FrictionLaw friction = FrictionLaw::unstated;  // of every solver and velocity resolver, by its defaults
+  FrictionLaw friction = FrictionLaw::unstated;  // required for every solver and velocity resolver; with default
+                                                 // parameters
   std::vector<FrictionChoice> otherFriction = {};
-  std::string noEffort = {};  // of a solver, velocity or position resolver without a parameter of effort: why
-  bool matrixAlone = false;   // of a velocity resolver: it solves a GivenProblem, which has no bodies
+  std::string noEffort = {};  // why a solver, velocity or position resolver has no effort parameter
+  bool matrixAlone = false;   // velocity resolver: can solve a GivenProblem, which has no bodies
   AlgorithmRole role = AlgorithmRole::competitor;
 };
 
-/// The law of a method with these parameters.
+/// The friction law of a method with these parameters.
 FrictionLaw frictionLaw(const AlgorithmInfo& info, const Spec& spec);
 
 /// Base of all stages, so that the registry can hold any of them.
@@ -74,22 +76,22 @@ struct Registered {
   int dimension;
   AlgorithmInfo info;
   std::vector<ParamInfo> params;
-  std::string file;                                           // source path as compiled
-  std::function<std::unique_ptr<Stage>(const Spec&)> create;  // throws UserError on a wrong spec
-  std::function<Spec(const Spec&)> canonical;                 // every parameter written out, nested ones too
+  std::string file;                                           // path of the source file as compiled
+  std::function<std::unique_ptr<Stage>(const Spec&)> create;  // throws UserError for an invalid spec
+  std::function<Spec(const Spec&)> canonical;                 // with every parameter written out, also of nested specs
 };
 
 class Registry {
  public:
-  using Key = std::tuple<StageKind, int, std::string>;  // ordered: nothing depends on link order
+  using Key = std::tuple<StageKind, int, std::string>;  // ordered, so that nothing depends on link order
 
   static Registry& instance();
-  void add(Registered entry);  // a second algorithm of the same name aborts: a programmer's mistake
+  void add(Registered entry);  // a second algorithm of the same name aborts: a programming error
   const std::map<Key, Registered>& all() const { return m_all; }
-  /// Throws UserError with the valid names.
+  /// Finds an algorithm by name. Throws UserError with the valid names.
   const Registered& find(StageKind stage, int dimension, std::string_view name) const;
-  /// Of the algorithm of that name, in either dimension; null where it has no parameter of this name, or is not there.
-  /// "effort" is the first of this role, whatever its name.
+  /// The parameter of the algorithm with this name, in either dimension; null when the algorithm or the parameter does
+  /// not exist. "effort" finds the first effort parameter, whatever its name.
   const ParamInfo* parameter(StageKind stage, const std::string& name, std::string_view parameter) const;
   std::vector<const Registered*> list(StageKind stage, int dimension) const;
 
@@ -97,19 +99,20 @@ class Registry {
   std::map<Key, Registered> m_all;
 };
 
-/// Fills params from a spec; throws UserError for an unknown name (listing the valid ones) or a value out of range.
+/// Fills params from a spec. Throws UserError for an unknown name (with the valid ones) or a value out of range.
 void readParams(const Spec& spec, const std::string& algorithm, const std::function<void(ParamVisitor&)>& visit);
 std::vector<ParamInfo> describeParams(const std::function<void(ParamVisitor&)>& visit);
 Spec canonicalSpec(const std::string& algorithm, int dimension, const std::function<void(ParamVisitor&)>& visit);
 
-/// A stage by its spec, for instance createStage<Broadphase<3>>(Spec::parse("uniform_grid{cell=2}")).
+/// Creates a stage from its spec, for instance createStage<Broadphase<3>>(Spec::parse("uniform_grid{cell=2}")).
 template <class S>
 std::unique_ptr<S> createStage(const Spec& spec) {
   auto stage = Registry::instance().find(S::kStage, S::kDimension, spec.name).create(spec);
   return std::unique_ptr<S>(static_cast<S*>(stage.release()));
 }
 
-/// One algorithm per stage of a world. Throws UserError when the pipeline names an unknown one or a wrong parameter.
+/// One algorithm per stage of a world. Throws UserError when the pipeline names an unknown algorithm or an invalid
+/// parameter.
 template <int D>
 class StageSet {
  public:
@@ -127,28 +130,27 @@ class StageSet {
   }
 
  private:
-  IndexedArray<std::unique_ptr<Stage>, kStageKinds> m_stages;  // by kind; null where it is no stage of a world
+  IndexedArray<std::unique_ptr<Stage>, kStageKinds> m_stages;  // by kind; null for kinds that are not stages of a world
 };
 
-/// Where a method takes its effort: in a parameter of its own, else where the first of its parts does, which solves the
-/// contacts.
+/// Where a method has its effort parameter: its own, otherwise that of its first part, which solves the contacts.
 struct EffortPlace {
-  Spec* method;                // within the spec that was asked about
+  Spec* method;                // within the given spec
   const Registered* entry;     // of `method`
-  const ParamInfo* parameter;  // nullptr: it has none
+  const ParamInfo* parameter;  // nullptr: none
 };
-/// Writes out the part of `spec` that it takes.
+/// Writes out the part of `spec` that has the effort parameter.
 EffortPlace effortIn(StageKind stage, int dimension, Spec& spec);
 
 /// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.
 std::string canonicalText(const Pipeline& pipeline, int dimension);
 
-/// Where `algorithm` of this stage stands: "velocity is a part of solver: solver=split_solver{velocity=catto}". Empty
-/// for a stage of a world, which stands in a pipeline as it is.
+/// Tells where to write `algorithm` of this stage in a pipeline: "velocity is a part of solver:
+/// solver=split_solver{velocity=catto}". Empty for a stage of a world, which is written directly.
 std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm);
 
-// Each file has its own, or two whose classes have one name would be one to the linker: a template as an argument does
-// not make it local, as a type would.
+// Internal linkage: otherwise the linker would merge the registrars of two classes of one name in two files. A local
+// template as template argument does not make the instance local, as a type would.
 namespace {
 
 template <template <int> class StageOf, template <int> class Algorithm, int... D>

@@ -13,8 +13,8 @@ namespace lpc {
 namespace {
 
 // spec := name [ '{' [ key '=' spec { ',' key '=' spec } ] '}' ]
-// A sweep's marks, `*` and `$axis`, may stand where a name or value does: nobody has such a name, so one that is not
-// replaced is refused with the valid ones.
+// A sweep's placeholders, `*` and `$axis`, may replace a name or value. No algorithm has such a name, so a placeholder
+// left over is rejected with the valid names.
 class Parser {
  public:
   explicit Parser(std::string_view text) : m_text(text) {}

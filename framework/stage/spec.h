@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The text that names an algorithm and its parameters, and a pipeline of them, in both directions:
+// The text form of an algorithm with its parameters, and of a pipeline, for reading and writing:
 //
 //   broadphase=sort_and_sweep{axis=0} solver=split_solver{velocity=catto{iterations=20},position=split_impulse}
 #pragma once
@@ -22,7 +22,7 @@ struct Spec {
   std::string name;
   std::vector<Field> fields;  // in the order of the text
 
-  /// Throws UserError that quotes the text and marks the place.
+  /// Parses a spec. Throws UserError that quotes the text and marks the position.
   static Spec parse(std::string_view text);
   std::string text() const;
 
@@ -40,27 +40,27 @@ struct Spec::Field {
 /// One spec per stage of a world (kWorldStages).
 class Pipeline {
  public:
-  /// Every stage has its default.
+  /// All stages with their defaults.
   Pipeline();
-  /// The defaults with what the text names. Stages are separated by spaces. Throws UserError for an unknown stage,
-  /// listing the valid ones.
+  /// Parses a pipeline: stages separated by spaces; stages that the text omits keep their defaults. Throws UserError
+  /// for an unknown stage, with the valid names.
   static Pipeline parse(std::string_view text);
-  /// Replaces the stages that the text names, and returns which these are.
+  /// Replaces the stages that the text names, and returns their kinds.
   std::vector<StageKind> replace(std::string_view text);
 
-  /// Precondition: a stage of a world.
+  /// Precondition: `stage` is a stage of a world.
   Spec& operator[](StageKind stage);
   const Spec& operator[](StageKind stage) const;
-  /// Every stage, with the parameters that were given.
+  /// All stages, with the parameters as given.
   std::string text() const;
   bool operator==(const Pipeline&) const = default;
 
  private:
-  IndexedArray<Spec, kStageKinds> m_specs;  // by kind; empty where it is no stage of a world
+  IndexedArray<Spec, kStageKinds> m_specs;  // by kind; empty for kinds that are not stages of a world
 };
 
-/// The engine that stands where a pipeline stands: of "engine=bullet{iterations=10}" the spec after the "="; nothing of
-/// a pipeline of stages. Throws UserError when anything stands beside the engine.
+/// The engine that replaces a pipeline: for "engine=bullet{iterations=10}" the spec after "="; empty for a pipeline of
+/// stages. Throws UserError when the text has anything besides the engine.
 std::optional<Spec> engineOf(std::string_view pipelineText);
 
 }  // namespace lpc

@@ -14,7 +14,7 @@ constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
 template <int D>
 void Proxies<D>::resize(int slots) {
   const auto padded = static_cast<std::size_t>((slots + kPad - 1) / kPad * kPad);
-  // Shrinking to the slots first makes all that is left of old tenants free.
+  // Shrinking to the used slots first resets everything behind them.
   const auto kept = static_cast<std::size_t>(std::min(slots, count));
   for (int k = 0; k < D; ++k) {
     lo[k].resize(kept), lo[k].resize(padded, kInfinite);

@@ -11,14 +11,15 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A ball inside a convex shape, about a point of it (in the shape's frame), and one around the shape's own origin.
+/// Two spheres for a convex shape: one inside the shape around `center` (in the shape's frame), and one around the
+/// shape, centred at its own origin.
 template <int D>
 struct Girth {
   Vec<D> center = Vec<D>::Zero();
   Real inner = 0, outer = 0;  // radii, m
 };
 
-/// Two convex parts on their ways through a step, kind of a <= kind of b. At least one is fast: it may go through the
+/// Two convex parts with their motions in a step, kind of a <= kind of b. At least one is fast: it may pass through the
 /// other unseen, and may be stopped.
 template <int D>
 struct FastPair {
@@ -27,17 +28,18 @@ struct FastPair {
   bool fastA = false, fastB = false;
 };
 
-/// When a method of continuous collision is asked.
+/// When a method of continuous collision runs.
 enum class Lookout {
   never,
-  before,  // of pairs that would meet by their speeds, contacts are made before they touch: the solver keeps them apart
-  after    // of pairs that met on the ways that the solver has sent them, the fast ones are stopped there
+  before,  // before the solver: pairs that would touch by their velocities get contacts in advance, and the solver
+           // keeps them apart
+  after    // after the solver: fast bodies that touched on their way are stopped there
 };
 
-/// Keeps bodies that go far in a step from passing through each other between its two ends.
+/// Keeps bodies that move far in a step from passing through each other.
 ///
-/// After the solver, a fast body goes on until its first meeting, and loses the rest of the step; what it does to the
-/// other is for the contacts of the next step. Who has been stopped stands still for the others.
+/// After the solver, a fast body moves until its first time of impact, and loses the rest of the step. Its effect on
+/// the other body is left to the contacts of the next step. A stopped body counts as at rest for all others.
 template <int D>
 class ContinuousCollision : public Stage {
  public:
@@ -45,19 +47,19 @@ class ContinuousCollision : public Stage {
   static constexpr int kDimension = D;
 
   virtual Lookout lookout() const = 0;
-  /// A part is fast when one of its points may go farther in a step than this share (1) of its inner ball's radius, or
-  /// of kLinearSlop where that is more.
+  /// A part is fast when one of its points may move farther in a step than threshold() (1) times the radius of its
+  /// inner sphere. A smaller radius than kLinearSlop counts as kLinearSlop.
   virtual Real threshold() const { return std::numeric_limits<Real>::infinity(); }
-  /// Only a <= b is asked.
+  /// True when it supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind, ShapeKind) const { return true; }
-  /// When the fast ones must stop (s), infinite where they need not, over 0 <= t <= duration. Asked with
-  /// Lookout::after only. `t` has as many entries.
+  /// The times (s) at which fast parts must stop, over 0 <= t <= duration; infinite when they need not. Called only
+  /// with Lookout::after. `t` has one entry per pair.
   virtual void meetings(std::span<const FastPair<D>>, Real /*duration*/, std::span<Real> t, WorkDone&) {
     std::fill(t.begin(), t.end(), std::numeric_limits<Real>::infinity());
   }
 };
 
-/// Throws UserError, "who does not support ...", unless every two of these kinds can be asked.
+/// Throws UserError, "`who` does not support ...", unless every pair of these kinds is supported.
 template <int D>
 void requireCasts(const ContinuousCollision<D>& continuous, const std::array<bool, kShapeKinds>& kinds,
                   const std::string& who) {

@@ -20,7 +20,7 @@ PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const Shape
   WorkDone work;
   method.query({&pair, 1}, need, {&answer, 1}, {}, work);
   if (!swapped) return answer;
-  // The method called B its first shape and answered in B's frame.
+  // The method took B as its first shape and answered in B's frame.
   PairAnswer<D> mapped = answer;
   mapped.normal = X_AB.q * Vec<D>(-answer.normal);
   mapped.pA = X_AB * answer.pB;
@@ -44,7 +44,7 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
       ofSurface(p, a, b, X_WA, X_WB, margin, work);
       continue;
     }
-    // A plane has no box of its own: the other's is put to it.
+    // A plane has no box: test the other shape's box against the plane.
     const auto near = [&](const Aabb<D>& boxA, const Aabb<D>& boxB) {
       ++work[WorkCount::partTests];
       if (a.shape.isPlane()) return overlapsBox(a.shape.view(), X_WA * a.X_CS, boxB.grown(margin));
@@ -73,7 +73,7 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
   return m_pairs;
 }
 
-// Both are bounded, and one has few parts: what moves is no surface.
+// Both are bounded, and one has few parts: a moving shape is never a surface.
 template <int D>
 void ChildPairs<D>::ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const ShapeRecord<D>& b, const Pose<D>& X_WA,
                               const Pose<D>& X_WB, Real margin, WorkDone& work) {
@@ -115,7 +115,7 @@ void ChildPairs<D>::ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const
 template <int D>
 void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds) {
   const auto mark = [&](const ShapeView<D>& v, const auto&) { kinds[static_cast<std::size_t>(v.kind)] = true; };
-  if (shape.surface()) return mark(shape.surfaceParts()[0].view, 0);  // all of one kind
+  if (shape.surface()) return mark(shape.surfaceParts()[0].view, 0);  // all parts are of one kind
   forParts(shape, Pose<D>{}, mark);
 }
 

@@ -16,7 +16,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Two shapes as a method sees them, kind of a <= kind of b: everything is expressed in A's frame.
+/// Two shapes as a method gets them, kind of a <= kind of b, expressed in A's frame.
 template <int D>
 struct PairView {
   ShapeView<D> a, b;
@@ -25,29 +25,28 @@ struct PairView {
 
 enum class QueryStatus : std::uint8_t {
   converged,
-  iterationLimit,  // the value is the best found, not proved
-  degenerate,      // a special case was met that the method cannot finish; the value is the best found
-  refused,         // not asked: the method does not support these kinds
-  failed           // no value (a witness that threw, crashed or returned NaN)
+  iterationLimit,  // the value is the best found, without proof
+  degenerate,      // a special case that the method cannot finish; the value is the best found
+  refused,         // not computed: the method does not support these kinds
+  failed           // no value (an external library threw, crashed or returned NaN)
 };
 std::string_view queryStatusName(QueryStatus status);
 
 template <int D>
 struct PairAnswer {
   QueryStatus status = QueryStatus::refused;
-  Real distance = 0;  // m; negative: minus the depth
-  Vec<D> normal =
-      Vec<D>::Zero();          // n_AB, unit, in A's frame; at a tie one of the right ones; zero: the method has none
-  Vec<D> pA = Vec<D>::Zero();  // witnesses, in A's frame; pB - pA = distance * normal
+  Real distance = 0;               // m; negative: minus the depth
+  Vec<D> normal = Vec<D>::Zero();  // n_AB, unit, in A's frame; at a tie any correct one; zero: the method gives none
+  Vec<D> pA = Vec<D>::Zero();      // closest points, in A's frame; pB - pA = distance * normal
   Vec<D> pB = Vec<D>::Zero();
 };
 
-/// What the caller will read. A method may do less when less is asked: for `boolean` only the sign of the distance
-/// counts.
+/// What the caller will read. A method may compute less when less is needed: for `boolean` only the sign of the
+/// distance counts.
 enum class QueryNeed { boolean, distance, witnesses };
 
-/// What a method remembers of a pair from one step to the next: the caller's, zero = cold. The only warm-start path.
-/// The bytes may come from a file: a method trusts none, and its answer is right whatever they say.
+/// Data that a method keeps for a pair from step to step; owned by the caller, zero = cold. This is the only warm
+/// start. The bytes may come from a file: a method must not trust them, and its answer must be correct for any bytes.
 struct PairMemory {
   std::array<std::byte, 32> bytes{};
   bool operator==(const PairMemory&) const = default;
@@ -63,25 +62,26 @@ class PairQuery : public Stage {
   static constexpr StageKind kStage = StageKind::pairQuery;
   static constexpr int kDimension = D;
 
-  /// Only a <= b is asked.
+  /// True when it supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
-  /// Does it claim the distance of such shapes that are apart? Else it says no more than that they are: the distance is
-  /// some lower bound, and is not judged. Depths are claimed by all. Only a <= b is asked.
+  /// True when it computes the distance of separated shapes of these kinds. Otherwise it only reports that they are
+  /// separated: the distance is some lower bound, and is not compared with ground truth. All methods compute depths.
+  /// Called only with a <= b.
   virtual bool claimsGap(ShapeKind, ShapeKind) const { return true; }
-  /// Does it read and write the memory of pairs?
+  /// True when it reads and writes the memory of pairs.
   virtual bool remembers() const { return false; }
-  /// Any number of pairs of one pair of kinds, which it supports. `answers` has as many entries, `memory` too, or none
-  /// (cold).
+  /// Answers any number of pairs of one supported pair of kinds. `answers` has one entry per pair; `memory` has too, or
+  /// is empty (cold).
   virtual void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
                      std::span<PairMemory> memory, WorkDone& work) = 0;
 
-  /// Can it show its steps with a pair of these kinds, which it supports?
+  /// True when it can record its steps for a supported pair of these kinds.
   virtual bool traces(ShapeKind, ShapeKind) const { return false; }
-  /// One pair of such kinds, cold, for witnesses: the steps, the answer and the work of `query` (pair_trace.h).
+  /// Traces one such pair, cold, with closest points: the steps, the answer and the work of `query` (pair_trace.h).
   virtual void trace(const PairView<D>&, PairTrace<D>&) { LPC_ASSERT(false); }
 };
 
-/// One pair, any order of kinds. The answer is in A's frame for (a, b) as given. Unsupported kinds give
+/// Queries one pair, in any order of kinds. The answer is in A's frame for (a, b) as given. Unsupported kinds return
 /// QueryStatus::refused.
 template <int D>
 PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB,
@@ -93,44 +93,43 @@ struct ShapePair {
   auto operator<=>(const ShapePair&) const = default;
 };
 
-/// Two convex parts (children) of a pair of shapes, as a contact generator is given them.
+/// Two convex parts of a pair of shapes, as input of a contact generator.
 template <int D>
 struct ConvexPair {
   ShapePair shapes;
   std::int32_t childA = 0, childB = 0;
   ShapeView<D> a, b;
-  /// Of each child in its body's centre-of-mass frame, not in the world: far from the origin the difference of the two
-  /// bodies is exact, the sum of pose and offset is not.
+  /// Poses of the parts in their bodies' centre-of-mass frames, not in the world. Far from the origin the difference of
+  /// the two body poses is exact, the sum of pose and offset is not.
   Pose<D> X_CA, X_CB;
 };
 
-/// What is remembered of a pair of convex parts while their boxes come near each other: all of it but the contacts,
-/// which are the manifold's.
+/// Memory of a pair of convex parts while their boxes are near each other. The contacts themselves are in the manifold.
 struct PairRecord {
   std::int32_t bodyA = -1, shapeA = -1, bodyB = -1, shapeB = -1, childA = 0, childB = 0;
   PairMemory memory{};
 
-  /// Records are sorted by this, as manifolds are.
+  /// Records are sorted by this key, as manifolds are.
   auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, childA, childB); }
 };
 
-/// The pairs of children of pairs of shapes.
+/// Splits pairs of shapes into pairs of convex parts.
 template <int D>
 class ChildPairs {
  public:
-  /// In order: all whose boxes come within the margin (m) of each other. A convex shape is its own one child, number 0;
-  /// two of them are not asked for their boxes again. `pose` is X_WC by body slot.
+  /// All pairs of parts with boxes within the margin (m), in order. A convex shape is its own only part, number 0; for
+  /// two convex shapes the boxes are not tested again. `pose` is X_WC by body slot.
   std::span<const ConvexPair<D>> of(std::span<const ShapePair> pairs, IndexedSpan<const ShapeRecord<D>> shapes,
                                     IndexedSpan<const Pose<D>> pose, Real margin, WorkDone& work);
 
  private:
   IndexedVector<ConvexPair<D>> m_pairs;
-  /// As `of`, one of the shapes being a surface.
+  /// As `of`, when one of the shapes is a surface.
   void ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const ShapeRecord<D>& b, const Pose<D>& X_WA,
                  const Pose<D>& X_WB, Real margin, WorkDone& work);
 
   IndexedVector<Aabb<D>> m_boxes;      // of the second shape's parts
-  IndexedVector<std::int32_t> m_near;  // numbers of a surface's parts
+  IndexedVector<std::int32_t> m_near;  // indices of a surface's parts
 };
 
 template <int D>
@@ -138,19 +137,19 @@ struct ContactInput {
   IndexedSpan<const ConvexPair<D>> pairs;
   IndexedSpan<const ShapeRecord<D>> shapes;  // by slot
   IndexedSpan<const Pose<D>> pose;           // X_WC by body slot
-  Real margin;                               // contacts are made for separations up to this (m)
-  bool friction = true;                      // false: the scene needs none, mixing is skipped
+  Real margin;                               // m: contacts are made up to this separation
+  bool friction = true;                      // false: the scene needs no friction, and mixing is skipped
   MixRules mixing = {};
-  IndexedSpan<PairMemory> memory = {};      // one per pair, or none: cold
-  IndexedSpan<const Manifold<D>> old = {};  // of the last step, sorted by Manifold::key; none where nothing is cached
+  IndexedSpan<PairMemory> memory = {};      // one per pair, or empty: cold
+  IndexedSpan<const Manifold<D>> old = {};  // of the last step, sorted by Manifold::key; empty when nothing is cached
 };
 
-/// A manifold with everything filled in that does not depend on geometry.
+/// A manifold with all data that does not depend on geometry.
 template <int D>
 Manifold<D> startManifold(const ContactInput<D>& in, const ConvexPair<D>& pair) {
   const ShapeRecord<D>& a = in.shapes[pair.shapes.a];
   const ShapeRecord<D>& b = in.shapes[pair.shapes.b];
-  static const Manifold<D> kBlank;  // copied in half the time in which g++ fills it with zeros
+  static const Manifold<D> kBlank;  // copying takes half the time in which g++ fills it with zeros
   Manifold<D> m = kBlank;
   m.bodyA = a.body, m.bodyB = b.body, m.shapeA = pair.shapes.a, m.shapeB = pair.shapes.b;
   m.childA = pair.childA, m.childB = pair.childB;
@@ -166,16 +165,18 @@ class ContactGenerator;
 template <int D>
 void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds);
 
-/// Throws UserError, "who does not support ...", unless every two of these kinds are supported. Two planes never meet.
+/// Throws UserError, "`who` does not support ...", unless every pair of these kinds is supported. Two planes never
+/// touch.
 void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
                   const std::string& who);
 template <int D>
 void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
                      const std::string& who);
 
-/// Makes contact points. Writes only fresh manifolds, at most one per pair of children, none without points, in any
-/// order, with zero impulses and the material of their shapes, which listeners start from; `points` sorted by feature.
-/// It may take over points of the old ones: it must renew their separations, and holds nothing of them itself.
+/// Makes contact points. Writes only fresh manifolds: at most one per pair of parts, none without points, in any order.
+/// Impulses are zero, and the material is that of the shapes, which listeners may change. `points` are sorted by
+/// feature. A generator may take over points of the old manifolds. It must renew their separations, and keeps no copies
+/// itself.
 template <int D>
 class ContactGenerator : public Stage {
  public:
@@ -183,34 +184,36 @@ class ContactGenerator : public Stage {
   static constexpr int kDimension = D;
 
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
-  /// Does it read and write the memory of pairs? Else the world keeps none.
+  /// True when it reads and writes the memory of pairs. Otherwise the world keeps none.
   virtual bool remembers() const { return false; }
-  /// Appends to `fresh`. Pairs of kinds that are not supported do not occur: the world refuses such bodies.
+  /// Appends the manifolds of the pairs to `fresh`. Unsupported pairs of kinds do not occur: the world rejects such
+  /// bodies.
   virtual void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) = 0;
 };
 
 template <int D>
 struct CacheInput {
-  IndexedSpan<const ShapePair> pairs;        // all whose boxes come near, sorted by body and shape of A, then of B
+  IndexedSpan<const ShapePair> pairs;        // all pairs with near boxes, sorted by body and shape of A, then of B
   IndexedSpan<const Manifold<D>> old;        // of the last step, sorted by Manifold::key
   IndexedSpan<const ShapeRecord<D>> shapes;  // by slot
   IndexedSpan<const Pose<D>> pose;           // X_WC by body slot
-  Real margin;                               // contacts are made for separations up to this (m)
+  Real margin;                               // m: contacts are made up to this separation
 };
 
-/// Carries knowledge from the old manifolds to the fresh ones.
+/// Transfers impulses and other data from the old manifolds to the fresh ones.
 template <int D>
 class ContactCache : public Stage {
  public:
   static constexpr StageKind kStage = StageKind::cache;
   static constexpr int kDimension = D;
 
-  /// The pairs whose contacts must be made anew, in their order; default: all. What is left out, `carry` must bring
-  /// back.
+  /// Selects the pairs that need new contacts, in their order; default: all. `carry` must bring back the contacts of
+  /// all other pairs.
   virtual void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) {
     regenerate.assign(in.pairs.begin(), in.pairs.end());
   }
-  /// Directly after `select`, with the same input. `fresh` is sorted by Manifold::key, and shall be afterwards.
+  /// Transfers data to `fresh`, which is sorted by Manifold::key and must stay sorted. Called directly after `select`,
+  /// with the same input.
   virtual void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) = 0;
 };
 

@@ -13,18 +13,18 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What may wake a body. Gravity and the scene's own forces wake nobody.
+/// Events that may wake a body. Gravity and the scene's own forces wake no body.
 struct SleepEvent {
   enum Kind : std::uint8_t {
-    bodyRemoved,   // a body that touched `body` is gone
-    userChange,    // a force, velocity or pose was set by the user
-    contactBegun,  // speed: of approach
+    bodyRemoved,   // a body in contact with `body` was removed
+    userChange,    // the user has set a force, velocity or pose
+    contactBegun,  // speed: approach speed
     contactLost,
     separationGrown,  // speed: growth of the separation since the last step, over dt
-    jointRemoved      // a joint of `body` and `other` is gone; the number is in saved worlds, so it stays the last
+    jointRemoved      // a joint of `body` and `other` was removed; stays last, because saved worlds contain the number
   };
   Kind kind;
-  std::int32_t body;   // whom it concerns
+  std::int32_t body;   // the body that may wake
   std::int32_t other;  // the other body of the pair, -1 for none
   double speed = 0;    // m/s
 };
@@ -37,13 +37,13 @@ struct SleepInput {
   std::span<const JointRecord<D>> joints;
   std::span<const SleepEvent> events;
   Real restitutionThreshold;  // m/s
-  Vec<D> gravity;             // m/s^2: tells a body that rests from one that is at the top of its flight
+  Vec<D> gravity;             // m/s^2: distinguishes a body at rest from one at the top of its flight
   WorkDone& work;
   const ContactGraph<D>& graph;  // of `manifolds` and `joints`
 };
 
-/// Decides who is awake, once a step before the solver. Changes `awake` and the two scalars per body; the world zeroes
-/// the velocities of those who fall asleep.
+/// Decides which bodies are awake, once a step before the solver. Changes `awake` and the two scalars per body. The
+/// world zeroes the velocities of bodies that fall asleep.
 template <int D>
 class SleepPolicy : public Stage {
  public:

@@ -17,20 +17,20 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 class Profiler;
 
-/// What a scene needs. What it does not need is skipped by one branch per stage. All on is always right; an experiment
-/// measures what each unneeded one costs.
+/// Parts of the model that a scene needs. Each unneeded part is skipped by one branch per stage. All on is always
+/// correct; an experiment measures the cost of unneeded parts.
 struct Features {
   bool friction = true;
-  bool rotation = true;  // off: no body turns
+  bool rotation = true;  // off: no body rotates
   bool restitution = true;
-  bool cache = true;  // off: contacts are forgotten from step to step
+  bool cache = true;  // off: contacts are not kept from step to step
   bool joints = true;
   bool sleeping = true;
-  bool continuous = true;  // off: nobody looks at what lies between the poses of two steps
+  bool continuous = true;  // off: no continuous collision between the poses of two steps
   bool operator==(const Features&) const = default;
 };
 
-/// Lets a solver ask for fresh contacts inside its step. Afterwards `manifolds` and `active` of StepInput are new.
+/// Lets a solver request new contacts inside its step. Afterwards `manifolds` and `active` of StepInput are new.
 class DetectAgain {
  public:
   virtual ~DetectAgain() = default;
@@ -43,25 +43,25 @@ class VelocityWatcher;
 template <int D>
 struct StepInput {
   Real dt;                                // s, > 0
-  Real lastDt;                            // of the step before, 0 in the first: impulses scale by dt / lastDt
+  Real lastDt;                            // of the last step, 0 in the first: impulses scale by dt / lastDt
   Real time;                              // at the start of the step, s
   Bodies<D>& bodies;                      // invInertia is fresh
-  IndexedVector<Manifold<D>>& manifolds;  // sorted; solve only the active ones
+  IndexedVector<Manifold<D>>& manifolds;  // sorted; solve only the active manifolds
   IndexedVector<int>& active;             // indices of manifolds that have an active body and were not vetoed
-  IndexedSpan<JointRecord<D>> joints;     // by slot; jointRows() gives the rows of those that are active
+  IndexedSpan<JointRecord<D>> joints;     // by slot; jointRows() gives the rows of active joints
   const Forces<D>& forces;
   DetectAgain& detect;
   const Features& features;
   Real restitutionThreshold;  // m/s
   WorkDone& work;
   Profiler& profiler;  // for sub-phases: prepare, warm_start, iterate, integrate, correct, ...
-  /// Of `manifolds` and `joints`, new after detect.again().
+  /// Graph of `manifolds` and `joints`; rebuilt by detect.again().
   const ContactGraph<D>& graph;
-  VelocityWatcher<D>* watcher = nullptr;  // who is shown each velocity problem before it is solved
+  VelocityWatcher<D>* watcher = nullptr;  // gets each velocity problem before it is solved
 };
 
-/// Takes the bodies from the start of a step to its end: velocities, positions, impulses. Sleeping and static bodies
-/// are left as they are; kinematic ones are moved by their velocity.
+/// Advances the bodies through a step: velocities, positions, impulses. Leaves sleeping and static bodies unchanged,
+/// and moves kinematic bodies by their velocity.
 template <int D>
 class Solver : public Stage {
  public:
@@ -70,7 +70,7 @@ class Solver : public Stage {
   virtual void step(const StepInput<D>& in) = 0;
 };
 
-/// Position errors as a velocity resolver sees them, and their repair after it.
+/// Converts position errors into target velocities for a velocity resolver, or corrects them after it.
 template <int D>
 class PositionResolver;
 
@@ -81,25 +81,24 @@ struct VelocityInput {
   Real dt, lastDt;
   Bodies<D>& bodies;
   IndexedSpan<Manifold<D>> manifolds;
-  IndexedSpan<const int> order;  // indices of the manifolds to solve, in the order in which to solve them
+  IndexedSpan<const int> order;  // indices of the manifolds to solve, in solving order
   IndexedSpan<JointRecord<D>> joints;
-  const PositionResolver<D>& position;  // bias() is asked once per contact and step
+  const PositionResolver<D>& position;  // bias() is called once per contact and step
   const Features& features;
   Real restitutionThreshold;
   WorkDone& work;
   Profiler& profiler;
-  /// Velocities before this step's forces, by slot: what a bounce is measured by, or gravity would raise an elastic
-  /// ball step by step. Empty: the bodies' own.
+  /// Velocities before this step's forces, by slot, which determine restitution; otherwise gravity would raise an
+  /// elastic ball step by step. Empty: the bodies' current velocities.
   IndexedSpan<const Motion<D>> arrival = {};
   /// Offsets into `order`: contacts from order[colours[c]] to order[colours[c + 1]] share no dynamic body. Empty:
   /// `order` has no colours.
   IndexedSpan<const int> colours = {};
-  /// A matrix in the place of bodies, contacts and joints: for those whose info says that they solve it, see
-  /// AlgorithmInfo::matrixAlone.
+  /// A matrix that replaces bodies, contacts and joints, for resolvers with AlgorithmInfo::matrixAlone.
   GivenProblem* given = nullptr;
 };
 
-/// Takes velocity problems out of a step. A solver whose method has none shows none.
+/// Receives the velocity problems of a step. A solver without velocity problems calls it never.
 template <int D>
 class VelocityWatcher {
  public:
@@ -108,7 +107,8 @@ class VelocityWatcher {
 };
 
 /// Changes velocities only, so that contacts stop approaching and joints stop drifting. Starts from the impulses in the
-/// manifolds and joints and writes the accumulated ones back (a method without accumulation writes what it applied).
+/// manifolds and joints, and writes the accumulated impulses back (a method without accumulation writes the applied
+/// ones).
 template <int D>
 class VelocityResolver : public Stage {
  public:
@@ -136,11 +136,12 @@ class PositionResolver : public Stage {
   static constexpr StageKind kStage = StageKind::position;
   static constexpr int kDimension = D;
 
-  /// The normal velocity (m/s, separating is positive) that a velocity resolver shall reach at a penetrating contact,
-  /// >= 0. `separation` <= 0. What holds for separation > 0 is not a matter of taste: see `contactTarget` in
+  /// The normal velocity (m/s, separating is positive) that a velocity resolver must reach at a penetrating contact, >=
+  /// 0. `separation` <= 0. For separation > 0 the target is fixed: see `contactTarget` in
   /// algorithms/solver/rows/contact_rows.h.
   virtual Real bias(Real /*separation*/, Real /*dt*/) const { return 0; }
-  /// The velocity with which a joint's error (m or rad) shall shrink is jointBias() times the error (1/s).
+  /// The rate (1/s) at which a joint's error shall shrink: the target velocity is jointBias() times the error (m or
+  /// rad).
   virtual Real jointBias(Real /*dt*/) const { return 0; }
   virtual void correct(const PositionInput<D>&) {}
 };
@@ -148,16 +149,16 @@ class PositionResolver : public Stage {
 template <int D>
 struct IntegrateInput {
   Real dt, time;
-  Bodies<D>& bodies;  // motion is changed, pose is not
+  Bodies<D>& bodies;  // motion is changed, poses are not
   const Forces<D>& forces;
   const Features& features;
   WorkDone& work;
 };
 
-/// Free motion under forces for one step. Writes the new velocities into bodies.motion, and into `drift`, by slot, the
-/// constant velocity with which each body would travel from its old to its new pose if nothing touched it. The solver
-/// then adds to `drift` what the constraints changed and moves the bodies by drift * dt. So semi-implicit Euler returns
-/// the new velocity, explicit Euler the old one, RK4 its weighted mean, and all of them serve under contacts.
+/// Integrates the free motion under forces for one step. Writes the new velocities into bodies.motion. Writes into
+/// `drift`, by slot, the constant velocity that would move each body from its old to its new pose without contacts. The
+/// solver adds the constraints' velocity changes to `drift` and moves the bodies by drift * dt. So semi-implicit Euler
+/// returns the new velocity, explicit Euler the old one, RK4 its weighted mean, and all integrators work with contacts.
 template <int D>
 class Integrator : public Stage {
  public:

@@ -5,8 +5,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How a shape moves through a step: its body's centre of mass at constant v, turning at constant w, as
-/// `integrateRotation` turns it.
+/// Motion of a shape through a step: its body's centre of mass moves at constant v and the body turns at constant w, by
+/// `integrateRotation`.
 template <int D>
 struct ShapeMotion {
   Pose<D> X_WC{};      // of the centre of mass at the start
@@ -16,32 +16,32 @@ struct ShapeMotion {
   Pose<D> bodyAt(Real t) const { return {X_WC.p + t * motion.v, integrateRotation(X_WC.q, t * motion.w)}; }
 };
 
-/// Two shapes under way, kind of a <= kind of b. The body of a plane stands still.
+/// Two moving shapes, kind of a <= kind of b. The body of a plane does not move.
 template <int D>
 struct MovingPair {
   ShapeView<D> a, b;
   ShapeMotion<D> A, B;
 
-  /// As a pair query sees them at time t (s). Bodies are subtracted first: far from the origin the difference of their
-  /// poses is exact, the sum of pose and offset is not.
+  /// The pair at time t (s), for a pair query. Body poses are subtracted first: far from the origin their difference is
+  /// exact, the sum of pose and offset is not.
   PairView<D> at(Real t) const { return {a, b, A.X_CS.inverse() * poseBetween(A.bodyAt(t), B.bodyAt(t)) * B.X_CS}; }
 };
 
-/// When two shapes first touch. With phi(t) their signed distance and s the size of the error measure (m):
+/// Time of impact of two shapes. With phi(t) their signed distance and s the size of the error measure (m):
 ///
-/// - converged, hit: phi(t) <= 1e-9 s (f32: 1e-4 s), and phi > 0 before. Who touches at the start does so at t = 0.
-/// - converged, no hit: phi > 0 all the while; t is the duration.
-/// - iterationLimit, or what else a pair query's answer was: phi > 0 before t. So far is proved, no farther, and `hit`
-///   says what the query last said.
-/// - failed: a gap without a number or a direction, or a motion without numbers; also then phi > 0 before t.
+/// - converged, hit: phi(t) <= 1e-9 s (f32: 1e-4 s), and phi > 0 before. Shapes that touch at the start have t = 0.
+/// - converged, no hit: phi > 0 throughout; t is the duration.
+/// - iterationLimit, or another status of the pair query: phi > 0 is proved before t, not beyond. `hit` is the last
+///   answer of the query.
+/// - failed: a distance or normal that is not a number, or a motion that is not finite; phi > 0 still holds before t.
 ///
-/// Never late, whatever the status, by a pair query whose distances are not too large.
+/// Never late, whatever the status, when the pair query's distances are not too large.
 template <int D>
 struct TimeOfImpactAnswer {
   QueryStatus status = QueryStatus::refused;
   bool hit = false;
   Real t = 0;                // s
-  PairAnswer<D> there = {};  // the shapes at t, in A's frame then; with witnesses where they hit
+  PairAnswer<D> there = {};  // the shapes at t, in A's frame at t; with closest points on a hit
 };
 
 /// Finds times of impact.
@@ -51,9 +51,10 @@ class TimeOfImpact : public Stage {
   static constexpr StageKind kStage = StageKind::timeOfImpact;
   static constexpr int kDimension = D;
 
-  /// Only a <= b is asked.
+  /// True when it supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
-  /// Pairs of kinds that it supports, over 0 <= t <= duration (s). `answers` has as many entries.
+  /// Finds the times of impact of pairs of supported kinds, over 0 <= t <= duration (s). `answers` has one entry per
+  /// pair.
   virtual void cast(std::span<const MovingPair<D>> pairs, Real duration, std::span<TimeOfImpactAnswer<D>> answers,
                     WorkDone& work) = 0;
 };

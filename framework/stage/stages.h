@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// The one list of stages: folder names, pipeline texts, axes of sweeps, `lpc list`, keys of results and the rule on who
-// may include whom follow from it. A new stage: a kind, its row, its interface (stage_<name>.h), its first algorithm,
-// and the call in World::step.
+// The only list of stages. Folder names, pipeline texts, axes of sweeps, `lpc list`, keys of results and the rule of
+// allowed includes follow from it. A new stage needs a kind, its row, its interface (stage_<name>.h), its first
+// algorithm, and the call in World::step.
 #pragma once
 
 #include <array>
@@ -30,10 +30,11 @@ enum class StageKind {
 
 struct StageInfo {
   StageKind kind;
-  std::string_view name;   // in pipeline texts and result files, so for ever; its algorithms are in algorithms/<name>/
-  std::string_view group;  // stages of one group share kernel headers; nobody else includes these
-  /// The algorithm that a world has unless its pipeline names another. Empty: no stage of a world but a part of other
-  /// stages, named in their parameters, or of scenes.
+  std::string_view name;   // in pipeline texts and result files, so it never changes; its algorithms are in
+                           // algorithms/<name>/
+  std::string_view group;  // stages of one group share kernel headers, which no other stage includes
+  /// The algorithm that a world uses unless its pipeline names another. Empty: not a stage of a world, but a part of
+  /// other stages, named in their parameters, or of scenes.
   std::string_view worldDefault;
 };
 
@@ -57,8 +58,7 @@ inline constexpr StageInfo kStages[] = {
 inline constexpr int kStageKinds = static_cast<int>(std::size(kStages));
 
 constexpr const StageInfo& stageInfo(StageKind kind) { return kStages[static_cast<std::size_t>(kind)]; }
-/// Engines are whole simulations of other people's, under oracles/engines: not a stage of ours, and no folder of
-/// algorithms/.
+/// Engines are complete external simulations, under oracles/engines, not in a folder of algorithms/.
 constexpr bool isOurs(const StageInfo& stage) { return stage.kind != StageKind::engine; }
 constexpr std::string_view stageName(StageKind kind) { return stageInfo(kind).name; }
 constexpr bool isWorldStage(const StageInfo& stage) { return !stage.worldDefault.empty(); }
@@ -73,7 +73,7 @@ constexpr const StageInfo* stageByName(std::string_view name) {
   return nullptr;
 }
 
-/// Whose folder a path of this project lies in; nullptr for one outside `algorithms/NAME/`.
+/// The stage of the folder that contains this path of the project; nullptr outside of `algorithms/NAME/`.
 constexpr const StageInfo* stageOfPath(std::string_view path) {
   constexpr std::string_view kFolder = "algorithms/";
   if (!path.starts_with(kFolder)) return nullptr;

@@ -9,8 +9,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// meet(view, X_WP) for each part whose box, grown by rounding, the ray meets. A surface has two sides for rays: what
-// they enter by is told by their direction.
+// Calls meet(view, X_WP) for each part when the ray hits its box, grown by rounding errors. A surface has two sides for
+// rays: the ray's direction decides by which side it enters.
 template <int D, class Meet>
 void meetOfSurface(const Surface<D>& surface, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction, Real maxT,
                    std::vector<std::int32_t>& near, const Meet& meet) {
@@ -32,8 +32,8 @@ bool meets(const RayFilter<D>& filter, Handle body, const ShapeRecord<D>& s) {
 
 }  // namespace
 
-// The bodies of those proxies, each once, that have a convex part that holds; `holds` is asked with it and its pose. Of
-// a surface those alone are asked that come near the box.
+// The bodies of these proxies, each once, with a convex part for which `holds` is true; `holds` gets the part and its
+// pose. Tests only the parts of a surface near the box.
 template <int D>
 template <class Holds>
 std::vector<Handle> BodyQueries<D>::bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box,
@@ -69,7 +69,7 @@ std::vector<Handle> BodyQueries<D>::overlap(const Aabb<D>& box) const {
   return bodiesOf(found, box, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
 }
 
-// Of one body, which need not be asked of the broadphase.
+// The same for one body, without the broadphase.
 template <int D>
 template <class Holds>
 bool BodyQueries<D>::anyPart(std::size_t i, const Aabb<D>& box, const Holds& holds) const {
@@ -101,7 +101,7 @@ std::vector<BodyRayHit<D>> BodyQueries<D>::ray(const Vec<D>& p, const Vec<D>& di
   if (!p.allFinite() || !direction.allFinite()) throw UserError("ray: its start or direction is not finite");
   if (!(maxT >= 0)) throw UserError("ray: maxT is " + std::to_string(maxT) + "; valid: a number >= 0");
   std::vector<RayHit<D>> found;
-  m_table.boxes.ray(p, direction, maxT, found);  // the first box need not hold the first shape
+  m_table.boxes.ray(p, direction, maxT, found);  // the first box need not hold the first hit
   std::vector<BodyRayHit<D>> out;
   std::vector<std::int32_t> near;
   for (const RayHit<D>& hit : found) {

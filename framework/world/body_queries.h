@@ -12,22 +12,23 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 struct BodyRayHit {
   Handle body;
-  std::int32_t shape;      // number among the body's shapes
-  Real t;                  // of entering the shape
-  Vec<D> normal;           // unit, world, out of the shape and so against the ray; zero when the ray starts inside
-  std::uint64_t userData;  // the shape's
+  std::int32_t shape;      // index among the body's shapes
+  Real t;                  // where the ray enters the shape
+  Vec<D> normal;           // unit, world, out of the shape, against the ray; zero when the ray starts inside
+  std::uint64_t userData;  // of the shape
 };
 
-/// What a ray meets: as a shape of this category and mask would collide. Without a filter it meets every shape.
+/// Which shapes a ray can hit: those that would collide with this category and mask. Without a filter it can hit every
+/// shape.
 template <int D>
 struct RayFilter {
   std::uint32_t category = 1;
   std::uint32_t mask = ~0u;
-  /// Empty: all of these. Is asked before the shape is, in no promised order.
+  /// Empty: accepts all shapes. Called before the shape is tested, in no promised order.
   std::function<bool(Handle body, const ShapeRecord<D>& shape)> accepts = {};
 };
 
-/// Questions about exact shapes at the poses of now, through the boxes of the table, which must be in sync().
+/// Answers queries on exact shapes at the current poses. Uses the boxes of the table, which must be in sync().
 template <int D>
 class BodyQueries {
  public:
@@ -37,8 +38,8 @@ class BodyQueries {
   std::vector<Handle> overlap(const Aabb<D>& box) const;
   bool contains(std::size_t body, const Vec<D>& point) const;
   bool intersects(std::size_t body, const Aabb<D>& box) const;
-  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Without a filter every shape
-  /// is met. Throws UserError for a point or direction that is not finite and a maxT below zero.
+  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Without a filter the ray can
+  /// hit every shape. Throws UserError when the point or direction is not finite, or maxT is negative.
   std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
                                  const RayFilter<D>* filter = nullptr) const;
 

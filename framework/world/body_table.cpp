@@ -64,7 +64,7 @@ std::size_t BodyTable<D>::takeSlot() {
   return i;
 }
 
-// All of a body but its shapes, where it is and how it moves.
+// Writes all data of a body except its shapes, pose and velocity.
 template <int D>
 void BodyTable<D>::write(std::size_t i, const BodyDef<D>& def, const Weighed<D>& weighed) {
   auto& b = bodies;
@@ -194,7 +194,7 @@ bool BodyTable<D>::sameShape(const ShapeRecord<D>& record, const ShapeDef<D>& de
   return record.shape.same(def.shape) && sameBits<D>({record.X_CS.p + center, record.X_CS.q}, def.X_BS);
 }
 
-// Of equal shapes the first is taken first.
+// Of several equal shapes, the first is matched first.
 template <int D>
 typename BodyTable<D>::ShapeMatch BodyTable<D>::match(std::size_t body, std::span<const ShapeDef<D>> defs) {
   ShapeMatch out;
@@ -219,7 +219,7 @@ Vec<D> BodyTable<D>::rewrite(std::size_t i, const BodyDef<D>& def, const Weighed
   const Vec<D> by = weighed.mass.center - b.center[i];
   const Pose<D> X_WC = b.pose[i];
   write(i, def, weighed);
-  // To the last bit where it was, unless it was put elsewhere.
+  // Unless the definition moved it, the body stays bit for bit.
   const bool stays = sameBits<D>(def.X_WB, before.X_WB);
   b.pose[i] = {stays ? Vec<D>(X_WC.p + X_WC.q * by) : Vec<D>(def.X_WB * b.center[i]), def.X_WB.q};
   const bool goesOn = def.velocity == before.velocity && def.angularVelocity == before.angularVelocity;
@@ -238,7 +238,7 @@ Vec<D> BodyTable<D>::rewrite(std::size_t i, const BodyDef<D>& def, const Weighed
     const Pose<D> X_CS = shapes[kept].X_CS;
     fillShape(kept, weighed.shapes[k], slot, static_cast<std::int32_t>(k));
     shapes[kept].X_CS = {X_CS.p - by, X_CS.q};
-    boxes.remove(kept), boxes.add(kept, shapes[kept]);  // its filter may be another
+    boxes.remove(kept), boxes.add(kept, shapes[kept]);  // its filter may have changed
   }
   for (std::size_t k = 0; k < match.kept.size(); ++k) {
     if (match.kept[k] == kNew) putShape(weighed.shapes[k], slot, static_cast<std::int32_t>(k));

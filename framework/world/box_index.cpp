@@ -21,7 +21,7 @@ template <int D>
 void BoxIndex<D>::remove(std::size_t shape) {
   m_proxies.setBox(static_cast<ProxyId>(shape), Aabb<D>{});
   m_proxies.body[shape] = -1, m_proxies.active[shape] = 0;
-  // A slot that the broadphase has not heard of yet needs no farewell.
+  // A slot that was never passed to the broadphase need not be removed from it.
   m_change[shape] = m_change[shape] & added ? m_change[shape] & removed : removed;
   m_stale = true;
 }
@@ -36,7 +36,7 @@ void BoxIndex<D>::touch(std::size_t body) {
 template <int D>
 void BoxIndex<D>::refresh(std::size_t shape, const ShapeRecord<D>& record, const Pose<D>& X_WC) {
   Aabb<D> box = boundingBox(record.shape, X_WC * record.X_CS).grown(m_margin / 2);
-  // A body that has become NaN takes no part in collision; it is for the caller to see and stop.
+  // A body with NaN takes no part in collision. The caller detects it and stops.
   if (!box.lo.allFinite() || !box.hi.allFinite()) box = Aabb<D>{};
   m_proxies.setBox(static_cast<ProxyId>(shape), box);
 }
@@ -76,14 +76,14 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
 
 template <int D>
 void BoxIndex<D>::findPairs(std::vector<ProxyPair>& out, WorkDone& work) {
-  if (!m_anyActive) return;  // each pair has one that is
+  if (!m_anyActive) return;  // each pair needs an active box
   m_broadphase->findPairs(m_proxies, out, work);
   const ShapeView<D> plane = Shape<D>::plane().view();
   for (const Plane& p : m_planes) {
     for (ProxyId i = 0; i < m_proxies.size(); ++i) {
       if (m_proxies.isFree(i) || !active(i) || !m_proxies.mayCollide(p.shape, i)) continue;
       ++work[WorkCount::boxTests];
-      // The other half of the margin, by which a plane's own box would have grown.
+      // The other half of the margin: a plane's own box would have grown by it.
       if (overlapsBox(plane, p.X_WS, m_proxies.box(i).grown(m_margin / 2))) {
         out.push_back({std::min(p.shape, i), std::max(p.shape, i)});
       }

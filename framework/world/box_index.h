@@ -9,32 +9,32 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The box of each shape of a world, the broadphase over them, and what it has not heard of yet. Changes are noted at
-/// once and brought up to date by sync(), in one walk over the shapes however many there were.
+/// Keeps a box for each shape of a world, the broadphase over these boxes, and the changes not yet passed to the
+/// broadphase. Changes are noted immediately. sync() applies them in a single pass over the shapes.
 ///
-/// A plane has no box: the broadphase sees an empty one, and every question is put to the planes here, each against
-/// each box. There are few of them.
+/// A plane has no finite box: the broadphase sees an empty box. Each query tests the planes here, each against each
+/// box; there are few planes.
 template <int D>
 class BoxIndex {
  public:
-  /// Both boxes of a pair grow by half the margin (m), so that they overlap when the shapes are within the whole of it.
-  /// The broadphase is not owned, and must be fresh.
+  /// Boxes grow by half the margin (m) each, so that the boxes of two shapes overlap when the shapes are within the
+  /// margin. The broadphase is not owned, and must be fresh.
   BoxIndex(Broadphase<D>& broadphase, Real margin) : m_broadphase(&broadphase), m_margin(margin) {}
 
   void add(std::size_t shape, const ShapeRecord<D>& record);
   void remove(std::size_t shape);
-  /// The boxes of this body are stale, also when it does not move by itself.
+  /// Marks the boxes of this body as stale, even when the body does not move by itself.
   void touch(std::size_t body);
-  /// Those of all who move are.
+  /// Marks the boxes of all moving bodies as stale.
   void outdate() { m_stale = true; }
-  /// With `sleepers` those who sleep are active, too.
+  /// Passes all noted changes to the broadphase. With `sleepers`, boxes of sleeping bodies are active too.
   void sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies, bool sleepers);
 
-  // As of the last sync().
+  // State of the last sync().
   const Proxies<D>& proxies() const { return m_proxies; }
   bool active(std::int32_t shape) const { return m_proxies.active[static_cast<std::size_t>(shape)] != 0; }
-  // What the broadphase says of these boxes; see there. Planes are added; of a ray with t = 0, before anything is
-  // known.
+  // Queries of the broadphase on these boxes (see Broadphase), with planes added. A ray reports each plane with t = 0,
+  // because the exact hit is not known here.
   void findPairs(std::vector<ProxyPair>& out, WorkDone& work);
   void overlap(const Aabb<D>& box, std::vector<ProxyId>& out) const;
   void at(const Vec<D>& point, std::vector<ProxyId>& out) const;
@@ -51,7 +51,7 @@ class BoxIndex {
   Broadphase<D>* m_broadphase;
   Real m_margin;
   Proxies<D> m_proxies;
-  std::vector<Plane> m_planes;                       // in the order of their slots
+  std::vector<Plane> m_planes;                       // ascending slots
   std::vector<std::uint8_t> m_change;                // by shape slot, since the last sync
   std::vector<std::uint8_t> m_touched;               // by body slot
   std::vector<ProxyId> m_added, m_removed, m_moved;  // scratch of sync

@@ -29,7 +29,7 @@ Real marginOf(const MakerInput<D>& in, const ShapePair& pair) {
   return at != in.ahead.end() && at->shapes == pair ? at->margin : in.settings.margin;
 }
 
-// As its shapes and the mixing rules make it.
+// The material of the pair by its shapes and the mixing rules.
 template <int D>
 PairMaterial mixed(const MakerInput<D>& in, const Manifold<D>& m) {
   const ShapeRecord<D>&a = in.table.shapes[static_cast<std::size_t>(m.shapeA)],
@@ -57,11 +57,11 @@ void ContactMaker<D>::findPairs(const BodyTable<D>& table, const UnpairedBodies&
   }
 }
 
-// The order is not for the outcome, which that of the manifolds decides: generators make most of those in the order of
-// the pairs, and moving pairs is cheap.
+// This order does not affect the result, which depends on the order of the manifolds. Generators emit manifolds mostly
+// in the order of the pairs, and moving pairs is cheaper.
 template <int D>
 void ContactMaker<D>::sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const PairAhead> ahead) {
-  for (const PairAhead& p : ahead) m_pairs.push_back(p.shapes);  // the broadphase has found those that are near
+  for (const PairAhead& p : ahead) m_pairs.push_back(p.shapes);  // the broadphase has already found the near ones
   for (const ShapePair& p : m_pairs) {
     m_order.add(
         {shapes[static_cast<std::size_t>(p.a)].body, p.a, shapes[static_cast<std::size_t>(p.b)].body, p.b, 0, 0});
@@ -70,7 +70,7 @@ void ContactMaker<D>::sortPairs(std::span<const ShapeRecord<D>> shapes, std::spa
   if (!ahead.empty()) m_pairs.erase(std::unique(m_pairs.begin(), m_pairs.end()), m_pairs.end());
 }
 
-// What was remembered of each pair, nothing of a new one. Both lists are in the order of their keys.
+// The memory of each pair; empty for a new pair. Both lists are sorted by key.
 template <int D>
 std::span<PairMemory> ContactMaker<D>::recall(const MakerInput<D>& in, std::span<const ConvexPair<D>> children) {
   m_memory.clear();
@@ -89,8 +89,8 @@ std::span<PairMemory> ContactMaker<D>::recall(const MakerInput<D>& in, std::span
   return m_memory;
 }
 
-// After the generator has written its memory. A pair that was not asked about keeps its record: it rests, or the
-// cache keeps its contacts. All others are forgotten.
+// Runs after the generator has written its memory. A pair that was not passed to the generator keeps its record: it
+// rests, or the cache keeps its contacts. Other records are dropped.
 template <int D>
 void ContactMaker<D>::remember(const MakerInput<D>& in) {
   std::swap(records, m_oldRecords);
@@ -140,7 +140,7 @@ void ContactMaker<D>::generate(const MakerInput<D>& in, std::span<const ShapePai
 
 template <int D>
 void ContactMaker<D>::make(const MakerInput<D>& in) {
-  // Where all bodies rest contacts stay in their places: copying them was most of such a step.
+  // When all bodies rest, contacts stay in place: copying them took most of the time of such a step.
   const auto rests = [&](const Manifold<D>& m) { return in.table.resting(m); };
   if (m_pairs.empty() && std::all_of(manifolds.begin(), manifolds.end(), rests)) {
     Profiler::Scope scope(in.profiler, "contacts");
@@ -162,7 +162,7 @@ void ContactMaker<D>::make(const MakerInput<D>& in) {
   {
     Profiler::Scope scope(in.profiler, "contacts");
     m_asked.clear();
-    for (std::span<const ShapePair> rest = m_regenerate; !rest.empty();) {  // most have the same margin
+    for (std::span<const ShapePair> rest = m_regenerate; !rest.empty();) {  // most pairs have the same margin
       const Real margin = marginOf(in, rest[0]);
       std::size_t n = 1;
       while (n < rest.size() && (in.ahead.empty() || marginOf(in, rest[n]) == margin)) ++n;
@@ -177,7 +177,7 @@ void ContactMaker<D>::make(const MakerInput<D>& in) {
     }
   }
   Profiler::Scope scope(in.profiler, "cache");
-  // A pair without an active proxy is not reported by the broadphase: it stays as it was.
+  // The broadphase does not report a pair without an active proxy: its manifold stays as it was.
   for (const Manifold<D>& m : m_old) {
     if (in.table.resting(m)) manifolds.push_back(m);
   }
@@ -188,8 +188,8 @@ void ContactMaker<D>::make(const MakerInput<D>& in) {
   if (m_regenerate.size() < m_pairs.size()) mixKept(in);
 }
 
-// What a cache has kept has the material that a listener gave it, or that a shape had before it was changed. All other
-// contacts were made in this step, with the material of their shapes, or rest.
+// Manifolds kept by a cache still have the material that a listener set, or that a shape had before it changed. All
+// other contacts were made in this step, with the material of their shapes, or rest.
 template <int D>
 void ContactMaker<D>::mixKept(const MakerInput<D>& in) {
   std::span<const ShapePair> fresh = m_regenerate;  // in the order of the manifolds

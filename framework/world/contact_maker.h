@@ -15,51 +15,51 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Two shapes that may meet within the step, body of the first < body of the second.
+/// Two shapes that may touch within the step, body of the first < body of the second.
 struct PairAhead {
   ShapePair shapes;
-  Real margin;  // m: contacts are made for separations up to this
+  Real margin;  // m: the generator makes contacts up to this separation
 };
 
-/// What makes contacts: the stages, and what they work on.
+/// The stages that make contacts, and their input.
 template <int D>
 struct MakerInput {
   ContactCache<D>& cache;
   ContactGenerator<D>& generator;
   const BodyTable<D>& table;
   const WorldSettings<D>& settings;
-  std::span<const PairAhead> ahead;  // sorted by their slots
+  std::span<const PairAhead> ahead;  // sorted by slots
   Profiler& profiler;
 };
 
-/// From pairs of boxes to manifolds: orientation and order of the pairs, convex parts, which contacts a cache keeps,
-/// what was remembered of a pair, and the inner edges of surfaces.
+/// Turns pairs of boxes into manifolds. Orders and orients the pairs, splits them into convex parts, keeps cached
+/// contacts and pair memory, and corrects contacts at internal edges of surfaces.
 template <int D>
 class ContactMaker {
  public:
-  // --- state: what a save holds --------------------------------------------------------------------------------------
+  // --- state, which a save holds -------------------------------------------------------------------------------------
   IndexedVector<Manifold<D>> manifolds;
-  std::vector<PairRecord> records;  // sorted by key; none where no stage remembers
+  std::vector<PairRecord> records;  // sorted by key; empty when the generator keeps no memory of pairs
 
-  // --- a step --------------------------------------------------------------------------------------------------------
-  /// Pairs of shapes whose boxes overlap and that may have contact, body of the first < body of the second.
+  // --- during a step -------------------------------------------------------------------------------------------------
+  /// Finds pairs of shapes that may collide and have overlapping boxes, body of the first < body of the second.
   void findPairs(const BodyTable<D>& table, const UnpairedBodies& unpaired, WorkDone& work);
-  /// Adds those ahead, and brings all into the order of their bodies and shapes.
+  /// Adds the pairs of `ahead`, and sorts all pairs by bodies and shapes.
   void sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const PairAhead> ahead);
-  /// The manifolds of these pairs; those of the last call are before() then.
+  /// Makes the manifolds of these pairs. The manifolds of the last call become before().
   void make(const MakerInput<D>& in);
-  /// Indices of the manifolds that a solver takes: those of a body that moves and that no listener vetoed.
+  /// Indices of the manifolds that the solver takes: at least one body moves, and no listener vetoed.
   IndexedVector<int>& collectActive(const Bodies<D>& bodies);
 
   std::span<const ShapePair> pairs() const { return m_pairs; }
   std::span<const Manifold<D>> before() const { return m_old; }
 
   // --- between steps -------------------------------------------------------------------------------------------------
-  /// Ends the contacts and records of which gone(pair) tells the body that leaves them; below 0: they stay. Of each
-  /// pair of shapes told(manifold, body) hears once.
+  /// Ends contacts and records: gone(pair) returns the body that leaves the pair, or a negative number when the pair
+  /// stays. Calls told(manifold, body) once for each ended pair of shapes.
   template <class Gone, class Told>
   void end(const Gone& gone, const Told& told);
-  /// The centre of mass of the body has moved within it.
+  /// Call after the centre of mass of the body has moved by `by` within the body.
   void moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t& visits);
   void forgetPairs() { m_pairs.clear(); }
 
@@ -73,7 +73,7 @@ class ContactMaker {
   std::vector<ProxyPair> m_proxyPairs;
   std::vector<ShapePair> m_pairs, m_regenerate;
   IndexedVector<Manifold<D>> m_old;
-  std::vector<PairRecord> m_oldRecords, m_asked;  // asked: pairs of children that the generator was asked for
+  std::vector<PairRecord> m_oldRecords, m_asked;  // m_asked: pairs of convex parts passed to the generator
   std::vector<PairMemory> m_memory;
   ChildPairs<D> m_children;
   ContactOrder m_order;

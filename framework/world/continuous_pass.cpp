@@ -38,7 +38,7 @@ void ContinuousPass<D>::lookAhead(const ContinuousInput<D>& in) {
     if (in.unpaired.contains(p.a.body, p.b.body)) continue;
     m_ahead.push_back({{p.a.shape, p.b.shape}, in.settings.margin + p.a.goes + p.b.goes});
   }
-  // Of the parts of two shapes the one that comes nearest.
+  // Keep the largest margin of the parts of two shapes.
   std::sort(m_ahead.begin(), m_ahead.end(), [](const PairAhead& p, const PairAhead& q) {
     return std::tie(p.shapes, q.margin) < std::tie(q.shapes, p.margin);
   });
@@ -52,8 +52,8 @@ void ContinuousPass<D>::begin(const ContinuousInput<D>& in) {
   if (in.looks(Lookout::after)) m_start = in.table.bodies.pose;
 }
 
-// How a body went through the step that was just solved. The turn is the one of those with this end that is nearest to
-// what its speed says: a pose alone does not tell whole turns.
+// The body's motion in the step just solved. A pose does not show whole turns: of all rotations with this end pose,
+// take the one nearest to the body's angular velocity.
 template <int D>
 Motion<D> ContinuousPass<D>::wayOf(const ContinuousInput<D>& in, std::size_t body) const {
   const Pose<D>&from = m_start[body], &to = in.table.bodies.pose[body];
@@ -67,7 +67,7 @@ Motion<D> ContinuousPass<D>::wayOf(const ContinuousInput<D>& in, std::size_t bod
   return {(to.p - from.p) / in.dt, turn / in.dt};
 }
 
-// A pair as it goes on from a time on: what has been stopped stands still.
+// The pair's motion from a time on; bodies already stopped do not move.
 template <int D>
 FastPair<D> ContinuousPass<D>::pairFrom(const ContinuousInput<D>& in, const typename FastParts<D>::Pair& p,
                                         const Ways<D>& ways, Real from) const {
@@ -86,8 +86,8 @@ FastPair<D> ContinuousPass<D>::pairFrom(const ContinuousInput<D>& in, const type
   return {{a.view, b.view, motionOf(a), motionOf(b)}, a.girth, b.girth, goesOn(a), goesOn(b)};
 }
 
-// Meetings in the order of their times. The first one of a body ends its step, and that of all that are jointed to it,
-// or the joints would be torn. Pairs that still come are asked at once with what stands there now.
+// Handles times of impact in order. The first one of a body ends its step, and the step of all bodies jointed to it, or
+// the joints would tear. Later pairs of a stopped body are computed again.
 template <int D>
 void ContinuousPass<D>::stopAtMeetings(const ContinuousInput<D>& in, std::span<const Manifold<D>> manifolds,
                                        std::span<const JointRecord<D>> joints, const ContactGraph<D>& graph) {
@@ -134,12 +134,12 @@ void ContinuousPass<D>::stopAtMeetings(const ContinuousInput<D>& in, std::span<c
     const Meeting now = m_meetings.back();
     m_meetings.pop_back();
     const auto& p = pairs[now.pair];
-    if (firstStop(p) != now.asked) continue;  // it was asked anew
+    if (firstStop(p) != now.asked) continue;  // stale: a newer event of this pair exists
     m_stopped.clear();
     for (const auto* part : {&p.a, &p.b}) {
       if (part->fast) stop(part->body, now.t);
     }
-    for (std::size_t i = 0; i < m_stopped.size(); ++i) {  // grows
+    for (std::size_t i = 0; i < m_stopped.size(); ++i) {  // grows in the loop
       for (const std::int32_t joint : graph.jointsOf(m_stopped[i])) {
         const JointRecord<D>& j = joints[static_cast<std::size_t>(joint)];
         if (j.bodyA >= 0) stop(j.bodyA, now.t);

@@ -29,23 +29,23 @@ struct ContinuousInput {
   bool looks(Lookout when) const { return settings.features.continuous && method.lookout() == when; }
 };
 
-/// What lies between the poses of two steps: pairs that would meet get contacts before the solver, or bodies that met
-/// are stopped after it.
+/// Continuous collision between the poses of two steps. Depending on the method, pairs that would touch get contacts
+/// before the solver, or bodies that touched are stopped after it.
 template <int D>
 class ContinuousPass {
  public:
-  /// The slot has another shape now.
+  /// Forgets the shape of this slot, which has been replaced.
   void forget(std::size_t shape) { m_fast.forget(shape); }
   void forgetAll() { m_fast = FastParts<D>(); }
 
-  /// Before the solver, with the boxes of the start: finds ahead(), sorted by their slots; none of a method that looks
-  /// back.
+  /// Before the solver, with the boxes of the start of the step: fills ahead(), sorted by slots. Leaves it empty for a
+  /// method that works after the solver.
   void lookAhead(const ContinuousInput<D>& in);
   std::span<const PairAhead> ahead() const { return m_ahead; }
-  /// Keeps the poses from which the solver will move the bodies, for a method that looks back.
+  /// Keeps the poses at the start of the step, for a method that works after the solver.
   void begin(const ContinuousInput<D>& in);
-  /// After the solver: puts fast bodies back to where they met, with all that are jointed to them (`joints`, by slot).
-  /// Pairs that a listener has vetoed are left alone.
+  /// After the solver: moves fast bodies back to their time of impact, together with all bodies that are jointed to
+  /// them (`joints`, by slot). Ignores pairs that a listener has vetoed.
   void stopAtMeetings(const ContinuousInput<D>& in, std::span<const Manifold<D>> manifolds,
                       std::span<const JointRecord<D>> joints, const ContactGraph<D>& graph);
 
@@ -54,8 +54,8 @@ class ContinuousPass {
   struct Meeting {
     Real t;  // s after the start
     std::size_t pair;
-    Real asked;  // when the first of the two was stopped, as known then
-    // Of a heap: the first meeting is the largest.
+    Real asked;  // firstStop() of the pair when this event was computed; a later stop makes the event stale
+    // For a heap: the earliest event is the largest.
     bool operator<(const Meeting& o) const { return std::tie(o.t, o.pair) < std::tie(t, pair); }
   };
   std::span<const Pair> fastPairs(const ContinuousInput<D>& in, const Ways<D>& ways);
@@ -65,7 +65,7 @@ class ContinuousPass {
   FastParts<D> m_fast;
   // Scratch of a step.
   std::vector<PairAhead> m_ahead;
-  std::vector<Pose<D>> m_start;   // of the step, X_WC by body slot
+  std::vector<Pose<D>> m_start;   // poses at the start of the step, X_WC by body slot
   std::vector<Motion<D>> m_ways;  // of the step just solved, by body slot
   std::vector<Real> m_stop;       // s after the start, by body slot
   std::vector<Meeting> m_meetings;

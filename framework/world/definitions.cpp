@@ -36,7 +36,7 @@ void checkGivenMass(const MassProperties<D>& m, const std::string& who) {
                           : "a symmetric matrix whose principal values are >= 0, none above the sum of the others"));
 }
 
-// In the world.
+// Mass properties in the world frame.
 template <int D>
 MassProperties<D> weightOf(const BodyDef<D>& def) {
   MassProperties<D> mass;
@@ -46,7 +46,7 @@ MassProperties<D> weightOf(const BodyDef<D>& def) {
   return transformed(def.mass ? *def.mass : mass, def.X_WB);
 }
 
-// One motion of both with the momenta of the two.
+// One rigid motion with the momenta of both bodies.
 template <int D>
 Motion<D> together(const BodyDef<D>& a, const BodyDef<D>& b, const MassProperties<D>& A, const MassProperties<D>& B) {
   const MassProperties<D> all = combined(A, B);

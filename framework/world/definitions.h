@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What follows from a body's definition alone, before any world has the body.
+// Computes what follows from a body's definition alone, before a world has the body.
 #pragma once
 
 #include <array>
@@ -10,31 +10,32 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What a checked definition gives its body.
+/// Mass, shapes and shape kinds of a body, computed from a checked definition.
 template <int D>
 struct Weighed {
   MassProperties<D> mass;
   Inertia<D> invInertia = Inertia<D>::Zero();
-  std::vector<ShapeDef<D>> shapes;        // each near its own frame's origin
-  std::array<bool, kShapeKinds> kinds{};  // of their convex parts
+  std::vector<ShapeDef<D>> shapes;        // each close to the origin of its own frame
+  std::array<bool, kShapeKinds> kinds{};  // of the convex parts
 };
 
-/// What messages call the body.
+/// Name of the body in messages.
 template <int D>
 std::string calledIn(const BodyDef<D>& def);
 
-/// Throws UserError for poses, velocities or sizes that are not finite, for a dynamic body without mass, for masses
-/// that numbers do not hold, and for a plane or a surface on a body that moves.
+/// Checks a definition and computes the body's mass and shapes. Throws UserError for poses, velocities or sizes that
+/// are not finite; a dynamic body without mass; masses that overflow; a plane or surface on a body that is not static.
 template <int D>
 Weighed<D> weigh(const BodyDef<D>& def);
 
-/// One body of two where they are, with the shapes of both and both momenta. Throws UserError unless both are dynamic
-/// or both are fixed.
+/// Merges two bodies into one, in place, with the shapes and the momenta of both. Throws UserError unless both are
+/// dynamic or both are static.
 template <int D>
 BodyDef<D> merged(const BodyDef<D>& a, const BodyDef<D>& b);
 
-/// A body of each shape, where it is and moving as it moved about `center`, the centre of mass of the whole. The first
-/// has the velocity of the whole. Throws UserError where a shape alone is no body.
+/// Makes one body of each shape, in place. Each keeps the motion that it had as a part of the whole; `center` is the
+/// centre of mass of the whole. The first gets the velocity of the whole. Throws UserError when a shape alone makes no
+/// valid body.
 template <int D>
 std::vector<BodyDef<D>> takenApart(const BodyDef<D>& whole, const Vec<D>& center);
 

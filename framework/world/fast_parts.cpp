@@ -8,8 +8,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A point at r that turns by an angle is never farther than r angle^2 / 8, nor than 2 r, from where it would be on the
-// straight way between its ends, at the same time.
+// Compare a point at distance r that turns by an angle with one on the straight path between the end positions. At each
+// time the two are at most min(r angle^2 / 8, 2 r) apart.
 template <int D>
 Aabb<D> boxOfWay(const ShapeView<D>& view, const ShapeMotion<D>& motion, Real dt, Real r) {
   const Real angle = motion.motion.w.norm() * dt;
@@ -38,14 +38,14 @@ Girth<D> FastParts<D>::girthOf(const ShapeView<D>& part) {
   girth.outer = boundingRadius(part);
   Pose<D> X_PartPoint;
   X_PartPoint.p = girth.center;
-  if (!m_query) m_query = createStage<PairQuery<D>>({"gjk_epa", {}});  // most worlds never ask
+  if (!m_query) m_query = createStage<PairQuery<D>>({"gjk_epa", {}});  // most worlds never need it
   const Shape<D> point = Shape<D>::sphere(0);
   const PairAnswer<D> depth = queryPair(*m_query, part, point.view(), X_PartPoint, QueryNeed::distance);
   girth.inner = std::max(Real(0), -depth.distance);
   return girth;
 }
 
-// f(part) for each part of a shape that has a place and a way; of a surface for those near the box.
+// Calls f(part) for each part with finite pose and motion; of a surface only for parts near the box.
 template <int D>
 template <class F>
 void FastParts<D>::forParts(std::size_t shape, const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
@@ -62,10 +62,10 @@ void FastParts<D>::forParts(std::size_t shape, const Ways<D>& ways, Real thresho
     const ShapeMotion<D> motion = ways.of(part.body, X_CP);
     if (moves) {
       part.girth = girths[static_cast<std::size_t>(number)];
-      const Real reach = X_CP.p.norm() + part.girth.outer - view.radius;  // a rounding turns with its core
+      const Real reach = X_CP.p.norm() + part.girth.outer - view.radius;  // a rounding radius turns with its core
       part.goes = (motion.motion.v.norm() + motion.motion.w.norm() * reach) * ways.dt;
-      if (!std::isfinite(part.goes) || !motion.X_WC.p.allFinite()) return;  // it takes no part in collision
-      // What moves less is near enough to have contacts.
+      if (!std::isfinite(part.goes) || !motion.X_WC.p.allFinite()) return;  // takes no part in collision
+      // A part that moves less is near enough for ordinary contacts.
       part.fast = part.goes > threshold * std::max(part.girth.inner, kLinearSlop);
       part.box = boxOfWay(view, motion, ways.dt, reach);
     } else {
@@ -84,7 +84,7 @@ std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& w
   m_work = &work;
   m_girths.resize(shapes.size());
   m_fast.clear(), m_pairs.clear();
-  Real slowest = 0;  // that those go who are not fast: so far the boxes of the start may be wrong
+  Real slowest = 0;  // largest motion of a part that is not fast: the boxes of the start may be off by this much
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     if (shapes[s].body < 0) continue;
     const auto body = static_cast<std::size_t>(shapes[s].body);
@@ -117,7 +117,7 @@ std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& w
   Aabb<D> places;
   for (const Part& p : m_fast) places = places.merged({p.box.lo, p.box.lo});
   Eigen::Index k = 0;
-  if (!m_fast.empty()) (places.hi - places.lo).maxCoeff(&k);  // along which they lie farthest apart
+  if (!m_fast.empty()) (places.hi - places.lo).maxCoeff(&k);  // the axis along which the parts are farthest apart
   std::sort(m_fast.begin(), m_fast.end(), [&](const Part& a, const Part& b) { return a.box.lo[k] < b.box.lo[k]; });
   for (std::size_t i = 0; i < m_fast.size(); ++i) {
     for (std::size_t j = i + 1; j < m_fast.size() && m_fast[j].box.lo[k] <= m_fast[i].box.hi[k]; ++j) {

@@ -11,7 +11,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How bodies go through a step: body i from start[i] at constant velocity[i].
+/// Motions of the bodies in a step: body i starts at start[i] and keeps velocity[i].
 template <int D>
 struct Ways {
   std::span<const Pose<D>> start;  // X_WC
@@ -24,18 +24,18 @@ struct Ways {
   }
 };
 
-/// Which convex parts go far in a step, and whom they may meet on their way.
+/// Finds the convex parts that move far in a step, and the parts that they may hit.
 template <int D>
 class FastParts {
  public:
   struct Part {
-    std::int32_t body, shape, number;  // slots, and which of the shape's parts
+    std::int32_t body, shape, number;  // slots, and the index of the part in the shape
     ShapeView<D> view;
     Pose<D> X_CP;
     Girth<D> girth;
-    Real goes;    // m, no point of it farther
-    Aabb<D> box;  // of its whole way
-    bool fast;    // by the threshold; also of a kinematic body, which nobody stops
+    Real goes;    // m, upper bound of the motion of its points
+    Aabb<D> box;  // of its whole motion
+    bool fast;    // moves farther than the threshold; also set for kinematic parts, which are never stopped
     bool operator<(const Part& o) const { return std::tie(body, shape, number) < std::tie(o.body, o.shape, o.number); }
   };
   struct Pair {
@@ -44,10 +44,10 @@ class FastParts {
 
   FastParts();
 
-  /// The slot has another shape now.
+  /// Forgets the shape of this slot, which has been replaced.
   void forget(std::size_t shape);
-  /// All pairs of a fast part and one whose way comes near its own, of two bodies and as their filters allow; in the
-  /// order of their parts. `boxes` are those of the start.
+  /// All pairs of a fast part and another part with overlapping swept boxes, on two bodies, if their filters allow it;
+  /// sorted by parts. `boxes` are those of the start of the step.
   std::span<const Pair> find(const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
                              std::span<const ShapeRecord<D>> shapes, const BoxIndex<D>& boxes, WorkDone& work);
 
@@ -57,13 +57,13 @@ class FastParts {
                 const ShapeRecord<D>& record, const Aabb<D>& near, const F& f);
   Girth<D> girthOf(const ShapeView<D>& part);
 
-  std::unique_ptr<PairQuery<D>> m_query;        // how deep a part's centre is in it
-  std::vector<std::vector<Girth<D>>> m_girths;  // by shape slot, of each part; none: not known
+  std::unique_ptr<PairQuery<D>> m_query;        // measures how deep a part's centre lies inside the part
+  std::vector<std::vector<Girth<D>>> m_girths;  // by shape slot, for each part; empty: not computed yet
   // Scratch.
   std::vector<Part> m_fast;
   std::vector<ProxyId> m_near;
-  std::vector<std::int32_t> m_parts;  // numbers of a surface's
-  WorkDone* m_work = nullptr;         // of the step under way
+  std::vector<std::int32_t> m_parts;  // indices of parts of a surface
+  WorkDone* m_work = nullptr;         // of the current step
   std::vector<Pair> m_pairs;
 };
 

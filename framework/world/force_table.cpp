@@ -69,7 +69,7 @@ void ForceTable<D>::keepContacts(const std::vector<Manifold<D>>& manifolds) {
   if (std::none_of(records.begin(), records.end(), [](const auto& f) { return f.kind && f.kind->readsContacts(); })) {
     return;
   }
-  m_lastContacts.reserve(manifolds.capacity());  // a copy has room for itself alone
+  m_lastContacts.reserve(manifolds.capacity());  // copying alone would allocate for the current size only
   m_lastContacts.insert(m_lastContacts.end(), manifolds.begin(), manifolds.end());
 }
 

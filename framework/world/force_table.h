@@ -12,31 +12,32 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The forces of a world, by slot, and those by code.
+/// Stores the forces of a world, by slot, and its force generators.
 template <int D>
 class ForceTable {
  public:
-  std::vector<ForceRecord<D>> records;                                 // state: what a save holds
+  std::vector<ForceRecord<D>> records;                                 // state, which a save holds
   std::vector<std::shared_ptr<const ForceGenerator<D>>> generators{};  // not saved
 
-  /// Throws UserError for a handle of no body and for what makeForce() refuses. The bodies that it acts on wake.
+  /// Adds a force and wakes the bodies on which it acts. Throws UserError for an invalid body handle and as
+  /// makeForce().
   ForceHandle add(const ForceDef<D>& def, BodyTable<D>& table);
-  /// Throws UserError for a handle of no force. The bodies that it acts on wake.
+  /// Removes a force and wakes the bodies on which it acts. Throws UserError for an invalid handle.
   void remove(ForceHandle force, BodyTable<D>& table);
   void removeAllOf(std::size_t body, BodyTable<D>& table);
   void clear(std::uint64_t& visits);
 
-  /// Keeps the contacts of the step before where a force reads them: a solver changes impulses while it asks for
+  /// Copies the contacts of the last step when a force reads them: the solver changes impulses while it evaluates
   /// forces.
   void keepContacts(const std::vector<Manifold<D>>& manifolds);
   std::span<const Manifold<D>> lastContacts() const { return m_lastContacts; }
 
-  // --- bodies that change --------------------------------------------------------------------------------------------
-  /// The centre of mass of the body has moved within it.
+  // --- changes of bodies ---------------------------------------------------------------------------------------------
+  /// Call after the centre of mass of the body has moved by `by` within the body.
   void moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t& visits);
-  /// Forces of `from` become those of `into`, but for those between the two.
+  /// Moves the forces of `from` to `into`, except forces between the two.
   void handOver(std::size_t from, std::size_t into, const Bodies<D>& bodies);
-  /// What is derived, from records that were put here.
+  /// Recomputes the derived data after the records were replaced.
   void recount();
 
  private:
@@ -46,14 +47,15 @@ class ForceTable {
   std::vector<Manifold<D>> m_lastContacts;
 };
 
-/// What acts in one step: the user's forces of this step, gravity, the table's records and its generators.
+/// Evaluates all forces of one step: the user's forces for this step, gravity, the records of the table, and its
+/// generators.
 template <int D>
 class StepForces final : public Forces<D> {
  public:
   struct Step {
     Vec<D> gravity;      // m/s^2
     Real dt = 0;         // s
-    Real contactDt = 0;  // s, of the step before
+    Real contactDt = 0;  // s, of the last step
   };
   StepForces(const BodyTable<D>& bodies, const ForceTable<D>& forces, const Step& step)
       : m_bodies(bodies), m_forces(forces), m_step(step) {}

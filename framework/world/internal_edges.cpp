@@ -8,29 +8,29 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-/// As kLeans, of a curved body, whose normals are found by steps that end (1, the sine). Larger: it is slowed by what
-/// is left. Smaller: where such steps end decides whether a standing cylinder has one point or four.
+/// As kLeans, for a curved body: its normals come from an iteration with a tolerance (1, the sine). Larger: the error
+/// that remains slows the body. Smaller: the tolerance decides whether a standing cylinder has one point or four.
 constexpr Real kCurvedLeans = sizeof(Real) == 8 ? Real(1e-6) : Real(5e-3);
 
-/// What a normal becomes. All in the surface's frame.
+/// The correction of a normal, in the surface's frame.
 template <int D>
 struct Correction {
   enum Verdict { stays, changes, goes } verdict = stays;
   Vec<D> normal;
-  Vec<D> at;                       // a point of the plane across the normal that touches the part
-  Vec<D> across = Vec<D>::Zero();  // beyond `at` along this the neighbour carries; zero: nobody there
+  Vec<D> at;                       // a point of the plane perpendicular to the normal that touches the part
+  Vec<D> across = Vec<D>::Zero();  // beyond `at` along this, the neighbour carries the body; zero: no neighbour does
 };
 
-/// A border that the normal leans over, and how far (1, the sine).
+/// A border over which the normal leans, and how far (1, the sine).
 template <int D>
 struct Lean {
   typename Surface<D>::Border border;
   Real by = 0;
 };
 
-// Over which borders, where the part's own feature that lies foremost along the normal is: an edge has one, a corner
-// two, and what leans along both is shared out between them. A mere product with the outward direction of each would
-// name edges that the contact is not at, of triangles with an obtuse corner.
+// Finds the borders over which the normal leans, from the part's support feature along the normal: an edge gives one
+// border; a corner gives two, between which the lean is divided. A dot product with the outward direction of each
+// border would name edges away from the contact, on triangles with an obtuse corner.
 std::array<Lean<2>, 2> leansOf(const Surface<2>& surface, std::int32_t part, const Vec<2>& aside) {
   const auto end = surface.border(part, 1);
   const Real by = aside.dot(end.outward);
@@ -52,7 +52,7 @@ std::array<Lean<3>, 2> leansOf(const Surface<3>& surface, std::int32_t part, con
   return best;
 }
 
-// `least`: who leans by no more stands upright.
+// `least`: a smaller lean counts as upright.
 template <int D>
 Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>& n, Real least) {
   Correction<D> out;
@@ -63,7 +63,7 @@ Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>
   if (aside.norm() <= least) return out;
   std::array<Lean<D>, 2> leans = leansOf(surface, part, aside);
   const auto normalOf = [&](const Lean<D>& lean) -> const Vec<D>& { return surface.normal(lean.border.neighbour); };
-  // Where the neighbour lies level or rises there is nothing to lean over.
+  // No lean counts over a neighbour that is level or rises.
   for (Lean<D>& lean : leans) {
     if (lean.by <= least) {
       lean.by = 0;
@@ -113,8 +113,8 @@ bool standsOn(const Surface<D>& surface, std::int32_t part, const Vec<D>& foot, 
   return true;
 }
 
-// The points along the new normal. On a rounded core each moves around the core's point; where a curved one touches at
-// one point, that is now the one that lies lowest. False: none is left.
+// Measures the points along the new normal. On a rounded core each point moves around the core's point. A curved core
+// that touches at one point now touches at its lowest point. Returns false when no point is left.
 template <int D>
 bool measureAnew(Manifold<D>& m, bool isA, const Surface<D>& surface, const Correction<D>& correction,
                  const Vec<D>& old, std::span<const ShapeRecord<D>> shapes, std::span<const Pose<D>> pose,
@@ -123,7 +123,7 @@ bool measureAnew(Manifold<D>& m, bool isA, const Surface<D>& surface, const Corr
   const ShapeRecord<D>& other = shapes[static_cast<std::size_t>(isA ? m.shapeB : m.shapeA)];
   const Pose<D> X_SC = mine.X_CS.inverse();
   const Pose<D> X_SO = X_SC * poseBetween(pose[static_cast<std::size_t>(mine.body)],
-                                          pose[static_cast<std::size_t>(other.body)]);  // of the other's body
+                                          pose[static_cast<std::size_t>(other.body)]);  // of the other shape's body
   const Pose<D> X_OS = X_SO.inverse();
   Pose<D> X_OP;
   const ShapeView<D> view = viewOf(other.shape, isA ? m.childB : m.childA, X_OP);
@@ -152,7 +152,7 @@ bool measureAnew(Manifold<D>& m, bool isA, const Surface<D>& surface, const Corr
   return m.count > 0;
 }
 
-// False: the manifold goes.
+// False: the manifold is removed.
 template <int D>
 bool correctManifold(Manifold<D>& m, std::span<const ShapeRecord<D>> shapes, std::span<const Pose<D>> pose,
                      Real margin) {

@@ -120,7 +120,7 @@ ContactInvariants contactInvariants(const Simulation<D>& world) {
       double tangent = 0;
       for (std::size_t d = 1; d < D; ++d) tangent += double(c.impulse[d]) * double(c.impulse[d]);
       out.coneExcess = worse(out.coneExcess, std::sqrt(tangent) - m.friction * normal);
-      if (m.restitution == 0) {  // a bounce is right to leave with an impulse
+      if (m.restitution == 0) {  // a bouncing contact separates with an impulse
         const double closing = (vB - vA).dot(m.normal) + worse(0, c.separation) / dt;
         out.complementarity = worse(out.complementarity, std::abs(closing * normal));
       }

@@ -7,26 +7,26 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What physics says about a state, whatever the algorithms are: from poses, velocities and the scene's masses.
-/// Computed in double for both precisions.
+/// Physical invariants of a state, independent of the algorithms: computed from poses, velocities and the scene's
+/// masses. Computed in double for both precisions.
 template <int D>
 struct StateInvariants {
-  double kinetic = 0, potential = 0;  // J; potential of gravity only, zero at the origin's height
+  double kinetic = 0, potential = 0;  // J; potential of gravity only, zero at the height of the origin
   Eigen::Matrix<double, D, 1> momentum = Eigen::Matrix<double, D, 1>::Zero();  // kg m/s
   Eigen::Matrix<double, kAngDim<D>, 1> angularMomentum =
       Eigen::Matrix<double, kAngDim<D>, 1>::Zero();  // about the origin
   double maxSpeed = 0;                               // m/s, dynamic bodies
-  double jointError = 0, jointTurn = 0;              // m and rad, each the worst
+  double jointError = 0, jointTurn = 0;              // m and rad, the worst of each
   bool finite = true;                                // no NaN or infinity anywhere
 };
 
-/// What the step's contacts say: NaN where they are not told.
+/// Invariants of the contacts of the step; NaN when the simulation does not report contacts.
 struct ContactInvariants {
   static constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
   // m, over the contact points, at the poses after the step
   double maxPenetration = kNotTold, meanPenetration = kNotTold;
   // Worst |lambda_n * u_n| over contact points without restitution, J: either the impulse or the closing speed must be
-  // 0. u_n counts the gap still open at detection, since a contact within the margin may close it.
+  // 0. The speed u_n includes the gap at detection over dt, since a contact within the margin may close it.
   double complementarity = kNotTold;
   double coneExcess = kNotTold;  // worst max(0, |lambda_t| - mu lambda_n), N s
 };
@@ -36,7 +36,7 @@ struct Invariants : StateInvariants<D>, ContactInvariants {};
 
 template <int D>
 StateInvariants<D> stateInvariants(const Simulation<D>& simulation);
-/// `finite` of stateInvariants alone, for less.
+/// Computes only `finite` of stateInvariants, which is cheaper.
 template <int D>
 bool stateIsFinite(const Simulation<D>& simulation);
 template <int D>

@@ -25,7 +25,7 @@ JointHandle JointTable<D>::add(const JointDef<D>& def, BodyTable<D>& table) {
   j.generation = records[i].generation;
   records[i] = std::move(j);
   list(i, table.visits);
-  for (const std::int32_t body : {records[i].bodyA, records[i].bodyB}) {  // it may pull at a sleeping one
+  for (const std::int32_t body : {records[i].bodyA, records[i].bodyB}) {  // the joint may pull at a sleeping body
     if (body >= 0) table.wake(static_cast<std::size_t>(body));
   }
   return {static_cast<std::int32_t>(i), records[i].generation};
@@ -45,7 +45,7 @@ void JointTable<D>::remove(JointHandle joint, BodyTable<D>& table) {
 
 template <int D>
 void JointTable<D>::removeAllOf(std::size_t body, BodyTable<D>& table) {
-  while (!of(body).empty()) {  // from the end of the list: else each would move all behind it
+  while (!of(body).empty()) {  // from the end of the list: removing the first would move all others
     const std::int32_t j = of(body).back();
     remove(JointHandle{j, records[static_cast<std::size_t>(j)].generation}, table);
   }
@@ -53,7 +53,7 @@ void JointTable<D>::removeAllOf(std::size_t body, BodyTable<D>& table) {
 
 template <int D>
 void JointTable<D>::release(const JointRecord<D>& joint, std::vector<SleepEvent>& events) {
-  if (joint.broken) return;  // they were told then
+  if (joint.broken) return;  // its bodies were informed when it broke
   if (joint.bodyA >= 0) events.push_back({SleepEvent::jointRemoved, joint.bodyA, joint.bodyB});
   events.push_back({SleepEvent::jointRemoved, joint.bodyB, joint.bodyA});
 }
@@ -97,7 +97,7 @@ void JointTable<D>::finish(const Bodies<D>& bodies, Real dt, std::vector<SleepEv
     if (!j.active()) continue;
     j.kind->finish(j, poseOf(bodies, j.bodyA), poseOf(bodies, j.bodyB));
     if (!std::isfinite(j.breakForce) && !std::isfinite(j.breakTorque)) continue;
-    // A joint of sleeping bodies keeps the impulses of an earlier step, which may have been longer.
+    // Skip joints of sleeping bodies: their impulses are from an earlier step, which may have been longer.
     if (!bodies.active(j.bodyB) && (j.bodyA < 0 || !bodies.active(j.bodyA))) continue;
     jointRows(j, bodies, rows);
     const JointLoad load = jointLoad(rows.all(), std::span<const Real>(j.impulse), dt);

@@ -11,45 +11,48 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The joints of a world, by slot and by body: how they come, go, break and follow bodies that change.
+/// Stores the joints of a world, by slot and by body. Adds, removes and breaks joints, and updates them when bodies
+/// change.
 template <int D>
 class JointTable {
  public:
-  IndexedVector<JointRecord<D>> records;  // state: what a save holds
+  IndexedVector<JointRecord<D>> records;  // state, which a save holds
 
-  /// Throws UserError for a body with itself, two that do not move, and what makeJoint() refuses. Both bodies wake.
+  /// Adds a joint and wakes both bodies. Throws UserError for a joint from a body to itself, between two bodies that do
+  /// not move, and as makeJoint().
   JointHandle add(const JointDef<D>& def, BodyTable<D>& table);
-  /// Throws UserError for a handle of no joint. The bodies get an event, unless the joint was broken.
+  /// Removes a joint. The bodies get a sleep event, unless the joint was broken. Throws UserError for an invalid
+  /// handle.
   void remove(JointHandle joint, BodyTable<D>& table);
   void removeAllOf(std::size_t body, BodyTable<D>& table);
-  /// It stays, without rows. Precondition: it is active.
+  /// Breaks a joint: it keeps its slot, without rows. Precondition: it is active.
   void breakJoint(std::size_t slot, std::vector<SleepEvent>& events);
   void clear(std::uint64_t& visits);
 
-  /// Slots of a body's joints, rising.
+  /// Slots of a body's joints, ascending.
   std::span<const std::int32_t> of(std::size_t body) const { return m_of.of(body); }
 
-  /// After a step of dt seconds: whole turns are counted, and a joint that bore too much breaks.
+  /// Call after a step of dt seconds: unwraps angles and breaks overloaded joints.
   void finish(const Bodies<D>& bodies, Real dt, std::vector<SleepEvent>& events);
-  /// Whole turns alone, for bodies that something else has moved.
+  /// Only unwraps angles, for bodies moved by something other than a step.
   void countTurns(const Bodies<D>& bodies);
 
-  // --- bodies that change --------------------------------------------------------------------------------------------
-  /// Throws UserError where a body that does not move would leave a joint between two such.
+  // --- changes of bodies ---------------------------------------------------------------------------------------------
+  /// Throws UserError when making this body immovable would leave a joint between two bodies that do not move.
   void requireMoving(std::size_t body, BodyTable<D>& table) const;
-  /// The centre of mass of the body has moved within it.
+  /// Call after the centre of mass of the body has moved by `by` within the body.
   void moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t& visits);
-  /// The mass of the body is another.
+  /// Call after the mass of the body has changed.
   void weigh(std::size_t body, BodyTable<D>& table);
-  /// Joints of `from` become those of `into`, but for those between the two.
+  /// Moves the joints of `from` to `into`, except joints between the two.
   void handOver(std::size_t from, std::size_t into, BodyTable<D>& table);
-  /// What is derived, from records that were put here.
+  /// Recomputes the derived data after the records were replaced.
   void recount(std::uint64_t& visits);
 
  private:
-  void list(std::size_t slot, std::uint64_t& visits);  // by its bodies
+  void list(std::size_t slot, std::uint64_t& visits);  // adds it to the lists of its bodies
   void unlist(std::size_t slot, std::uint64_t& visits);
-  static void release(const JointRecord<D>& joint, std::vector<SleepEvent>& events);  // tells its bodies
+  static void release(const JointRecord<D>& joint, std::vector<SleepEvent>& events);  // adds an event for its bodies
 
   SlotTable m_slots;
   SlotLists m_of;  // by body slot

@@ -6,7 +6,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// The manifolds of the first pair of shapes, one for each pair of their children: they stand together.
+// The manifolds of the first pair of shapes, one for each pair of convex parts; they are adjacent.
 template <class M>
 std::span<M> firstPair(std::span<M> manifolds) {
   std::size_t n = 0;
@@ -23,7 +23,7 @@ Real smallestSeparation(std::span<const Manifold<D>> pair) {
   return s;
 }
 
-// Largest speed of approach over the points, m/s, at least 0.
+// Largest approach speed over the points, m/s, at least 0.
 template <int D>
 Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
   const auto a = static_cast<std::size_t>(pair[0].bodyA), b = static_cast<std::size_t>(pair[0].bodyB);
@@ -39,20 +39,20 @@ Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
   return speed;
 }
 
-// A world may stop in a step with an exception of its user's making, and no other.
+// The only exception that a step may throw: its cause is in the user's code.
 void checkMaterial(const PairMaterial& m) {
   checkAmount(m.friction, "a listener's mix", "friction");
   checkAmount(m.restitution, "a listener's mix", "restitution");
 }
 
-// What was begun, vetoed or mixed stays so.
+// Copies begun, veto and material.
 template <int D>
 void hear(Manifold<D>& m, const Manifold<D>& said) {
   m.begun = said.begun, m.ignored = said.ignored;
   m.friction = said.friction, m.restitution = said.restitution;
 }
 
-// Neither of its bodies moves by itself.
+// True when each body is asleep or static.
 template <int D>
 bool quiet(const Manifold<D>& m, const Bodies<D>& bodies) {
   const auto moves = [&](std::int32_t body) {
@@ -98,7 +98,7 @@ void ListenerTable<D>::forget(std::size_t body) {
 template <int D>
 void ListenerTable<D>::tell(const World<D>& world, BodyTable<D>& table, const ContactNews<D>& news) const {
   const auto asleep = [&](std::int32_t body) { return !table.bodies.awake[static_cast<std::size_t>(body)]; };
-  // Only sleeping bodies need events, and seldom are there any.
+  // Only sleeping bodies need events, and few bodies sleep near contacts that change.
   const auto wakeEvent = [&](SleepEvent::Kind kind, const Manifold<D>& m, Real speed) {
     if (asleep(m.bodyA)) table.events.push_back({kind, m.bodyA, m.bodyB, double(speed)});
     if (asleep(m.bodyB)) table.events.push_back({kind, m.bodyB, m.bodyA, double(speed)});
@@ -118,7 +118,7 @@ void ListenerTable<D>::tell(const World<D>& world, BodyTable<D>& table, const Co
     const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
     old = old.subspan(before.size());
     if (table.resting(m)) continue;
-    if (known && (news.again || quiet(m, table.bodies))) {  // within the step, or of sleepers: what was said stays
+    if (known && (news.again || quiet(m, table.bodies))) {  // made again in the step, or at rest: keep the answer
       for (Manifold<D>& child : pair) hear(child, before[0]);
       continue;
     }
@@ -137,7 +137,7 @@ void ListenerTable<D>::tell(const World<D>& world, BodyTable<D>& table, const Co
       if (known ? l.persist(world, m) : l.begin(world, m)) return;
       for (Manifold<D>& child : pair) child.ignored = 1;
     });
-    // A body that slept on it has lost it, too.
+    // A veto also wakes bodies that rest on it.
     if (known && m.ignored && !before[0].ignored) wakeEvent(SleepEvent::contactLost, m, 0);
   }
   while (!old.empty()) end();

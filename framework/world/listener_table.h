@@ -12,16 +12,16 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The contacts of a step and those of the step before, both in the order of their keys.
+/// The contacts of this step and of the last step, both sorted by key.
 template <int D>
 struct ContactNews {
   std::span<Manifold<D>> now;
   std::span<const Manifold<D>> before;
   Real lastDt = 0;     // s, between the two
-  bool again = false;  // made once more within the step
+  bool again = false;  // contacts were made again within the step
 };
 
-/// Which listeners hear of the contacts of all bodies, and which of those of one.
+/// Stores the listeners for all bodies and the listeners for single bodies.
 template <int D>
 class ListenerTable {
  public:
@@ -32,17 +32,18 @@ class ListenerTable {
   void forget(std::size_t body);
   void forgetBodies() { m_ofBodies.clear(); }
 
-  /// f(listener) for each that hears of this contact, once: those of all bodies, of body A, of body B.
+  /// Calls f(listener) once for each listener of this contact: those of all bodies, then those of body A, then those of
+  /// body B.
   template <class F>
   void forEach(const Manifold<D>& m, const F& f) const;
 
-  /// Tells of contacts that begin, persist and end, with mix() before, and writes what listeners answer into the
-  /// manifolds. Bodies that sleep get events. `world` is what listeners are handed.
+  /// Reports contacts that begin, persist and end, after mix(), and writes the listeners' answers into the manifolds.
+  /// Adds sleep events for sleeping bodies. `world` is passed to the listeners.
   void tell(const World<D>& world, BodyTable<D>& table, const ContactNews<D>& news) const;
 
  private:
   std::vector<ContactListener<D>*> m_all;
-  std::vector<std::vector<ContactListener<D>*>> m_ofBodies;  // by body slot; shorter where the rest has none
+  std::vector<std::vector<ContactListener<D>*>> m_ofBodies;  // by body slot; may be shorter than the body table
 };
 
 template <int D>

@@ -7,7 +7,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-// The one competitor that takes every kind of shape.
+// gjk_epa is the only pair query that takes every kind of shape.
 template <int D>
 PosePenetration<D>::PosePenetration()
     : m_query(createStage<PairQuery<D>>({"gjk_epa", {}})), m_pairs(kShapeKinds * kShapeKinds) {}

@@ -10,9 +10,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How deep shapes are in each other at the poses of a moment: one query for everybody, whatever the simulation calls a
-/// contact. Pairs are those that may collide: of two bodies, one of them dynamic, by category and mask, and not joined
-/// by a joint that forbids it.
+/// Measures how deep shapes penetrate at given poses, with the same query for every simulation, whatever that
+/// simulation calls a contact. Pairs are those that may collide: of two bodies, one of them dynamic, allowed by
+/// category and mask, and not excluded by a joint.
 template <int D>
 class PosePenetration {
  public:

@@ -55,7 +55,8 @@ void checkBodies(const Bodies<D>& b, std::size_t userForces) {
   }
 }
 
-// Within reach of the arithmetic. convexHull measures from any point given, here it is from a corner.
+// True when the size is within reach of the arithmetic. convexHull measures from any given point; this measures from a
+// corner.
 template <int D>
 bool isExtent(const std::vector<Vec<D>>& vertices) {
   return std::all_of(vertices.begin(), vertices.end(), [&](const Vec<D>& v) {
@@ -86,7 +87,7 @@ void checkHull(const Polytope<3>& hull) {
     end = f.end;
   }
   require(end == static_cast<std::int64_t>(hull.loop.size()), "a polytope's faces do not share out its corners");
-  // Who walks along edges takes for granted that one runs as its first face does, and against its second.
+  // Edge walks rely on this: an edge runs in the direction of its first face, and against that of its second.
   std::vector<std::array<int, 3>> sides;
   for (std::size_t f = 0; f < hull.faces.size(); ++f) {
     const auto& face = hull.faces[f];
@@ -117,7 +118,7 @@ void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts
     if (s.body < 0) continue;
     markKinds(s.shape, kinds);
     forParts(s.shape, s.X_CS, [&](const ShapeView<D>& part, const auto&) {
-      if (part.kind == ShapeKind::polytope) checkHull(*part.hull);  // a triangle was made anew
+      if (part.kind == ShapeKind::polytope) checkHull(*part.hull);  // a triangle was built again from its corners
     });
     require(s.X_CS.p.allFinite() && isUnit(s.X_CS.q), "a shape has no place on its body");
     require(isAmount(s.friction) && isAmount(s.restitution) && isAmount(s.density),
@@ -130,7 +131,7 @@ void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts
   requireContacts(contacts, kinds, "load: this world's contact generator");
 }
 
-// Whose it is, of a manifold or a record. `who` stands in the messages.
+// Checks the owners of a manifold's or record's shapes. `who` names it in messages.
 template <int D, class Pair>
 void checkPair(const SavedState<D>& saved, const Pair& p, std::string_view who) {
   const auto isShapeOf = [&](std::int32_t shape, std::int32_t body) {

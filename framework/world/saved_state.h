@@ -13,11 +13,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Everything that a saved world holds.
+/// The complete content of a saved world.
 template <int D>
 struct SavedState {
   WorldSettings<D> settings;
-  Bodies<D> bodies;  // without what is derived: invMass, invInertia
+  Bodies<D> bodies;  // without derived data: invMass, invInertia
   std::vector<ShapeRecord<D>> shapes;
   std::vector<JointRecord<D>> joints;
   std::vector<Manifold<D>> manifolds;
@@ -29,25 +29,25 @@ struct SavedState {
   std::vector<ForceRecord<D>> forces;
 };
 
-/// What the first bytes of a saved world tell.
+/// The kind of a saved world, from its first bytes.
 struct SavedKind {
   int dimension = 0;
-  int realBytes = 0;  // of its numbers: 8 in f64, 4 in f32
+  int realBytes = 0;  // size of its numbers: 8 in f64, 4 in f32
 };
-/// Throws UserError when they are of no saved world, or of one in another format.
+/// Reads the first bytes. Throws UserError when they are not a saved world, or have another format version.
 SavedKind savedKind(std::istream& in);
 
-/// The bytes are a function of the state.
+/// Writes a state. The bytes depend on the state only.
 template <int D>
 void writeState(std::ostream& out, SavedState<D> state);
-/// Throws UserError when the bytes are not a world of this dimension, precision and format, or damaged. What they hold
-/// is for requireSound() to judge; invMass and invInertia are empty.
+/// Reads a state; invMass and invInertia are empty. Throws UserError when the bytes are damaged or are not a world of
+/// this dimension, precision and format. requireSound() checks the content.
 template <int D>
 SavedState<D> readState(std::istream& in);
 
-/// Throws UserError when a step could not run on this: a number that is indexed by and points at nothing, arrays of
-/// unequal length, an enum's value without a name, a shape that cannot be one, kinds that the generator does not
-/// support. Poses, velocities and forces may be anything: a world that has exploded is saved as it is.
+/// Checks that a step can run on this state. Throws UserError for an invalid index, enum value or shape, arrays of
+/// unequal length, and shape kinds that the generator does not support. Poses, velocities and forces may have any
+/// value: a world that has exploded is saved as it is.
 template <int D>
 void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contacts);
 

@@ -14,7 +14,7 @@ Spec shortest(Real number) {  // the shortest text that reads back as this numbe
   return {.name = {text, std::to_chars(text, text + sizeof text, number).ptr}, .fields = {}};
 }
 
-// Of the solver itself, or of the position resolver in it.
+// Sets the slop of the solver itself, or of its position resolver.
 void setSlop(Spec& solver, Real slop) {
   const auto takes = [](StageKind stage, const std::string& name) {
     return Registry::instance().parameter(stage, name, "slop") != nullptr;

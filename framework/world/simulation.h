@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a trial, a director and a recorder need of a world, whoever moves the bodies: our own `World`, or a whole engine
-// of other people's (framework/world/stage_engine.h). Slots, frames and units are those of `Bodies`.
+// The interface of a world for trials, directors and recorders. Implemented by `World` and by external engines
+// (framework/world/stage_engine.h). Slots, frames and units are those of `Bodies`.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct WorldSettings {
   Real margin = kContactMargin;
   Features features{};
   MixRules mixing{};
-  /// Contacts of bodies that sleep are made anew in each step, as if these were awake. Off, a sleeping pair keeps those
-  /// that it fell asleep with: the switch `findSleepingContacts` of the 2009 engine.
+  /// On: contacts of sleeping bodies are made again in each step, as if the bodies were awake. Off: a sleeping pair
+  /// keeps the contacts with which it fell asleep. The 2009 engine called this switch `findSleepingContacts`.
   bool sleepingContacts = false;
 };
 
@@ -42,31 +42,33 @@ class Simulation {
   virtual ~Simulation() = default;
 
   // --- building, at any time between steps ---------------------------------------------------------------------------
-  /// Throw UserError for what makes no sense, and for what this simulation cannot do, with the reason.
+  /// Adds a body. All add() throw UserError with the reason when the definition is invalid or the simulation does not
+  /// support it.
   virtual Handle add(const BodyDef<D>& def) = 0;
-  /// Also for a body with itself, two that do not move, frames and limits that make no such joint.
+  /// Adds a joint. Also throws for a joint from a body to itself, between two bodies that do not move, or with invalid
+  /// frames or limits.
   virtual JointHandle add(const JointDef<D>& def) = 0;
-  /// Also for ends that the kind has not, or that cannot be its ends.
+  /// Adds a force. Also throws for ends that the kind does not have or does not allow.
   virtual ForceHandle add(const ForceDef<D>& def) = 0;
   virtual void add(std::shared_ptr<const ForceGenerator<D>> generator) = 0;
   virtual void remove(Handle body) = 0;  // and its joints and forces
   virtual void remove(JointHandle joint) = 0;
   virtual void remove(ForceHandle force) = 0;
 
-  // --- what a script does to bodies, between steps -------------------------------------------------------------------
-  // All five throw UserError for a body that is gone and for numbers that are not finite.
-  virtual void setPose(Handle body, const Pose<D>& X_WB) = 0;  // of the body's own frame
-  /// Of its centre of mass. Throws UserError for a fixed body.
+  // --- changing bodies by a script, between steps --------------------------------------------------------------------
+  // All five throw UserError for an invalid handle and for numbers that are not finite.
+  virtual void setPose(Handle body, const Pose<D>& X_WB) = 0;  // of the body frame
+  /// Sets the velocity of the centre of mass and the angular velocity. Throws UserError for a static body.
   virtual void setMotion(Handle body, const Motion<D>& motion) = 0;
-  /// A force (N) at a world point, or a torque (N m), for the coming step only.
+  /// Applies a force (N) at a world point, or a torque (N m), in the next step only.
   virtual void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) = 0;
   virtual void applyTorque(Handle body, const Ang<D>& torque) = 0;
-  /// Changes velocities at once: an impulse (N s) at the centre of mass, and an angular one (N m s) about it. What is
-  /// not dynamic takes none, a pinned one no linear part.
+  /// Changes velocities immediately, by an impulse (N s) at the centre of mass and an angular impulse (N m s) about it.
+  /// Has no effect on bodies that are not dynamic; a pinned body takes only the angular impulse.
   virtual void applyImpulse(Handle body, const Wrench<D>& impulse) = 0;
 
   // --- running -------------------------------------------------------------------------------------------------------
-  /// Advances by dt seconds; this alone is timed. dt = 0 changes nothing. Throws UserError for a dt that is negative or
+  /// Advances by dt seconds. Only this call is timed. dt = 0 changes nothing. Throws UserError when dt is negative or
   /// not finite.
   virtual void step(Real dt) = 0;
   virtual long stepCount() const = 0;
@@ -74,17 +76,17 @@ class Simulation {
   virtual Real lastDt() const = 0;  // s, 0 before the first step
 
   // --- state -------------------------------------------------------------------------------------------------------
-  /// Masses and inertias are the scene's, also where an engine has rounded them for itself.
+  /// Masses and inertias are those of the scene, even when an engine has rounded them internally.
   virtual const Bodies<D>& bodies() const = 0;
   virtual std::span<const ShapeRecord<D>> shapes() const = 0;
   virtual std::span<const JointRecord<D>> joints() const = 0;
   virtual std::span<const ForceRecord<D>> forces() const = 0;
-  /// Nothing where contacts are not told: their impulses and anchors are an engine's own affair.
+  /// Empty when the engine does not report contacts.
   virtual std::optional<std::span<const Manifold<D>>> contacts() const = 0;
   virtual const WorldSettings<D>& settings() const = 0;
   virtual int bodyCount() const = 0;
   virtual bool valid(Handle body) const = 0;
-  virtual Pose<D> pose(Handle body) const = 0;  // X_WB, of the body's own frame
+  virtual Pose<D> pose(Handle body) const = 0;  // X_WB, of the body frame
   virtual Profiler& profiler() = 0;             // counts and times of the last step
   /// 64-bit hash of all poses and velocities, bit by bit: equal for equal histories.
   virtual std::uint64_t hash() const = 0;

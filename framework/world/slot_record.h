@@ -8,7 +8,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Frees the slot of a joint or a force: handles of before belong to no record any more.
+/// Frees the slot of a joint or force. Old handles become invalid.
 template <class Record>
 void freeRecord(Record& record) {
   const std::uint32_t next = record.generation + 1;
@@ -16,7 +16,7 @@ void freeRecord(Record& record) {
   record.generation = next;
 }
 
-/// Whether the handle is that of a record now in the table.
+/// True when the handle refers to a record in the table.
 template <class Records, class Handle>
 bool holdsRecord(const Records& records, Handle handle) {
   const auto i = static_cast<std::size_t>(handle.slot);

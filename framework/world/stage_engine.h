@@ -9,31 +9,31 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A whole engine of other people's, where a pipeline of stages stands: "engine=bullet{iterations=10}". What scenes say
-/// is set as our worlds have it: masses, sizes, friction and its mixing, restitution with its threshold, gravity, dt,
-/// no sleep, no continuous collision.
+/// A complete external engine that replaces a pipeline of stages: "engine=bullet{iterations=10}". Masses, sizes,
+/// friction and its mixing, restitution and its threshold, gravity and dt are set as in our worlds; sleep and
+/// continuous collision are off.
 template <int D>
 class Engine : public Stage {
  public:
   static constexpr StageKind kStage = StageKind::engine;
   static constexpr int kDimension = D;
 
-  /// An empty simulation. Throws UserError, with the reason, where this build or this precision has none.
+  /// Starts an empty simulation. Throws UserError, with the reason, when this build or precision lacks the engine.
   virtual std::unique_ptr<Simulation<D>> start(const WorldSettings<D>& settings) const = 0;
-  /// What cannot be set as our worlds have it: one line, which stands beside the engine's rank.
+  /// Settings in which the engine differs from our worlds: one line, shown with the engine's rank.
   virtual std::string differences() const = 0;
 };
 
-/// What an engine's simulation may be besides: one whose gravity changes while it goes on.
+/// Optional interface of an engine's simulation: gravity that changes during a run.
 template <int D>
 class ChangesGravity {
  public:
   virtual ~ChangesGravity() = default;
-  /// Of all bodies, from now on (m/s^2). Throws UserError for what is not finite.
+  /// Sets the gravity of all bodies from now on (m/s^2). Throws UserError when it is not finite.
   virtual void setGravity(const Vec<D>& gravity) = 0;
 };
 
-/// Of a world of ours, or of an engine that can. Throws UserError, with the reason.
+/// Sets the gravity of a World, or of an engine with ChangesGravity. Otherwise throws UserError with the reason.
 template <int D>
 void changeGravity(Simulation<D>& simulation, const Vec<D>& gravity);
 

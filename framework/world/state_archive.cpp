@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// One list of fields serves writing and reading. Fields are written one by one and never as whole structs: padding
-// bytes are not state, and the bytes of a save must be a function of the state.
-#define XXH_INLINE_ALL  // one hash needs no library at link time
+// One list of fields serves writing and reading. Fields are written singly, never as whole structs: the bytes of a save
+// depend only on the state, and padding bytes are not state.
+#define XXH_INLINE_ALL  // no link to the library for one hash
 #include <xxhash.h>
 
 #include <cstring>
@@ -17,13 +17,13 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD9";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD9";  // increase the number when the format changes
 
-/// Before the world itself, so that what was damaged is told before it is read.
+/// Precedes the world, so that damage is reported before the world is read.
 struct Header {
   std::array<char, sizeof kMagic> magic = std::to_array(kMagic);
   std::int32_t dimension = 0, realBytes = 0;
-  std::uint64_t size = 0, checksum = 0;  // of what follows: bytes, XXH64
+  std::uint64_t size = 0, checksum = 0;  // of the bytes that follow: count, XXH64
 };
 
 class Archive {
@@ -41,7 +41,7 @@ class Archive {
   template <class T>
   void value(T& x) {
     if constexpr (std::is_same_v<T, bool>) {
-      auto byte = static_cast<std::uint8_t>(x);  // read as a bool, no other byte may be
+      auto byte = static_cast<std::uint8_t>(x);  // a bool must not be read from any other byte
       bytes(&byte, sizeof byte);
       if (byte > 1) throw UserError("load: the saved world is damaged (a flag is neither 0 nor 1)");
       x = byte != 0;
@@ -53,7 +53,7 @@ class Archive {
       std::uint64_t n = x.size();
       bytes(&n, sizeof n);
       if (reading()) x.clear();
-      for (std::uint64_t i = 0; i < n; ++i) {  // grows as it reads: a damaged length runs into the end of the file
+      for (std::uint64_t i = 0; i < n; ++i) {  // grows while reading, so that a damaged length hits the end of the file
         if (reading()) x.push_back({});
         value(x[i]);
       }
@@ -83,7 +83,7 @@ class Archive {
 
 void fields(Archive& a, Header& h) { a(h.magic, h.dimension, h.realBytes, h.size, h.checksum); }
 
-// In pieces: a damaged length runs into the end of the file and not out of memory.
+// Reads in pieces, so that a damaged length hits the end of the file, not the memory limit.
 std::string readBytes(std::istream& in, std::uint64_t size) {
   constexpr std::uint64_t kPiece = 1 << 20;
   std::string bytes;
@@ -124,7 +124,7 @@ void fields(Archive& a, Manifold<D>& m) {
   a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.childA, m.childB, m.count, m.normal, m.friction, m.restitution, m.begun,
     m.ignored, m.points, m.X_AB, m.normalA);
 }
-// The checksum was right: it is not the save that lacks something, but this program.
+// The checksum is right: this program lacks the kind, the save is not damaged.
 template <class Kind>
 std::unique_ptr<Kind> createSaved(const std::string& text) {
   const Spec spec = Spec::parse(text);
@@ -169,7 +169,7 @@ void fields(Archive& a, Polytope<3>& p) {
   if (a.reading()) linkVertices(p);
 }
 
-// A hull is stored as it is and not as points: hulling it again might order its vertices anew.
+// Stores a hull as it is, not as points: a new hull of the points might order its vertices differently.
 template <int D>
 void convexFields(Archive& a, ShapeKind kind, Shape<D>& shape) {
   ShapeView<D> v;
@@ -190,7 +190,7 @@ void convexFields(Archive& a, ShapeKind kind, Shape<D>& shape) {
       shape = Shape<D>::box(v.half, v.radius);
       break;
     case CoreClass::hull: {
-      if (v.kind == ShapeKind::triangle) {  // what else it has follows from its corners
+      if (v.kind == ShapeKind::triangle) {  // all else follows from its corners
         std::vector<Vec<D>> corners;
         if (!a.reading()) corners = v.hull->vertices;
         a(corners);
@@ -227,7 +227,7 @@ void fields(Archive& a, ShapePart<D>& part) {
   a(part.X_SP);
 }
 
-// As it was given: all else follows from that.
+// Stores a surface as it was given; all else follows.
 template <int D>
 void surfaceFields(Archive& a, Shape<D>& shape) {
   std::vector<Vec<D>> points;
@@ -244,7 +244,7 @@ void surfaceFields(Archive& a, Shape<D>& shape) {
 
 template <int D>
 void fields(Archive& a, Shape<D>& shape) {
-  constexpr ShapeKind kCompound{255}, kSurface{254};  // in the place of a kind
+  constexpr ShapeKind kCompound{255}, kSurface{254};  // stored instead of a kind
   ShapeKind kind = shape.convex() ? shape.kind() : shape.surface() ? kSurface : kCompound;
   a(kind);
   if (kind == kSurface) return surfaceFields(a, shape);
@@ -323,7 +323,7 @@ SavedState<D> readState(std::istream& in) {
     Archive inner(body);
     inner(s);
     if (body.peek() != std::istringstream::traits_type::eof()) throw UserError("there is more than a world holds");
-  } catch (const UserError& e) {  // also of a shape's size, or a joint's parameter
+  } catch (const UserError& e) {  // also thrown for a shape's size or a joint's parameter
     const std::string_view what = e.what();
     if (what.starts_with("load: ")) throw;
     throw UserError("load: the saved world is damaged (" + std::string(what) + ")");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a user calls between steps; the work is that of the world's parts. world_step.cpp has the step.
+// The user's calls between steps; the world's parts do the work. The step is in world_step.cpp.
 #include "framework/world/world.h"
 
 #include <algorithm>
@@ -122,7 +122,7 @@ void World<D>::follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> 
     if (b.used[i] && b.type[i] != BodyType::fixed) b.pose[i] = X_WC[i], b.motion[i] = motion[i];
   }
   m_joints.countTurns(b);
-  m_table.events.clear();  // no step decides about sleep
+  m_table.events.clear();  // no step will decide about sleep
   m_table.boxes.outdate();
 }
 
@@ -143,8 +143,8 @@ void World<D>::requireStages(const StageSet<D>& stages, const Pipeline& pipeline
                prefix + "continuous=" + pipeline[StageKind::continuous].name);
 }
 
-// Contacts of a body that goes, or of shapes of it: the other body hears of it, and listeners, which may still ask both
-// bodies for their user data. `gone` is asked about manifolds and records.
+// Ends the contacts of a removed body, or of removed shapes. Wakes the other body and informs listeners, which may
+// still ask for both bodies' user data. `gone` is called for manifolds and records.
 template <int D>
 template <class Gone>
 void World<D>::endContacts(const Gone& gone) {
@@ -176,7 +176,7 @@ void World<D>::remove(Handle body) {
 template <int D>
 void World<D>::clear() {
   m_table.visits += m_contacts.manifolds.size() + m_contacts.records.size();
-  endContacts([](const auto& pair) { return pair.bodyA; });  // all; the body that it would wake goes, too
+  endContacts([](const auto& pair) { return pair.bodyA; });  // all; it wakes no body, since all are removed
   m_table.clear();
   m_joints.clear(m_table.visits);
   m_forces.clear(m_table.visits);
@@ -247,20 +247,20 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
   const auto isGone = [&](std::int32_t shape) {
     return std::find(match.gone.begin(), match.gone.end(), static_cast<std::size_t>(shape)) != match.gone.end();
   };
-  // Two bodies that do not move have no contact, and no step would end it.
+  // Two bodies that do not move have no contact, and no step would end an existing one.
   const auto& type = m_table.bodies.type;
   const bool stops = def.type != BodyType::dynamic && type[i] == BodyType::dynamic;
   const auto bothStay = [&](const auto& pair) {
     if (!stops || (pair.bodyA != slot && pair.bodyB != slot)) return false;
     return type[static_cast<std::size_t>(pair.bodyA == slot ? pair.bodyB : pair.bodyA)] != BodyType::dynamic;
   };
-  if (stops || !match.gone.empty()) {  // else all contacts stay, and are not looked at
+  if (stops || !match.gone.empty()) {  // otherwise all contacts stay and are not visited
     m_table.visits += m_contacts.manifolds.size() + m_contacts.records.size();
     endContacts(
         [&](const auto& pair) { return isGone(pair.shapeA) || isGone(pair.shapeB) || bothStay(pair) ? slot : -1; });
   }
   const Vec<D> by = m_table.rewrite(i, def, weighed, match);
-  if (!by.isZero(0)) {  // everything that is told from the centre of mass
+  if (!by.isZero(0)) {  // update everything measured from the centre of mass
     m_contacts.moveCenter(i, by, m_table.visits);
     m_joints.moveCenter(i, by, m_table.visits);
     m_forces.moveCenter(i, by, m_table.visits);
@@ -275,10 +275,10 @@ void World<D>::merge(Handle into, Handle other) {
   const std::size_t a = slotOf(into), b = slotOf(other);
   if (a == b) throw UserError("merge: a body with itself; valid: two bodies");
   const BodyDef<D> def = merged(definition(into), definition(other));
-  weigh(def, into.slot);  // throws before anything has changed
+  weigh(def, into.slot);  // throws before anything changes
   m_forces.handOver(b, a, m_table.bodies);
   m_joints.handOver(b, a, m_table);
-  // What was to push it in the coming step pushes both.
+  // Forces for the next step act on the merged body.
   std::vector<Wrench<D>>& push = m_table.userForces;
   const Vec<D> arm = m_table.bodies.pose[b].p - m_table.bodies.pose[a].p, force = push[b].force;
   push[a].torque += push[b].torque + cross(arm, force);
@@ -293,7 +293,7 @@ std::vector<Handle> World<D>::takeApart(Handle body) {
   const std::vector<BodyDef<D>> parts = takenApart<D>(definition(body), m_table.bodies.center[i]);
   std::vector<Handle> out = {body};
   if (parts.empty()) return out;
-  change(body, parts[0]);  // which keeps the motion that it had
+  change(body, parts[0]);  // keeps its motion
   for (std::size_t k = 1; k < parts.size(); ++k) out.push_back(add(parts[k]));
   return out;
 }
@@ -319,8 +319,7 @@ template <int D>
 void World<D>::exchange(const Pipeline& pipeline) {
   StageSet<D> stages(pipeline);
   requireStages(stages, pipeline, m_table.kinds(), "exchange: ");
-  // With every parameter written out: the same algorithm is no other one where a text leaves out what it says by
-  // itself.
+  // Compare with all parameters written out: a text that omits a default value names the same algorithm.
   const auto whole = [](StageKind kind, const Spec& spec) {
     return Registry::instance().find(kind, D, spec.name).canonical(spec).text();
   };
@@ -337,7 +336,7 @@ void World<D>::exchange(const Pipeline& pipeline) {
   for (Manifold<D>& m : m_contacts.manifolds) {
     for (ContactPoint<D>& c : m.points) {
       if (solver) c.memory = {};
-      if (contacts) c.feature = ~std::uint64_t{0};  // another generator counts features otherwise
+      if (contacts) c.feature = ~std::uint64_t{0};  // another generator numbers features differently
     }
   }
   if (contacts) m_contacts.records.clear();
@@ -395,7 +394,7 @@ void World<D>::load(std::istream& in) {
     requireCasts(stage<ContinuousCollision>(), kinds, "load: this world's continuous collision");
   }
   const std::size_t n = s.bodies.pose.size();
-  s.bodies.invMass.assign(n, 0);  // refreshed before each solve
+  s.bodies.invMass.assign(n, 0);  // refreshed before each solver step
   s.bodies.invInertia.assign(n, Inertia<D>::Zero());
 
   m_settings = s.settings, m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
@@ -404,12 +403,12 @@ void World<D>::load(std::istream& in) {
   m_joints.records = std::move(s.joints), m_forces.records = std::move(s.forces);
   m_contacts.manifolds = std::move(s.manifolds), m_contacts.records = std::move(s.records);
 
-  // New stages instead of the old ones' structures, which hold no history.
+  // New stages: the structures of the old ones hold no history.
   m_stages = StageSet<D>(m_pipeline);
   m_table.recount(), m_joints.recount(m_table.visits), m_forces.recount();
   m_table.index(stage<Broadphase>(), m_settings.margin);
   m_continuous.forgetAll();
-  m_listeners.forgetBodies(), m_contacts.forgetPairs();  // of bodies that were
+  m_listeners.forgetBodies(), m_contacts.forgetPairs();  // refer to old bodies
 }
 
 template class World<2>;

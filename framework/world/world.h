@@ -21,66 +21,69 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Bodies, joints, forces, and one algorithm of each stage. A step: boxes, pairs, cache.select, contacts, cache.carry,
-/// listeners, sleep, solver. Same definitions, same calls, same build: the same bits.
+/// A world of bodies, joints and forces, with one algorithm for each stage. A step: boxes, pairs, cache.select,
+/// contacts, cache.carry, listeners, sleep, solver, continuous. The same definitions, calls and build give the same
+/// bits.
 template <int D>
 class World final : public Simulation<D> {
  public:
-  /// Throws UserError when the pipeline names an unknown algorithm or parameter.
+  /// Makes an empty world. Throws UserError when the pipeline names an unknown algorithm or parameter.
   explicit World(const Pipeline& pipeline = {}, const WorldSettings<D>& settings = {});
   ~World() override;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
   // --- building, at any time between steps ---------------------------------------------------------------------------
-  /// Throws UserError for poses, velocities or sizes that are not finite, for a dynamic body without mass, and for a
-  /// shape kind that the contact generator does not support.
+  /// Adds a body. Throws UserError for poses, velocities or sizes that are not finite, a dynamic body without mass, and
+  /// shape kinds that the contact generator does not support.
   Handle add(const BodyDef<D>& def) override;
   void remove(Handle body) override;
-  /// Removes all bodies, joints and forces, also those by code, in time linear in their number, and sets time and step
-  /// number to 0. Listeners hear of ends as of `remove`, by slot; those of the world stay, as do settings, stages and
-  /// watcher. What is added then gets the slots and lives the life that it has in a new world, to the last bit; handles
-  /// of before stay nobody's.
+  /// Removes all bodies, joints, forces and force generators, in time linear in their number. Sets time and step number
+  /// to 0. Listeners get end() as with `remove`, by slot. Listeners of the whole world, settings, stages and watcher
+  /// stay. Bodies added later get the same slots and the same results, to the last bit, as in a new world. Old handles
+  /// stay invalid.
   void clear();
   JointHandle add(const JointDef<D>& def) override;
   void remove(JointHandle joint) override;
-  /// Wakes those whom it acts on, as does removing it. Who falls asleep again feels it no more.
+  /// Adds a force and wakes the bodies on which it acts; remove() wakes them too. The force does not act on bodies that
+  /// have fallen asleep again.
   ForceHandle add(const ForceDef<D>& def) override;
   void remove(ForceHandle force) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
-  Handle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }  // a bare shape is a fixed body
-  /// Of all contacts, or of those of one body alone. Not owned. Who is registered twice for a pair is told once; the
-  /// world's listeners come first, then those of body A, then those of B.
+  Handle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }  // a bare shape becomes a static body
+  /// Registers a listener for all contacts, or for the contacts of one body. The listener is not owned. A listener
+  /// registered twice for a pair is called once. The world's listeners are called first, then those of body A, then
+  /// those of body B.
   void addListener(ContactListener<D>* listener);
   void addListener(Handle body, ContactListener<D>* listener);
-  /// Whether the body of this slot is one that it was registered for: which of a manifold's two it hears of.
+  /// True when this listener is registered for the body in this slot. A listener uses it to find its body in a
+  /// manifold.
   bool isListenerOf(std::int32_t slot, const ContactListener<D>* listener) const;
-  void removeListener(ContactListener<D>* listener);  // wherever it is registered; those of a body go with the body
+  void removeListener(ContactListener<D>* listener);  // removes it from the world and from all bodies
 
-  // --- changing what is there, between steps -------------------------------------------------------------------------
-  /// What a body is now: added to an empty world, the same body.
+  // --- changing bodies and stages, between steps ---------------------------------------------------------------------
+  /// The body's current definition: added to an empty world, it gives the same body.
   BodyDef<D> definition(Handle body) const;
-  /// Makes the body what `def` says, and wakes it and those that touch it. It keeps its handle, its joints, and the
-  /// contacts of each shape that is, to the last bit, where `definition` says it was; others are new ones. What `def`
-  /// leaves as `definition` gave it stays, so a body whose centre of mass moves goes on as the same rigid motion.
-  /// Throws UserError, and has changed nothing, for what add() would refuse, and for a joint between two that do not
+  /// Changes the body to match `def`. Wakes the body and those that touch it. The handle and the joints stay. Contacts
+  /// stay for each shape that is unchanged, to the last bit; other shapes are new. Values that `def` leaves as
+  /// `definition` gave them stay, so a body continues the same rigid motion when its centre of mass changes. Throws
+  /// UserError, and changes nothing, when add() would reject `def` or a joint would connect two bodies that do not
   /// move.
   void change(Handle body, const BodyDef<D>& def);
-  /// Makes one body of two, both dynamic or both fixed: the shapes of `other` come behind those of `into`, where they
-  /// are, its joints and forces are those of `into`, and it is gone, with what is between the two. Both momenta stay,
-  /// where none of them is pinned. Throws UserError, and has changed nothing, for other types and for what change()
-  /// would refuse.
+  /// Merges `other` into `into`; both are dynamic or both static. The shapes of `other` are appended, in place; its
+  /// joints and forces move to `into`; `other` is removed, with the joints and forces between the two. Linear and
+  /// angular momentum are kept unless a body is pinned. Throws UserError, and changes nothing, for other body types and
+  /// when change() would throw.
   void merge(Handle into, Handle other);
-  /// Makes one body of each shape, where it is and moving as it moved: the first keeps handle and joints. Returns all,
-  /// in the order of the shapes. A mass that was given is forgotten. Throws UserError, and has changed nothing, where a
-  /// shape alone is no body.
+  /// Splits the body into one body for each shape, at the same pose and with the same motion. The first keeps handle
+  /// and joints. Returns all bodies, in the order of the shapes. An explicitly given mass is lost. Throws UserError,
+  /// and changes nothing, when a shape alone makes no valid body.
   std::vector<Handle> takeApart(Handle body);
-  /// For coming steps; all wake. Throws UserError for one that is not finite.
+  /// Sets the gravity of later steps and wakes all bodies. Throws UserError when it is not finite.
   void setGravity(const Vec<D>& gravity);
-  /// Other algorithms from the next step on: bodies, contacts with their impulses, and joints stay; what the former
-  /// stages kept for themselves is forgotten. Throws UserError, and has changed nothing, as the constructor and add()
-  /// would.
+  /// Replaces the algorithms from the next step on. Bodies, joints, and contacts with their impulses stay; internal
+  /// state of the old stages is lost. Throws UserError, and changes nothing, when the constructor or add() would.
   void exchange(const Pipeline& pipeline);
 
   // --- running -------------------------------------------------------------------------------------------------------
@@ -92,38 +95,40 @@ class World final : public Simulation<D> {
   // --- bodies --------------------------------------------------------------------------------------------------------
   bool valid(Handle body) const override { return m_table.valid(body); }
   Pose<D> pose(Handle body) const override;
-  Motion<D> motion(Handle body) const;  // of its centre of mass
-  Real mass(Handle body) const;         // kg, 0 for bodies that forces do not move
+  Motion<D> motion(Handle body) const;  // of the centre of mass
+  Real mass(Handle body) const;         // kg, 0 for static and kinematic bodies
   bool awake(Handle body) const;
   void setPose(Handle body, const Pose<D>& X_WB) override;
   void setMotion(Handle body, const Motion<D>& motion) override;
-  /// A force (N) at a world point, or a torque, for the coming step only. Wakes the body.
+  /// Applies a force (N) at a world point, or a torque (N m), in the next step only. Wakes the body.
   void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override;
   void applyTorque(Handle body, const Ang<D>& torque) override;
   void applyImpulse(Handle body, const Wrench<D>& impulse) override;  // wakes the body
-  /// The same of an impulse (N s) at a world point, or of an angular one (N m s).
+  /// Applies an impulse (N s) at a world point, or an angular impulse (N m s). Wakes the body.
   void applyImpulse(Handle body, const Vec<D>& impulse, const Vec<D>& point);
   void applyAngularImpulse(Handle body, const Ang<D>& impulse);
   void wake(Handle body);
   void wakeAll();
-  /// The user's own number, as BodyDef gave it or as it was set last. A step neither reads nor changes it.
+  /// The user's own number: from BodyDef, or as set last. A step neither reads nor changes it.
   std::uint64_t userData(Handle body) const;
   void setUserData(Handle body, std::uint64_t data);
-  /// For a world that only shows what somebody else moves: puts each body that is not fixed at its X_WC with its
-  /// motion, by slot. No event, nobody wakes. Precondition: both have bodies().size() entries.
+  /// For a world that displays bodies simulated elsewhere: sets the pose X_WC and motion of each body that is not
+  /// static, by slot. Creates no events and wakes no body. Precondition: both have bodies().size() entries.
   void follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion);
-  /// It stays, without rows, until it is removed. Precondition: joints()[slot] is active.
+  /// The joint keeps its slot, without rows, until it is removed. Precondition: joints()[slot] is active.
   void breakJoint(std::size_t slot);
-  Handle handle(std::int32_t slot) const { return m_table.handle(slot); }  // of the body now in that slot
+  Handle handle(std::int32_t slot) const { return m_table.handle(slot); }  // of the body now in this slot
   int bodyCount() const override { return m_table.count(); }
 
   // --- queries on exact shapes, through the broadphase ---------------------------------------------------------------
+  /// Bodies with a shape that contains this world point, or that overlaps this world box.
   std::vector<Handle> at(const Vec<D>& point) const;
   std::vector<Handle> overlap(const Aabb<D>& box) const;
+  /// The same for one body.
   bool contains(Handle body, const Vec<D>& point) const;
   bool intersects(Handle body, const Aabb<D>& box) const;
-  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Throws UserError for a point
-  /// or direction that is not finite and a maxT below zero; an infinite one will do.
+  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Throws UserError when the
+  /// point or direction is not finite, or maxT is negative; maxT may be infinite.
   std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const;
   std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
                                  const RayFilter<D>& filter) const;
@@ -135,7 +140,7 @@ class World final : public Simulation<D> {
   std::span<const std::int32_t> shapesOf(std::size_t body) const { return m_table.shapesOf(body); }
   std::span<const std::int32_t> jointsOf(std::size_t body) const { return m_joints.of(body); }
   std::span<const Manifold<D>> manifolds() const { return m_contacts.manifolds; }
-  /// Sorted by key. There are none where the contact generator remembers nothing of pairs.
+  /// Sorted by key. Empty when the contact generator keeps no memory of pairs.
   std::span<const PairRecord> pairRecords() const { return m_contacts.records; }
   /// Shape pairs passed to the contact generator in the last step, by slots; as many as its profile counts. Slots may
   /// have been reused since.
@@ -144,7 +149,7 @@ class World final : public Simulation<D> {
   std::span<const JointRecord<D>> joints() const override { return m_joints.records; }
   std::span<const ForceRecord<D>> forces() const override { return m_forces.records; }
   const Proxies<D>& proxies() const { return m_table.boxes.proxies(); }  // as of the last step or query
-  /// What the broadphase divides by (Broadphase::structure), as of the last step or query.
+  /// Boxes of the broadphase's internal structure (Broadphase::structure), as of the last step or query.
   void broadphaseStructure(std::vector<StructureBox<D>>& out) const { stage<Broadphase>().structure(out); }
   const WorldSettings<D>& settings() const override { return m_settings; }
   const Pipeline& pipeline() const { return m_pipeline; }
@@ -153,22 +158,22 @@ class World final : public Simulation<D> {
 
   std::uint64_t hash() const override { return m_table.hash(); }
 
-  /// Whom the solver shows its velocity problems; nullptr: nobody. Not owned, not saved.
+  /// Sets the watcher to which the solver shows its velocity problems; nullptr for none. Not owned, not saved.
   void watch(VelocityWatcher<D>* watcher) { m_watcher = watcher; }
 
   // --- saving --------------------------------------------------------------------------------------------------------
-  /// Everything that a trajectory depends on except force generators and listeners, which the caller adds again. The
-  /// bytes are a function of the state: saved, loaded and continued is the same as continued.
+  /// Saves all state that determines the trajectory, except force generators and listeners, which the caller adds
+  /// again. The bytes depend on the state only: a loaded world continues exactly as the saved one.
   void save(std::ostream& out) const;
-  /// Replaces this world's state; its pipeline stays. Throws UserError when the bytes are not a world of this
-  /// dimension, precision and format, or damaged, or hold shapes that the pipeline does not support; nothing has
-  /// changed then.
+  /// Replaces this world's state; its pipeline stays. Throws UserError, and changes nothing, when the bytes are
+  /// damaged, are not a world of this dimension, precision and format, or hold shapes that the pipeline does not
+  /// support.
   void load(std::istream& in);
 
  private:
   std::size_t slotOf(Handle body) const { return m_table.slotOf(body); }
   void sync() const { m_table.sync(m_settings.sleepingContacts); }
-  Weighed<D> weigh(const BodyDef<D>& def, std::int32_t inPlaceOf) const;  // a body's slot, -1: of none
+  Weighed<D> weigh(const BodyDef<D>& def, std::int32_t inPlaceOf) const;  // inPlaceOf: body slot, or -1
   void requireStages(const StageSet<D>& stages, const Pipeline& pipeline, const std::array<bool, kShapeKinds>& kinds,
                      const std::string& prefix) const;
   template <class Gone>
@@ -176,7 +181,7 @@ class World final : public Simulation<D> {
   std::span<const JointRecord<D>> jointsInUse() const {
     return m_settings.features.joints ? joints() : std::span<const JointRecord<D>>();
   }
-  /// For instance stage<Solver>(): what the pipeline says.
+  /// The object of a stage: stage<Solver>() is the solver that the pipeline names.
   template <template <int> class S>
   S<D>& stage() const {
     return m_stages.template get<S<D>>();
@@ -186,7 +191,7 @@ class World final : public Simulation<D> {
   WorldSettings<D> m_settings;
   StageSet<D> m_stages;
 
-  // Parts. Each holds its share of the state, what is derived from it, and scratch of a step.
+  // Parts. Each holds its part of the state, derived data, and scratch memory of a step.
   BodyTable<D> m_table;
   JointTable<D> m_joints;
   ForceTable<D> m_forces;
@@ -197,7 +202,7 @@ class World final : public Simulation<D> {
   Real m_time = 0, m_lastDt = 0;
   long m_steps = 0;
 
-  // Of a step.
+  // Data of a step.
   UnpairedBodies m_unpaired;
   ContactGraph<D> m_graph;
   std::vector<std::uint8_t> m_awakeBefore;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Boxes that come, move and go, as a broadphase is told about them: drawn from a seed, or read from a file of cases.
+// Scripts of boxes that are added, moved and removed, as input of a broadphase: drawn from a seed, or read from a file
+// of cases.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +11,13 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What becomes of one slot in a step.
+/// Change of one slot in a step.
 template <int D>
 struct BoxChange {
   enum class What { added, removed, moved } what = What::added;
   ProxyId slot = 0;
-  Aabb<D> box = {};  // of added and moved ones
-  // Of added ones.
+  Aabb<D> box = {};  // for added and moved boxes
+  // For added boxes.
   std::int32_t body = 0;
   bool active = false;
   std::uint32_t category = 1, mask = ~0u;
@@ -26,11 +27,11 @@ template <int D>
 struct BoxScript {
   std::string family;
   int slots = 0;
-  // In a step a slot is removed, added and moved once each at most, in this order: as ProxyChanges tells it.
+  // In a step a slot is removed, added and moved at most once each, in this order, as in ProxyChanges.
   std::vector<std::vector<BoxChange<D>>> steps;
 };
 
-/// The boxes after the steps so far, and what the last one changed.
+/// The boxes after the steps so far, and the changes of the last step.
 template <int D>
 class BoxSet {
  public:
@@ -43,7 +44,7 @@ class BoxSet {
   const Proxies<D>& proxies() const { return m_proxies; }
   ProxyChanges changes() const { return {m_added, m_removed, m_moved}; }
 
-  /// By definition, without any algorithm; sorted.
+  /// The overlapping pairs by definition, without any algorithm; sorted.
   std::vector<ProxyPair> pairs() const {
     std::vector<ProxyPair> out;
     for (ProxyId a = 0; a < m_proxies.size(); ++a) {
@@ -73,7 +74,7 @@ class BoxSet {
   std::vector<ProxyId> m_added, m_removed, m_moved;
 };
 
-/// As the fields of a line of a file of cases: `"slots": n, "steps": [...]`.
+/// The script as fields of a line of a file of cases: `"slots": n, "steps": [...]`.
 template <int D>
 std::string scriptText(const BoxScript<D>& script);
 

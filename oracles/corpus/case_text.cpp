@@ -74,9 +74,9 @@ std::string poseText(const Pose<D>& X) {
   return "{\"t\": " + listed<D>(X.p) + ", " + rotationText(X.q) + "}";
 }
 
-constexpr int kTurns = 96;  // directions of an outline; a corner has all that lie between its edges
+constexpr int kTurns = 96;  // directions of an outline; all directions between a corner's edges give this corner
 
-// Right and up of a picture in space: a little from the side and from above.
+// Axes of a 3D picture, right and up: seen slightly from the side and from above.
 const Vec<3> kRight = Vec<3>(Real(0.87), 0, Real(-0.49)).normalized(),
              kUp = Vec<3>(Real(-0.19), Real(0.92), Real(-0.34)).normalized();
 template <int D>
@@ -99,7 +99,7 @@ Real reachOf(const ShapeView<D>& s) {
   return s.half.norm() + s.radius;
 }
 
-// A block of the half-space, under the other shape.
+// A block of the half-space, below the other shape.
 template <int D>
 Pose<D> blockBelow(const Pose<D>& X, const ShapeView<D>& other, const Pose<D>& X_other, Shape<D>& block) {
   Vec<D> middle = X.inverse() * X_other.p;
@@ -115,7 +115,7 @@ std::string outlineText(ShapeView<D> s, Pose<D> X, const ShapeView<D>& other, co
   if (s.core() == CoreClass::plane) X = blockBelow(X, other, X_other, block), s = block.view();
   std::vector<std::string> points;
   for (int i = 0; i < kTurns; ++i) {
-    const double turn = 2 * std::numbers::pi * (i + 0.1) / kTurns;  // along no axis
+    const double turn = 2 * std::numbers::pi * (i + 0.1) / kTurns;  // not along any axis
     const Vec<D> d = (X.q.inverse() * across<D>({Real(std::cos(turn)), Real(std::sin(turn))})).normalized();
     const Vec<2> p = picture<D>(X * Vec<D>(coreSupport(s, d) + s.radius * d));
     if (!p.allFinite()) continue;

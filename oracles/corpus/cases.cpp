@@ -18,16 +18,16 @@ namespace {
 
 using Json = nlohmann::json;
 
-// The file is at fault, not a shape in it.
+// An error of the file, not of a shape in it.
 struct BadFile : UserError {
   using UserError::UserError;
 };
 
-// Where we are in the file, for the one line that a user sees.
+// The current position in the file, for error messages.
 struct Place {
   const std::string& file;
   std::string id;
-  bool bits = false;  // the case was found in this precision: its rotations are taken as they stand
+  bool bits = false;  // the case was found in this precision: its rotations are used unchanged
 
   [[noreturn]] void fail(const std::string& what) const { throw BadFile(file + ": case '" + id + "': " + what); }
   const Json& field(const Json& object, const char* name) const {
@@ -92,7 +92,7 @@ Rot<3> readRotation(const Place& at, const Json& pose, Vec<3>) {
     double c[4], norm = 0;
     for (std::size_t i = 0; i < 4; ++i) c[i] = at.number(q[i], "q_wxyz"), norm += c[i] * c[i];
     if (!(std::abs(norm - 1) < 1e-3)) at.fail("q_wxyz is not a unit quaternion: its square is " + std::to_string(norm));
-    // Within rounding of one it is left as it is: the inputs of a case are its very bits.
+    // A norm of one within rounding stays as it is: the exact bits are the case's input.
     const double k = at.bits || std::abs(norm - 1) < 1e-15 ? 1 : 1 / std::sqrt(norm);
     return {real(k * c[0]), real(k * c[1]), real(k * c[2]), real(k * c[3])};
   }
@@ -117,14 +117,14 @@ Pose<D> readPose(const Place& at, const Json& pose) {
   return {at.vector<D>(at.field(pose, "t"), "t"), readRotation(at, pose, Vec<D>{})};
 }
 
-// The rotation that takes x to the unit vector d.
+// The rotation from x to the unit vector d.
 Rot<2> turnFromX(const Vec<2>& d) { return Rot<2>{d[0], d[1]}.normalized(); }
 Rot<3> turnFromX(const Vec<3>& d) {
   if (d[0] < Real(-0.999)) return Rot<3>{0, 0, 0, 1} * turnFromX(Vec<3>(-d));  // half a turn, then a small one
   return Rot<3>{1 + d[0], 0, -d[2], d[1]}.normalized();
 }
 
-// Capsules and segments: an axis name and a half length, or two end points.
+// Capsules and segments: an axis name with a half length, or two end points.
 template <int D>
 Pose<D> readAxis(const Place& at, const Json& shape, Real& halfLength) {
   Vec<D> direction = Vec<D>::Unit(0);
@@ -155,7 +155,7 @@ std::optional<ShapeKind> curvedNamed(const std::string& type) {
   return std::nullopt;
 }
 
-// By their names, or all in one list, which corpora call radii.
+// Sizes by name, or all in one list, which corpora call radii.
 template <int D>
 std::vector<Real> curvedSizes(const Place& at, const Json& shape, ShapeKind kind) {
   std::vector<Real> sizes;
@@ -209,7 +209,7 @@ CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) 
     }
   } catch (const BadFile&) {
     throw;
-  } catch (const UserError& error) {  // without volume, for instance four points in a plane
+  } catch (const UserError& error) {  // without volume, for instance four coplanar points
     out.refusal = type + ": " + error.what();
   }
   return out;
@@ -225,7 +225,7 @@ CaseQuery queryFromText(const std::string& text) {
   return CaseQuery::unknown;
 }
 
-// B comes from `start` to `end` in a second, turning evenly, or has a velocity.
+// B moves from `start` to `end` in one second at constant rates, or has a velocity.
 template <int D>
 void readMotion(const Place& at, const Json& c, CaseGeometry<D>& out) {
   const Json& pose = at.field(c, "poseB");
@@ -259,7 +259,7 @@ CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query, bool 
   CaseExpected out;
   if (isPair(query)) {
     const Json& distance = at.field(e, "signed_distance");
-    // A finding is judged by the referee, who may have had no value either.
+    // A finding is compared with the referee, which may have had no value either.
     out.distance = found && distance.is_null() ? kUnknown : at.number(distance, "signed_distance");
     out.tolerance = at.number(e, "tolerance_of_this_value", 0);
   } else if (query == CaseQuery::timeOfImpact) {
@@ -304,16 +304,16 @@ CaseFinding readFinding(const Place& at, const Json& found, CaseQuery query) {
   return out;
 }
 
-// `lpc verify` draws 121 and 6; the judge looks at every two slots in every step.
+// `lpc verify` draws 121 and 6; the check tests every pair of slots in every step.
 constexpr int kMostSlots = 2000, kMostCaseSteps = 100;
 
-// Of a slot while a script is read: is a box in it, and did this step add or move it?
+// State of a slot while a script is read: in use, and added or moved in this step.
 struct SlotRead {
   bool used = false, added = false, moved = false;
 };
 
-// A change that a world could have told of: a slot comes when it is free, goes or moves when it is not, and in one step
-// is freed, taken and moved once each at most, in this order (see ProxyChanges).
+// A change that a world could report. A slot is added when free, and removed or moved when in use. In one step it is
+// removed, added and moved at most once each, in this order (see ProxyChanges).
 template <int D>
 BoxChange<D> readChange(const Place& at, const Json& change, std::vector<SlotRead>& slots) {
   BoxChange<D> out;
@@ -399,7 +399,7 @@ template HardPair<3> CaseGeometry<3>::pair() const;
 
 std::vector<Case> readCases(const std::string& path) {
   std::ifstream in(path);
-  if (!in || in.peek() == std::ifstream::traits_type::eof()) {  // a folder opens and has no bytes
+  if (!in || in.peek() == std::ifstream::traits_type::eof()) {  // opening a folder succeeds, but it has no bytes
     throw UserError(path + ": the file is empty or cannot be read");
   }
   return parseCases({std::istreambuf_iterator<char>(in), {}}, path);

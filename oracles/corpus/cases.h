@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Corpora of hard inputs: a file of cases. The schema stands at the top of tests/regressions/hard_cases.json and, of
-// what `lpc verify` found, found_cases.json beside it, so that corpora can be exchanged with others.
+// Corpora of hard inputs: a file of cases. The schema is at the top of tests/regressions/hard_cases.json, and for
+// findings of `lpc verify` in found_cases.json beside it, so that corpora can be exchanged with others.
 #pragma once
 
 #include <array>
@@ -20,50 +20,50 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 enum class CaseQuery { signedDistance, contacts, broadphase, convexHull, massProperties, timeOfImpact, unknown };
 
-/// A shape of a case as ours. Frames differ: a case's capsule has an axis or two end points, ours lies along x, so the
-/// pose contains that turn.
+/// A shape of a case, converted to ours. Frames differ: a case's capsule has an axis or two end points, ours lies along
+/// x, so the pose contains that rotation.
 template <int D>
 struct CaseShape {
-  std::optional<Shape<D>> shape;  // empty: refused
+  std::optional<Shape<D>> shape;  // empty: rejected
   Pose<D> X_WS;
-  std::string refusal;  // why it is refused, for instance "cylinder"
+  std::string refusal;  // why it is rejected, for instance "cylinder"
 };
 
 template <int D>
 struct CaseGeometry {
   CaseShape<D> a, b;
-  std::optional<Pose<D>> X_WBNudged = {};  // of a contacts case of faces at rest
+  std::optional<Pose<D>> X_WBNudged = {};  // of a contacts case with faces at rest
   std::vector<Vec<D>> points;              // of a convex hull case
-  Motion<D> motionB;                       // of a time of impact case; A stands still
-  Pose<D> X_WBodyB;                        // about whose origin B turns
+  Motion<D> motionB;                       // of a time of impact case; A does not move
+  Pose<D> X_WBodyB;                        // B rotates about its origin
   Real duration = 0;                       // s
   BoxScript<D> script;                     // of a broadphase case
 
-  /// Both shapes as `lpc verify` asks them; neither may be refused.
+  /// Both shapes as `lpc verify` uses them; neither may be rejected.
   HardPair<D> pair() const;
 };
 
-/// Of a case that `lpc verify` wrote: what was wrong. Its poses are the bits that the method was asked in this
-/// precision; another build normalises the rotations.
+/// The finding of a case written by `lpc verify`. Its poses are bit for bit the input of the method in this precision;
+/// another build normalises the rotations.
 struct CaseFinding {
   StageKind stage = StageKind::pairQuery;
-  std::string precision, method;  // the method with the parameters that it had
-  std::string failure;            // as in names of files: wrong_distance
-  double error = 0;               // over s; NaN where there is none
-  std::uint64_t seed = 0;         // with the kinds of its shapes the name of the pair, on the day when it was found
+  std::string precision, method;  // the method with its parameters
+  std::string failure;            // the failure as in file names: wrong_distance
+  double error = 0;               // relative to s; NaN when there is none
+  std::uint64_t seed = 0;         // with the kinds of its shapes it named the pair when the finding was made
   int number = 0;
 };
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// What must come out. Which fields count depends on the query; of hulls and masses only what the file states is
+/// The expected result. Which fields count depends on the query; for hulls and masses only what the file states is
 /// compared. 2D uses the first two components.
 struct CaseExpected {
-  double distance = 0;        // signed, m; NaN in a case with a finding whose referee had none
-  double tolerance = 0;       // how well the file knows `distance` (m)
+  double distance = 0;        // signed, m; NaN in a case with a finding for which the referee had no value
+  double tolerance = 0;       // accuracy of `distance` in the file (m)
   double measure = kUnknown;  // area or volume (m^D)
   double impact = kUnknown;   // s; infinite: they never touch
-  bool degenerate = false;    // a hull that may be refused
+  bool degenerate = false;    // a hull that may be rejected
   std::vector<std::array<double, 3>> hullVertices;
   std::array<double, 3> center{kUnknown, kUnknown, kUnknown};
   std::vector<double> inertia;  // about the centre: one number in 2D, nine in 3D (row by row)
@@ -78,10 +78,10 @@ struct Case {
   CaseExpected expected;
 };
 
-/// Throws UserError that names the file, the case and the field when the file is not in the schema. A shape or query
-/// that we lack is no error: it is read and later refused.
+/// Reads a file of cases. Throws UserError that names the file, the case and the field when the file does not match the
+/// schema. An unsupported shape or query is not an error: it is read and later rejected.
 std::vector<Case> readCases(const std::string& path);
-/// The same of a file's text; `path` is for messages.
+/// The same from a file's text; `path` is for messages.
 std::vector<Case> parseCases(const std::string& text, const std::string& path);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -65,7 +65,7 @@ class ProblemDrawer {
     m_problem.addBody(BodyType::dynamic, true, at, static_cast<Real>(1 / mass), inverse, motion);
   }
 
-  // Normals point up: where each body rises faster than those before it, all contacts open.
+  // Normals point up: all contacts separate when each body rises faster than the earlier ones.
   void touch(std::int32_t a, std::int32_t b) {
     Manifold<D>& m = m_problem.manifolds.emplace_back();
     m.bodyA = a, m.bodyB = b;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Velocity problems that are drawn: some bodies over a ground, with contacts that could all be left upwards, so that a
-// solution exists (Acary, Cadoux, Lemarechal, Malick 2011).
+// Randomly drawn velocity problems of bodies above a ground. All contacts could separate upwards, so a solution exists
+// (Acary, Cadoux, Lemarechal, Malick 2011).
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ struct DrawnProblem {
   FrozenProblem<D> problem;
 };
 
-/// The problem of this number of a seed; the same on every machine.
-///   heap         each body on one or two of those before it
+/// The problem with this number from a seed; the same on every machine.
+///   heap         each body on one or two earlier ones
 ///   frictionless
 ///   mass_ratio   of up to a million
-///   hyperstatic  whole faces, whose impulses are not unique
-///   sliding      much faster than gravity pulls within the step
+///   hyperstatic  contacts over whole faces; their impulses are not unique
+///   sliding      much faster than gravity accelerates within the step
 ///   jointed      each body hangs on the one before it, and some touch the ground
 template <int D>
 DrawnProblem<D> drawProblem(std::uint64_t seed, int number);

@@ -16,22 +16,24 @@ namespace {
 template <int D>
 class Drawer;
 
-/// A family: how its shapes are, how it lays B beside A, and how far from a plane. `random` is the first.
+/// A family of pairs: its kinds of shapes, its placement of B relative to A, and its distance from a plane. `random` is
+/// the first.
 template <int D>
 struct PairFamily {
   std::string_view name;
-  /// Lays out X_AB. n: a direction that often tells; size: both radii together, smaller: the smaller of them (m).
+  /// Sets X_AB. n: a direction, often along matching features; size: the sum of both radii; smaller: the smaller radius
+  /// (m).
   void (Drawer<D>::*layOut)(HardPair<D>&, const Vec<D>& n, Real size, Real smaller);
-  /// The gap between a shape of this size and a plane, as the family has it between two shapes (m).
+  /// The gap between a shape of this size and a plane, as the family has between two shapes (m).
   Real (Drawer<D>::*gap)(Real size);
-  bool tilted = false;    // on a plane: as a thing lies on the floor, not anyhow
-  bool level = false;     // both shapes between the same two planes
-  bool equal = false;     // sizes, and sometimes shapes, are the same
+  bool tilted = false;    // on a plane: oriented as a body lies on the floor, not at random
+  bool level = false;     // both shapes are between the same two planes
+  bool equal = false;     // equal sizes, and sometimes equal shapes
   bool unlike = false;    // one is up to 10,000 times as large as the other
   bool thin = false;      // one, sometimes both, a ten-thousandth as thick as long
   bool roundedB = false;  // B is rounded
-  bool nasty = false;     // hulls that were seen to make others stumble; needs a polytope
-  bool far = false;       // from the world's origin, up to 1e7 sizes
+  bool nasty = false;     // hulls on which algorithms have failed; needs a polytope
+  bool far = false;       // up to 1e7 sizes from the world's origin
 };
 
 constexpr double kQuarterTurn = 1.57079632679489661923;
@@ -40,13 +42,13 @@ Rot<2> turn(const Ang<2>& v) { return Rot<2>::angle(v[0]); }
 Rot<3> turn(const Ang<3>& v) { return Rot<3>::vector(v); }
 
 template <int D>
-class Drawer {  // no expression draws twice: the order would be the compiler's
+class Drawer {  // no expression draws twice: the compiler would choose the order
  public:
   explicit Drawer(std::uint64_t seed) : m_random(seed) {}
 
   HardPair<D> draw(ShapeKind kindA, ShapeKind kindB);
 
-  // --- gaps to a plane ---
+  // --- gaps to a plane -----------------------------------------------------------------------------------------------
   Real gapOfRounding(Real size) {
     return size * std::numeric_limits<Real>::epsilon() * pick({0, 1, -1, 2, -2, 3, -3, 4, -4});
   }
@@ -54,7 +56,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
   Real wholeDepth(Real size) { return -size * pick({1, 0.5, 0}); }
   Real anyGap(Real size) { return size * uniform(-1.5, 1.5); }
 
-  // --- layouts ---
+  // --- layouts -------------------------------------------------------------------------------------------------------
   void faceOnFace(HardPair<D>& pair, const Vec<D>&, Real size, Real smaller) {
     lay(pair, gapOfRounding(size), smaller);
   }
@@ -86,7 +88,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
   }
   void throughEachOther(HardPair<D>& pair, const Vec<D>& n, Real, Real smaller) {
     pair.X_AB.q = anyRotation();
-    if (coin()) {  // an inner point of A is one of B
+    if (coin()) {  // an inner point of A coincides with one of B
       const Vec<D> a = uniform(0, 1) * coreSupport(pair.a.view(), n);
       const Vec<D> far = coreSupport(pair.b.view(), telling());
       const Vec<D> b = uniform(0, 1) * far;
@@ -123,7 +125,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     } while (!(v.norm() > Real(0.01) && v.norm() <= 1));
     return v.normalized();
   }
-  // Often one along which features of equal rank meet.
+  // Often a direction along which features of equal rank meet.
   Vec<D> telling() {
     const auto k = m_random.below(4);
     if (k == 0) return Vec<D>::Unit(axis());
@@ -183,7 +185,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     return Shape<D>::ofCorners(kind, points, rounding);
   }
 
-  // Of a triangle: often in a plane across an axis, with two edges along the others.
+  // Corners of a triangle: often in a plane across an axis, with two edges along the other axes.
   std::vector<Vec<D>> corners() {
     const Vec<D> h = half();
     const bool anyhow = coin();
@@ -196,7 +198,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     return points;
   }
 
-  // A simplex, so that there is a volume, and up to twelve more points.
+  // A simplex, so that there is volume, and up to twelve more points.
   std::vector<Vec<D>> cloud() {
     const Vec<D> h = half();
     std::vector<Vec<D>> points(1, -h);
@@ -219,12 +221,12 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     return points;
   }
 
-  // What hulls and their users were seen to stumble over.
+  // Point sets on which hull algorithms and their users have failed.
   std::vector<Vec<D>> nasty() {
     std::vector<Vec<D>> points = cloud();
     const Vec<D> h = half();
     switch (m_random.below(4)) {
-      case 0:  // points twice, almost twice, and in the middle of edges and faces
+      case 0:  // duplicate and nearly duplicate points, and midpoints of edges and faces
         for (std::size_t i = 0, n = points.size(); i < n; ++i) {
           points.push_back(points[i] * (1 + pick({0, 1e-15, 1e-12, 1e-9})));
           points.push_back((points[i] + points[(i + 1) % n]) / 2);
@@ -248,14 +250,14 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     return points;
   }
 
-  // Puts B so that its lowest point along n lies `gap` above A's highest one: the distance is gap when gap >= 0.
+  // Places B so that its lowest point along n is `gap` above A's highest: the distance is gap when gap >= 0.
   void touch(HardPair<D>& pair, const Vec<D>& n, Real gap) {
     const ShapeView<D>&a = pair.a.view(), &b = pair.b.view();
     const Vec<D> top = coreSupport(a, n) + a.radius * n;
     const Vec<D> bottom = pair.X_AB.q * coreSupport(b, Vec<D>(pair.X_AB.q.inverse() * Vec<D>(-n))) - b.radius * n;
     pair.X_AB.p = top - bottom + gap * n;
   }
-  // The same along a coordinate axis, and B anywhere across it: face on face, not corner on corner.
+  // The same along a coordinate axis, with B at a random position across it: face on face, not corner on corner.
   void lay(HardPair<D>& pair, Real gap, Real aside) {
     const int k = axis();
     touch(pair, Vec<D>::Unit(k), gap);
@@ -273,7 +275,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     }
   }
 
-  // As a thing lies on the floor, a little tilted or turned by quarters, or anyhow.
+  // Either as a body lies on the floor, slightly tilted or rotated by quarter turns, or at random.
   void layOnPlane(HardPair<D>& pair) {
     const bool planeA = pair.a.view().core() == CoreClass::plane;
     const ShapeView<D>& body = (planeA ? pair.b : pair.a).view();
@@ -290,14 +292,14 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     pair.X_AB = planeA ? X_PB : X_PB.inverse();
   }
 
-  // X_AB as meant.
+  // Sets X_AB before rounding.
   void layOut(HardPair<D>& pair) {
     const Real ra = boundingRadius(pair.a.view()), rb = boundingRadius(pair.b.view());
     const Vec<D> n = telling();
     (this->*m_family->layOut)(pair, n, ra + rb, std::min(ra, rb));
   }
 
-  // The pair as a whole: half of the families' stand in A's frame as laid out, the others are turned or carried away.
+  // Places the pair in the world: half of the families' pairs stay in A's frame, the others are rotated or moved away.
   void place(HardPair<D>& pair) {
     const auto where = m_random.below(4);
     if (m_family->far) {
@@ -319,7 +321,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     }
   }
 
-  // As a world has them: hulls far from their frames around their middles.
+  // As in a world: hulls far from their frames are moved to their middles.
   static void centre(HardPair<D>& pair) {
     const auto points = [](const Shape<D>& shape, std::vector<Vec<D>>& of, const Vec<D>& middle) {
       of = shape.view().hull->vertices;
@@ -365,9 +367,9 @@ constexpr std::array<PairFamily<D>, 12> kPairFamilies = {{
 template <int D>
 HardPair<D> Drawer<D>::draw(ShapeKind kindA, ShapeKind kindB) {
   const bool polytope = kindA == ShapeKind::polytope || kindB == ShapeKind::polytope;
-  const std::size_t drawn = 1 + m_random.below(16);  // a third are of no family: `random`
+  const std::size_t drawn = 1 + m_random.below(16);  // a third selects no family and becomes `random`
   m_family = &kPairFamilies<D>[drawn < kPairFamilies<D>.size() ? drawn : 0];
-  if (m_family->nasty && !polytope) --m_family;  // the one before: below_tolerance
+  if (m_family->nasty && !polytope) --m_family;  // the family before it: below_tolerance
   m_scale = number({1e-3, 1, 1e3});
   m_height = length();
   const bool largeA = coin();
@@ -386,7 +388,7 @@ HardPair<D> Drawer<D>::draw(ShapeKind kindA, ShapeKind kindB) {
   return pair;
 }
 
-// The five kinds that were there first have numbers, so that their pairs stay what they are; others go by their names.
+// The first five kinds are numbered, so that their pairs stay the same; other kinds are hashed by name.
 std::uint64_t numberOf(ShapeKind a, ShapeKind b) {
   constexpr int kFirst = 5;
   if (static_cast<int>(b) < kFirst)
@@ -415,14 +417,14 @@ HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
   Random stream(seed * 1000003 + numberOf(a, b) * 7919);
   stream = Random(stream.next() + static_cast<std::uint64_t>(index));
   Drawer<D> drawer(stream.next());
-  // In single precision a squeezed cloud can be too flat for a hull, which the factory says: another is drawn.
+  // In single precision a flattened point cloud may be too flat for a hull, and the factory throws: draw again.
   for (int attempt = 0; attempt < 8; ++attempt) {
     try {
       return drawer.draw(a, b);
     } catch (const UserError&) {
     }
   }
-  return drawer.draw(a, b);  // not chance any more: let it be seen
+  return drawer.draw(a, b);  // not by chance any more: let the exception escape
 }
 
 template HardPair<2> hardPair(ShapeKind, ShapeKind, std::uint64_t, int);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Seeded pairs of two given kinds. Two thirds of them come from the families of inputs in which collision libraries
-// were reported wrong; uniform random poses find almost none of those bugs.
+// Seeded pairs of two given kinds. Two thirds come from families of inputs for which collision libraries were reported
+// wrong; uniform random poses find almost none of those bugs.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +19,15 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 struct HardPair {
   Shape<D> a, b;
-  /// What polytopes are hulls of. A hull of its vertices alone may have other faces: points near a face decide which.
+  /// The points from which the polytopes' hulls were made. The hull of a polytope's vertices alone may have other
+  /// faces: points near a face decide.
   std::vector<Vec<D>> pointsA = {}, pointsB = {};
   Pose<D> X_WA = {}, X_WB = {};
-  /// X_WA^-1 * X_WB as computed in Real, which far from the origin is not what was meant. It is what a pair query is
-  /// asked, so it is what the referee judges.
+  /// X_WA^-1 * X_WB computed in Real, which loses digits far from the origin. It is the input of a pair query, so the
+  /// referee uses it too.
   Pose<D> X_AB = {};
-  /// X_WB after a motion of a micrometre (f32: ten), under which faces at rest keep their features; others have none.
+  /// X_WB after a motion of a micrometre (f32: ten), under which faces at rest keep their features; empty for other
+  /// pairs.
   std::optional<Pose<D>> X_WBNudged = {};
   std::string_view family = "random";
   double scale = 1;   // size of the shapes (m)
@@ -35,29 +37,28 @@ struct HardPair {
 /// All families, "random" first. `nasty_hulls` needs a polytope.
 std::span<const std::string_view> hardPairFamilies();
 
-/// The index-th pair, of which one at most is a plane, whatever was drawn before: a pair is named by (kinds, seed,
-/// index).
+/// The index-th pair, with at most one plane. Independent of earlier calls: kinds, seed and index name a pair.
 template <int D>
 HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index);
 
-/// As a line of a file of cases, as tests/regressions/*.json, with the very bits that a method of the stage is asked:
-/// of a pair query X_AB, of a contact generator both world poses. `more` is appended to it, as `, "name": value`.
+/// The pair as a line of a file of cases, such as tests/regressions/*.json. It has the exact bits of the stage's input:
+/// X_AB for a pair query, both world poses for a contact generator. Appends `more`, as `, "name": value`.
 template <int D>
 std::string caseText(const std::string& id, StageKind stage, const HardPair<D>& pair, const std::string& more);
 
-/// Of a case of a pair query what a picture of it shows, to be appended: `, "outlineA": [[x, y], ...], "outlineB": ...`
-/// (m). In space they are shadows from one side, and of a half-space the part that is near the other.
+/// Outlines for a picture of a pair query's case, to be appended: `, "outlineA": [[x, y], ...], "outlineB": ...` (m).
+/// In 3D they are projections from one side; of a half-space only the part near the other shape.
 template <int D>
 std::string outlinesText(const HardPair<D>& pair);
 
-/// What must come out, by the referee, to be appended to a line of a file of cases.
+/// The referee's expected result, to be appended to a line of a file of cases.
 template <int D>
 std::string expectedText(const RefereeAnswer<D>& truth);
 
-/// As JSON, with all digits; null when it is not finite.
+/// A number as JSON, with all digits; null when it is not finite.
 std::string numberText(double x);
 
-/// How simple a pair is to look at: vertices of the shape without its rounding.
+/// How simple a pair is to look at: number of vertices of the shape without its rounding.
 template <int D>
 int coreVertexCount(const ShapeView<D>& shape);
 

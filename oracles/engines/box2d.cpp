@@ -38,7 +38,8 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
   }
 
  private:
-  // Box2D's own rules are the geometric mean and the larger of the two; the world listens where the scene's differ.
+  // Box2D's own rules are the geometric mean of friction and the larger restitution; other rules of a scene are set in
+  // this callback.
   void BeginContact(b2Contact* contact) override {
     const b2Fixture &a = *contact->GetFixtureA(), &b = *contact->GetFixtureB();
     const MixRules& rules = settings().mixing;
@@ -87,7 +88,8 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
       addShape(*body, part, X_CS, s);
     });
     if (def.type != BodyType::dynamic) return;
-    b2MassData mass{static_cast<float>(ours.mass[slot]), {0, 0}, 0};  // about the centre of mass, where the body stands
+    b2MassData mass{static_cast<float>(ours.mass[slot]), {0, 0}, 0};  // about the centre of mass, which is the body's
+                                                                      // origin
     if (turns(slot)) mass.I = static_cast<float>(1 / ours.invInertiaBody[slot](0, 0));
     body->SetMassData(&mass);
   }
@@ -107,7 +109,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
       for (const Vec<2>& v : part.hull->vertices) corners.push_back(vector(X_CS * v));
       polygon.Set(corners.data(), static_cast<int32>(corners.size()));
     }
-    d.density = 0;  // the scene has the masses
+    d.density = 0;  // masses come from the scene
     d.friction = static_cast<float>(frictionOf(s)), d.restitution = static_cast<float>(restitutionOf(s));
     d.restitutionThreshold = static_cast<float>(settings().restitutionThreshold);
     d.filter.categoryBits = static_cast<uint16>(s.category), d.filter.maskBits = static_cast<uint16>(s.mask & 0xffff);
@@ -125,7 +127,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
       def.bodyB = m_bodies[static_cast<std::size_t>(joint.bodyB)];
       def.localAnchorA = vector(joint.X_CaJ.p), def.localAnchorB = vector(joint.X_CbJ.p);
       def.collideConnected = joint.collide;
-      // Box2D counts angles of bodies, whole turns too, from where this angle is 0.
+      // Box2D counts angles of bodies, with whole turns, from the state where this angle is 0.
       if constexpr (requires { def.referenceAngle; }) {
         const float angle = static_cast<float>((framesOf(joint).qA.inverse() * framesOf(joint).qB).radians());
         def.referenceAngle = def.bodyB->GetAngle() - def.bodyA->GetAngle() - angle;
@@ -160,7 +162,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
     d.enableMotor = d.maxMotorTorque > 0;
     return d;
   }
-  // `now` is the length at which a joint without one is made.
+  // `now` is the length for a joint without a given one.
   static b2DistanceJointDef distance(const JointSpec<2>& spec, Real now) {
     spec.takes({"mode", "length", "stiffness", "damping"});
     b2DistanceJointDef d;
@@ -189,7 +191,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
   void putGravity() override { m_world.SetGravity(vector(settings().gravity)); }
   void putPose(std::size_t slot, const Pose<2>& X_WC) override {
     b2Body& b = *m_bodies[slot];
-    // The nearest of the angles that look alike: joints count the whole turns of their bodies.
+    // The nearest of the equivalent angles: joints count the whole turns of their bodies.
     const float now = b.GetAngle(), angle = static_cast<float>(X_WC.q.radians());
     b.SetTransform(vector(X_WC.p), now + std::remainder(angle - now, 2 * b2_pi));
   }
@@ -218,9 +220,9 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
 
   Box2dParams m_params;
   b2World m_world;
-  b2Body* m_ground = nullptr;      // what joints to the world hold
-  std::vector<b2Body*> m_bodies;   // by slot; the world's
-  std::vector<b2Joint*> m_joints;  // by slot; the world's
+  b2Body* m_ground = nullptr;      // the body for joints to the world
+  std::vector<b2Body*> m_bodies;   // by slot; owned by the world
+  std::vector<b2Joint*> m_joints;  // by slot; owned by the world
 };
 
 constexpr const char* kSummary = "Box2D 2.4: sequential impulses with blocks of two, then positions; f32 only";

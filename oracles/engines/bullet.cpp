@@ -54,8 +54,8 @@ Pose<3> poseOf(const btTransform& X) {
   return {vectorOf(X.getOrigin()), Rot<3>{q.w(), q.x(), q.y(), q.z()}.normalized()};
 }
 
-// Bullet's rules are products, of friction up to 10. Other rules are callbacks. These are global and are told no world:
-// a world that needs one has it in place for its step.
+// Bullet's rules are products, of friction up to 10. Other rules are global callbacks, which do not know the world: a
+// world that needs one installs it for its step.
 constexpr btScalar kMaxFriction = 10;
 MixRules g_mixing;
 btScalar friction(const btCollisionObject* a, const btCollisionObject* b) {
@@ -105,20 +105,20 @@ class BulletWorld final : public EngineWorld<3> {
   }
 
  private:
-  // Bullet wants its bodies' axes to be the principal ones: frame P, fixed in C.
+  // Bullet needs the principal axes as body axes: frame P, fixed in C.
   struct Body {
     Pose<3> X_CP{};
-    std::vector<std::unique_ptr<btCollisionShape>> shapes;  // the last one is the body's
+    std::vector<std::unique_ptr<btCollisionShape>> shapes;  // the last one is the shape of the body
     std::unique_ptr<btRigidBody> body;
-    Motion<3> motion{};  // of a kinematic one: Bullet makes its velocity from its poses
+    Motion<3> motion{};  // of a kinematic body: Bullet computes its velocity from its poses
   };
   struct Joint {
     std::unique_ptr<btTypedConstraint> constraint;
-    btHingeConstraint* motor = nullptr;  // the constraint, where it has one
+    btHingeConstraint* motor = nullptr;  // the same constraint, when it has a motor
     Real motorTorque = 0;                // N m
-    // Of one that may break:
+    // For a joint that may break:
     std::unique_ptr<btJointFeedback> load;
-    btVector3 anchorB{0, 0, 0}, armB{0, 0, 0};  // in B's axes, and in the world's as the step begins
+    btVector3 anchorB{0, 0, 0}, armB{0, 0, 0};  // in B's axes, and in the world's axes at the start of the step
   };
 
   void checkBody(const BodyDef<3>& def) const override {
@@ -140,7 +140,7 @@ class BulletWorld final : public EngineWorld<3> {
     }
   }
 
-  // Margins are 0 but for a hull's own rounding: 4 cm, as Bullet has it, would round corners and lift hulls.
+  // Margins are 0 except a hull's own rounding: Bullet's default of 4 cm would round corners and lift hulls.
   static std::unique_ptr<btCollisionShape> shapeOf(const ShapeView<3>& s, const Pose<3>& X_PS) {
     switch (s.core()) {
       case CoreClass::point:
@@ -169,7 +169,7 @@ class BulletWorld final : public EngineWorld<3> {
     hull->recalcLocalAabb();
     return hull;
   }
-  // Their sizes are in frame P already: see shapeOf.
+  // Sizes of these are already in frame P: see shapeOf.
   static bool baked(const ShapeView<3>& s) { return s.core() == CoreClass::hull || s.core() == CoreClass::plane; }
 
   void addBody(std::size_t slot, const BodyDef<3>& def) override {
@@ -186,7 +186,7 @@ class BulletWorld final : public EngineWorld<3> {
     Inertia<3> inertia = Inertia<3>::Zero();
     if (dynamic && turns(slot)) inertia = ours.invInertiaBody[slot].inverse();
     if (parts.size() == 1 && !baked(parts[0].first)) {
-      b.X_CP = parts[0].second;  // symmetric: its own axes are principal ones
+      b.X_CP = parts[0].second;  // symmetric: its own axes are principal axes
     } else if (!inertia.isDiagonal()) {
       const Eigen::SelfAdjointEigenSolver<Mat<3>> solver(inertia);
       Mat<3> axes = solver.eigenvectors();
@@ -210,9 +210,9 @@ class BulletWorld final : public EngineWorld<3> {
     putMotion(slot, motionOf(slot));
     m_world.addRigidBody(b.body.get(), static_cast<int>(record ? record->category : 0u),
                          static_cast<int>(record ? record->mask : 0u));
-    putGravity(slot);  // adding it has set the world's
+    putGravity(slot);  // addRigidBody has set the world's gravity
   }
-  // A geometric mean is the product of roots, to a rounding.
+  // A geometric mean is the product of the square roots, up to rounding.
   void setMaterial(btRigidBody& body, const ShapeRecord<3>& s) {
     const MixRules& rules = settings().mixing;
     const bool mean = rules.friction == MixRule::geometricMean;
@@ -251,7 +251,8 @@ class BulletWorld final : public EngineWorld<3> {
       spec.takes({});
       j.constraint = std::make_unique<btPoint2PointConstraint>(bodyA, *b.body, frameA.getOrigin(), frameB.getOrigin());
     } else if (spec.kind() == "hinge") {
-      auto hinge = std::make_unique<btHingeConstraint>(bodyA, *b.body, frameA, frameB, true);  // true: of B against A
+      auto hinge = std::make_unique<btHingeConstraint>(bodyA, *b.body, frameA, frameB, true);  // true: angle of B
+                                                                                               // relative to A
       setUp(*hinge, spec, joint.state[0]);
       j.motorTorque = spec.real("motor_torque");
       if (j.motorTorque > 0) j.motor = hinge.get();
@@ -274,7 +275,7 @@ class BulletWorld final : public EngineWorld<3> {
     if (parts) forgetContacts(bodyA, *b.body);
     m_joints[slot] = std::move(j);
   }
-  // Bullet's limits are angles within a turn. No bounce, no slack before a stop, its whole correction.
+  // Bullet's limits are angles within one turn. No bounce, no slack before a stop, full correction.
   static void setUp(btHingeConstraint& hinge, const JointSpec<3>& spec, Real angle) {
     spec.takes({"lower", "upper", "motor_speed", "motor_torque"});
     const Real lower = spec.real("lower"), upper = spec.real("upper");
@@ -287,7 +288,7 @@ class BulletWorld final : public EngineWorld<3> {
     if (stops) hinge.setLimit(lower, upper, Real(0.9), 1, 0);
     hinge.enableAngularMotor(spec.real("motor_torque") > 0, spec.real("motor_speed"), 0);
   }
-  // Else what they touched with would hold on, never asked again.
+  // Otherwise the joined bodies would keep their old contacts, never updated again.
   void forgetContacts(btRigidBody& a, btRigidBody& b) {
     btOverlappingPairCache& cache = *m_broadphase.getOverlappingPairCache();
     btBroadphasePair* pair = cache.findPair(a.getBroadphaseHandle(), b.getBroadphaseHandle());
@@ -297,7 +298,7 @@ class BulletWorld final : public EngineWorld<3> {
     m_world.removeConstraint(m_joints[slot].constraint.get());
     m_joints[slot] = Joint{};
   }
-  // Bullet tells the torque about B's centre.
+  // Bullet reports the torque about B's centre.
   JointLoad load(std::size_t slot, Real) const override {
     const Joint& j = m_joints[slot];
     const btVector3 torque = j.load->m_appliedTorqueBodyB - j.armB.cross(j.load->m_appliedForceBodyB);
@@ -332,19 +333,19 @@ class BulletWorld final : public EngineWorld<3> {
       if (j.motor) j.motor->setMaxMotorImpulse(j.motorTorque * dt);
       if (j.load) j.armB = j.constraint->getRigidBodyB().getWorldTransform().getBasis() * j.anchorB;
     }
-    // Bullet asks where a kinematic body was, for its velocity. As in our worlds it touches where the step begins, and
-    // goes on at its end.
+    // Bullet computes a kinematic body's velocity from its previous pose. As in our worlds, it collides at its pose at
+    // the start of the step, and ends at the pose after the step.
     forKinematic(-dt, [](btRigidBody& b, const btTransform& past) { b.setInterpolationWorldTransform(past); });
     const Callbacks callbacks(m_rules, m_mixesFriction, m_mixesRestitution);
-    m_world.stepSimulation(dt, 0);  // one step of dt, however long
+    m_world.stepSimulation(dt, 0);  // one step of dt, whatever its length
     forKinematic(dt, [](btRigidBody& b, const btTransform& next) { b.setWorldTransform(next); });
   }
-  // f(body, where it is after `time` s).
+  // Calls f(body, its pose after `time` s).
   template <class F>
   void forKinematic(Real time, const F& f) {
     for (const Body& b : m_bodies) {
       if (!b.body || !b.body->isKinematicObject()) continue;
-      Pose<3> X = poseOf(b.body->getWorldTransform());  // Bullet's own would turn by pi / 4 at most
+      Pose<3> X = poseOf(b.body->getWorldTransform());  // Bullet's own integration limits the rotation to pi / 4
       X.p += time * b.motion.v, X.q = integrateRotation(X.q, Vec<3>(time * b.motion.w));
       f(*b.body, transform(X));
     }
@@ -367,8 +368,8 @@ class BulletWorld final : public EngineWorld<3> {
   btDbvtBroadphase m_broadphase;
   btSequentialImpulseConstraintSolver m_solver;
   btDiscreteDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration};
-  MixRules m_rules{};                                        // of the numbers that the bodies have
-  bool m_mixesFriction = false, m_mixesRestitution = false;  // by a callback
+  MixRules m_rules{};                                        // the rules for which the bodies' coefficients are set
+  bool m_mixesFriction = false, m_mixesRestitution = false;  // a callback is needed
   std::vector<Body> m_bodies;                                // by slot
   std::vector<Joint> m_joints;                               // by slot
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What all engines share: a world of ours beside the engine holds what the scene says (slots, masses, shapes, joints)
-// and shows the poses that the engine has made. It never steps.
+// Shared by all engines: a World beside the engine holds the scene's data (slots, masses, shapes, joints) and displays
+// the engine's poses. It never steps.
 #pragma once
 
 #include <algorithm>
@@ -56,7 +56,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
   void add(std::shared_ptr<const ForceGenerator<D>> generator) final { m_generators.push_back(std::move(generator)); }
   void remove(Handle body) final {
     refresh();
-    if (m_scene.valid(body)) {  // else the scene says so
+    if (m_scene.valid(body)) {  // otherwise m_scene.remove() throws
       for (std::size_t j = 0; j < m_scene.joints().size(); ++j) {
         const JointRecord<D>& joint = m_scene.joints()[j];
         if (holds(joint) && (joint.bodyA == body.slot || joint.bodyB == body.slot)) dropJoint(j);
@@ -141,25 +141,27 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
  protected:
   explicit EngineWorld(const WorldSettings<D>& settings) : m_scene(Pipeline::parse("contacts=query_clip"), settings) {}
 
-  // The engine's part. Bodies stand at the centre of mass; `scene()` has mass, inertia, pose and shapes of the slot.
-  virtual void checkBody(const BodyDef<D>& def) const = 0;  // throws UserError for what the engine lacks
+  // --- implemented by each engine. The origin of bodies is the centre of mass; `scene()` has mass, inertia, pose and
+  // shapes.
+  virtual void checkBody(const BodyDef<D>& def) const = 0;  // throws UserError for what the engine does not support
   virtual void addBody(std::size_t slot, const BodyDef<D>& def) = 0;
   virtual void dropBody(std::size_t slot) = 0;
-  virtual void addJoint(std::size_t slot, const JointRecord<D>& joint) = 0;  // throws for what the engine lacks
+  virtual void addJoint(std::size_t slot, const JointRecord<D>& joint) = 0;  // throws UserError for what the engine
+                                                                             // does not support
   virtual void dropJoint(std::size_t slot) = 0;
-  /// What B felt of the joint in the last step, of dt (s): asked of joints that may break.
+  /// Load on B of the joint in the last step, of dt (s). Called for joints that may break.
   virtual JointLoad load(std::size_t slot, Real dt) const = 0;
-  virtual void putGravity() = 0;  // that of the settings
+  virtual void putGravity() = 0;  // sets the gravity of the settings
   virtual void putPose(std::size_t slot, const Pose<D>& X_WC) = 0;
   virtual void putMotion(std::size_t slot, const Motion<D>& motion) = 0;
-  virtual void push(std::size_t slot, const Wrench<D>& wrench) = 0;  // for the coming step
+  virtual void push(std::size_t slot, const Wrench<D>& wrench) = 0;  // for the next step
   virtual void advance(Real dt) = 0;
   virtual void read(std::size_t slot, Pose<D>& X_WC, Motion<D>& motion) const = 0;
   /// Of the last step: pairs of the engine's broadphase, and contact points.
   virtual void count(int& pairs, int& points) const = 0;
 
   const World<D>& scene() const { return m_scene; }
-  /// f(view, X_CP, record) for each convex part of the body's shapes.
+  /// Calls f(view, X_CP, record) for each convex part of the body's shapes.
   void forBodyParts(std::size_t slot,
                     const std::function<void(const ShapeView<D>&, const Pose<D>&, const ShapeRecord<D>&)>& f) const {
     for (const std::int32_t shape : m_scene.shapesOf(slot)) {
@@ -167,7 +169,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
       forParts(s.shape, s.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_CP) { f(part, X_CP, s); });
     }
   }
-  // What scenes switch off is off for engines, too.
+  // Parts of the model that a scene disables are disabled for engines too.
   Real frictionOf(const ShapeRecord<D>& s) const { return settings().features.friction ? s.friction : Real(0); }
   Real restitutionOf(const ShapeRecord<D>& s) const {
     return settings().features.restitution ? s.restitution : Real(0);
@@ -175,7 +177,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
   bool turns(std::size_t slot) const {
     return settings().features.rotation && m_scene.bodies().invInertiaBody[slot].trace() > 0;
   }
-  /// The scene's, without what would move a body here that is pinned or may not turn, and does not in our worlds.
+  /// The scene's motion, without the parts that our worlds ignore for bodies that are pinned or may not rotate.
   Motion<D> motionOf(std::size_t slot) const {
     const Bodies<D>& b = m_scene.bodies();
     const bool dynamic = b.type[slot] == BodyType::dynamic;
@@ -190,9 +192,9 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     const Bodies<D>& b = m_scene.bodies();
     m_pose.resize(b.pose.size()), m_motion.resize(b.pose.size());
   }
-  // Joints that are broken, or that the scene switches off, are not in the engine.
+  // Joints that are broken, or disabled by the scene, are not in the engine.
   bool holds(const JointRecord<D>& joint) const { return settings().features.joints && joint.active(); }
-  // Nobody reads poses within the timed step unless a force asks for them.
+  // Poses are read within the timed step only when a force needs them.
   const World<D>& refresh() const {
     if (!m_stale) return m_scene;
     m_stale = false;
@@ -213,11 +215,11 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     return m_scene;
   }
   Wrench<D>& pushOf(Handle body) {
-    refresh().pose(body);  // throws for a body that is gone
+    refresh().pose(body);  // throws for an invalid handle
     m_pushed = true;
     return m_pushes[static_cast<std::size_t>(body.slot)];
   }
-  // A script's pushes, and the scene's forces on top.
+  // Applies a script's forces and torques, plus the scene's forces.
   void pushForces(Real dt) {
     const auto records = m_scene.forces();
     const bool acting = !m_generators.empty() ||
@@ -225,7 +227,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     if (!acting && !m_pushed) return;
     const Bodies<D>& b = acting ? refresh().bodies() : m_scene.bodies();
     m_pushes.resize(b.pose.size());
-    m_wrenches = m_pushes;  // a force that throws leaves the script's pushes as they are
+    m_wrenches = m_pushes;  // a copy: a force that throws must not change the script's forces
     const ForceState<D> state{b, b.pose, b.motion, dt};
     applyForces(records, state, m_time, std::span<Wrench<D>>(m_wrenches));
     for (const auto& f : m_generators) f->apply(state, m_time, m_wrenches);
@@ -253,7 +255,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
   mutable bool m_stale = false;
   bool m_pushed = false;
   std::vector<std::shared_ptr<const ForceGenerator<D>>> m_generators;
-  std::vector<Wrench<D>> m_pushes;    // for the coming step, by body slot
+  std::vector<Wrench<D>> m_pushes;    // for the next step, by body slot
   std::vector<Wrench<D>> m_wrenches;  // scratch
   Real m_time = 0, m_lastDt = 0;
   long m_steps = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A joint's kind and parameters as its record says them, for engines that have them in numbers of their own.
+// A joint's kind and parameters from its record, for engines with their own parameters.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class JointSpec {
  public:
-  /// `engine` is who refuses.
+  /// `engine` is the name in messages.
   JointSpec(const JointRecord<D>& joint, std::string engine)
       : m_spec(Spec::parse(joint.spec)),
         m_usual(Registry::instance().find(StageKind::joint, D, kind()).canonical({kind(), {}})),
@@ -36,10 +36,10 @@ class JointSpec {
     return value;
   }
 
-  /// Has it its default?
+  /// True when the parameter has its default value.
   bool usual(std::string_view parameter) const { return text(parameter) == m_usual.find(parameter)->name; }
 
-  /// Throws UserError unless every other parameter has its default: also one that the kind gets tomorrow.
+  /// Throws UserError unless every other parameter has its default: also a parameter added to the kind later.
   void takes(std::initializer_list<std::string_view> parameters) const {
     for (const Spec::Field& f : m_spec.fields) {
       const bool taken = std::find(parameters.begin(), parameters.end(), f.key) != parameters.end();

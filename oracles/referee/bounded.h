@@ -7,8 +7,8 @@
 
 namespace lpc {
 
-/// A real number known as v +- e, e never too small: a running error bound (Higham, Accuracy and Stability, 3.3) on
-/// 64-bit significands. Cheaper than switching rounding modes, and valid because no operation here can underflow:
+/// A real number known as v +- e, where e is never too small: a running error bound (Higham, Accuracy and Stability,
+/// 3.3) on 64-bit significands. Cheaper than switching rounding modes. Valid because no operation here can underflow:
 /// products of a few doubles stay far above the smallest long double.
 struct Bounded {
   static_assert(std::numeric_limits<long double>::digits >= 64, "the bounds assume long double beyond double");
@@ -40,7 +40,7 @@ inline Bounded operator-(const Bounded& a, const Bounded& b) { return Bounded::m
 inline Bounded operator*(const Bounded& a, const Bounded& b) {
   return Bounded::make(a.v * b.v, std::abs(a.v) * b.e + std::abs(b.v) * a.e + a.e * b.e);
 }
-/// Unbounded error when the divisor may be zero.
+/// Infinite error when the divisor may be zero.
 inline Bounded operator/(const Bounded& a, const Bounded& b) {
   const long double divisor = std::abs(b.v) - b.e, q = a.v / b.v;
   if (!(divisor > 0)) return Bounded::make(0, std::numeric_limits<long double>::infinity());
@@ -56,7 +56,7 @@ inline Bounded lesser(const Bounded& a, const Bounded& b) {
   return Bounded::make((lo + hi) / 2, (hi - lo) / 2 + Bounded::kUlp * std::abs(lo));
 }
 
-/// The double next to x on the safe side.
+/// The nearest double that is not above x.
 inline double roundDown(long double x) {
   const double d = static_cast<double>(x);
   return static_cast<long double>(d) <= x ? d : std::nextafter(d, -std::numeric_limits<double>::infinity());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// The quick way: the searches of the exact referee run in long double, where they may err, and what they return is
-// proved afterwards with running error bounds. Apart: phi >= the separation along any direction, and phi <= the length
-// of any convex combination of vertices of M. Overlapping: the depth is <= M's extent along any direction, and >= the
-// radius of a ball inside any closed surface spanned by points of M.
+// The fast referee. The searches of the exact referee run in long double, where they may err; running error bounds then
+// prove their results. Separated: phi >= the separation along any direction, and phi <= the length of any convex
+// combination of vertices of M. Overlapping: the depth is <= M's extent along any direction, and >= the radius of a
+// ball inside any closed surface spanned by points of M.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr int kMaxIterations = 64;
-// A proof is accepted when it leaves less than this open, times s.
+// A proof is accepted when its interval is narrower than this, times s.
 constexpr double kOpen = 1e-16;
 
 template <int D>
@@ -53,7 +53,7 @@ Bounded leastAlong(const Posed<D>& a, const Posed<D>& b, const Point<Real80, D>&
   return (low + high) / sqrt(boundedDot(d, d));
 }
 
-// Length of a point of M: an upper bound of phi where it is positive.
+// Length of a point of M: an upper bound of phi when phi is positive.
 template <int D>
 Bounded combinationLength(const Posed<D>& a, const Posed<D>& b, const Simplex<Real80, D>& s) {
   const auto w = weights<D>(s);
@@ -69,8 +69,8 @@ Bounded combinationLength(const Posed<D>& a, const Posed<D>& b, const Simplex<Re
   return sqrt(boundedDot(sum, sum)) / total;
 }
 
-// Radius of a ball around the origin inside M, or a negative number. Each facet turns the right way around the origin
-// and the surface is closed, so it winds around the origin; each lies in a plane at least this far away.
+// Radius of a ball around the origin inside M, or a negative number. The surface is closed and each facet is oriented
+// around the origin, so the surface winds around the origin. Each facet's plane is at least this far away.
 template <int D>
 Real80 innerRadius(const Posed<D>& a, const Posed<D>& b, const InnerPolytope<Real80, D>& p) {
   if (!isClosed(p)) return -1;
@@ -116,7 +116,7 @@ RefereeAnswer<D> refereeByCertificate(const ShapeView<D>& a, const Pose<D>& X_WA
     end = completeSimplex(m, simplex);
     if (end.kind != end.inside) return answer;
     InnerPolytope<Real80, D> polytope;
-    // Beyond this an expansion is lost in rounding, and exact integers are quicker.
+    // Beyond this, rounding defeats the expansion, and exact integers are faster.
     const int maxFacets = 64 + 8 * static_cast<int>(m.a.size() + m.b.size());
     end = expand(m, simplex, polytope, maxFacets);
     if (end.kind != end.inside) return answer;
@@ -129,7 +129,7 @@ RefereeAnswer<D> refereeByCertificate(const ShapeView<D>& a, const Pose<D>& X_WA
   const Real80 lo = lower.lo() - radii.hi(), hi = upper - radii.lo();
   const Real80 slack = 4 * Bounded::kUlp * (std::abs(lo) + std::abs(hi));
   const double s = errorScale(a, X_WA, b, X_WB, static_cast<double>(hi));
-  // A NaN or an infinity anywhere fails this comparison.
+  // Any NaN or infinity fails this comparison.
   if (!(hi - lo + slack <= static_cast<Real80>(kOpen * s)) || !(lo - slack > 0 || hi + slack < 0)) return answer;
   answer.lo = roundDown(lo - slack), answer.hi = roundUp(hi + slack);
   const Real80 length = std::sqrt(dot(normal, normal));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// The referee of cores that are known by support functions alone: curved ones against anything bounded, and planes.
-// Bounds come from both sides as in certificate.cpp. A polytope inside a curved M never becomes M, so the interval is
-// as narrow as the search made it: about 1e-14 s in general, and wider only where minima form a ring (coaxial
-// cylinders), which no finite polytope follows.
+// The referee of cores known only by support functions: curved cores against anything bounded, and planes. Bounds from
+// both sides, as in certificate.cpp. A polytope inside a curved M never becomes M, so the width of the interval depends
+// on the search. It is about 1e-14 s in general, and wider only where the minima form a ring (coaxial cylinders), which
+// no finite polytope follows.
 #include <queue>
 
 #include "oracles/referee/posed_support.h"
@@ -11,13 +11,13 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// What an interval must be narrower than to count, times s: apart, and overlapping.
+// An accepted interval is narrower than this, times s: separated, and overlapping.
 constexpr Real80 kApart = 1e-13L, kOverlapping = 1e-6L;
-// What the searches try to reach, times s.
+// Target of the searches, times s.
 constexpr Real80 kAim = 1e-16L;
 constexpr int kMostSteps = 200, kMostFacets = 4000;
 
-// M = B - A, rounded by `rounding`, as points that are known within `error` of it.
+// M = B - A, rounded by `rounding`, as points known within `error` of it.
 template <int D>
 class Sampled {
  public:
@@ -25,7 +25,7 @@ class Sampled {
 
   Sampled(const PosedSupport<D>& a, const PosedSupport<D>& b, Real80 rounding) : m_a(a), m_b(b), m_rounding(rounding) {}
 
-  // A point of the rounded M farthest along d. Its own bound on phi of the cores is kept when it is the best.
+  // Support point of the rounded M along d. Keeps its bound on phi of the cores when it is the best one.
   Vertex support(const Point<Real80, D>& d) {
     const auto onB = m_b.farthest(d);
     const auto onA = m_a.farthest(negative(d));
@@ -34,7 +34,7 @@ class Sampled {
     const Real80 separation = (-(onA.value + onB.value) / length).lo();
     if (separation > m_lower) m_lower = separation, m_direction = negative(d);
     Vertex w;
-    w.ia = w.ib = m_count++;  // no two are the same
+    w.ia = w.ib = m_count++;  // all vertices are distinct
     for (std::size_t k = 0; k < D; ++k) {
       const Bounded x = onB.point[k] - onA.point[k] + Bounded::make(m_rounding, 0) * along[k] / length;
       w.m[k] = x.v, m_error = std::max(m_error, x.e * D);
@@ -42,7 +42,7 @@ class Sampled {
     return w;
   }
 
-  Real80 lower() const { return m_lower; }  // proved: phi of the cores is no less
+  Real80 lower() const { return m_lower; }  // proved: phi of the cores is at least this
   const Point<Real80, D>& direction() const { return m_direction; }
   Real80 error() const { return m_error; }
 
@@ -53,7 +53,7 @@ class Sampled {
   int m_count = 0;
 };
 
-// Length of a point of M: no less than phi where that is positive.
+// Length of a point of M: an upper bound of phi when phi is positive.
 template <int D>
 Real80 lengthOfNearest(const Simplex<Real80, D>& s) {
   const auto w = weights<D>(s);
@@ -67,8 +67,8 @@ Real80 lengthOfNearest(const Simplex<Real80, D>& s) {
   return (sqrt(boundedDot(sum, sum)) / total).hi();
 }
 
-// Gilbert, Johnson, Keerthi: `upper` is what the nearest point of M found has for a length; true when the simplex holds
-// the origin.
+// GJK (Gilbert, Johnson, Keerthi): `upper` is the length of the nearest point of M found; returns true when the simplex
+// contains the origin.
 template <int D>
 bool walk(Sampled<D>& m, Simplex<Real80, D>& s, Real80 aim, Real80& upper) {
   s.count = 0;
@@ -87,9 +87,9 @@ bool walk(Sampled<D>& m, Simplex<Real80, D>& s, Real80 aim, Real80& upper) {
   return false;
 }
 
-// No point of a facet is nearer to the origin than this, however thin it is: no point lies lower along a direction than
-// the facet's lowest corner, and of all directions that towards the facet's nearest point tells most. A needle's own
-// normal is made of rounding; its edges are not.
+// A proved lower bound of a facet's distance from the origin, even for a thin facet. The facet's lowest corner along
+// any direction bounds its distance. The best direction points to the facet's nearest point. The normal of a needle is
+// made of rounding, its edges are not.
 template <int D>
 Real80 facetDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80, D>& f) {
   Real80 best = -std::numeric_limits<Real80>::infinity();
@@ -98,7 +98,7 @@ Real80 facetDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80,
     const Bounded length = sqrt(boundedDot(n, n));
     Real80 least = std::numeric_limits<Real80>::infinity();
     for (const int v : f.v) least = std::min(least, (boundedDot(n, exactly<D>(p.at(v))) / length).lo());
-    best = std::max(best, least);  // NaN is passed over
+    best = std::max(best, least);  // a NaN is skipped
   };
   along(f.normal);
   for (std::size_t i = 0; i < D; ++i) {
@@ -112,8 +112,8 @@ Real80 facetDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80,
   return best;
 }
 
-// The same of the facet's own normal alone, a tenth of the work: what rounding may have taken off is taken off as a
-// whole. -infinity of a facet without a normal.
+// The same from the facet's own normal only, at a tenth of the work; subtracts all rounding errors. -infinity for a
+// facet without a normal.
 template <int D>
 Real80 planeDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80, D>& f) {
   Real80 least = std::numeric_limits<Real80>::infinity(), reach = 0;
@@ -123,14 +123,13 @@ Real80 planeDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80,
     least = std::min(least, dot(f.normal, p.at(v))), reach = std::max(reach, size);
   }
   if (!(f.square > 0)) return -std::numeric_limits<Real80>::infinity();
-  // D products and sums, the square's, its root's and the quotient's: ten halves of kUlp, each of no more than reach.
+  // D products and sums, the square, its root and the quotient: ten errors of kUlp / 2, each of at most `reach`.
   const Real80 distance = least / std::sqrt(f.square) - 16 * Bounded::kUlp * reach;
   return std::isfinite(distance) ? distance : -std::numeric_limits<Real80>::infinity();
 }
 
-// Does the surface, closed as it was made, wind around the origin? Each facet that turns the right way for certain adds
-// to the angle under which the surface is seen, which is a multiple of the full one; the others are too small to take
-// that away.
+// True when the closed surface winds around the origin. The solid angle of the surface is a multiple of the full angle.
+// Facets of proved orientation add to it; the others are too small to cancel their sum.
 template <int D>
 bool windsAround(const InnerPolytope<Real80, D>& p, const std::vector<Real80>& distance) {
   Real80 sure = 0, unsure = 0, farthest = 0;
@@ -152,17 +151,17 @@ bool windsAround(const InnerPolytope<Real80, D>& p, const std::vector<Real80>& d
   return unsure < sure;
 }
 
-// The facets that are alive, in their order, each by the bits that double holds of it: nearly all of them can be passed
-// over by these. With all facets that ever were, in long double, this was half of the referee's time.
+// The facets that are alive, in order, rounded to double: almost all facets can be skipped by these. With all facets
+// ever created, in long double, this took half of the referee's time.
 template <int D>
 struct AliveFacets {
   struct Facet {
     std::array<double, static_cast<std::size_t>(D)> normal;
-    double offset, size;  // size: the sum of the normal's coordinates, without signs
+    double offset, size;  // size: sum of the absolute coordinates of the normal
     int index;
   };
   std::vector<Facet> facets;
-  std::size_t known = 0;  // of the polytope's
+  std::size_t known = 0;  // number of the polytope's facets copied so far
 
   void follow(const InnerPolytope<Real80, D>& p) {
     for (; known < p.facets.size(); ++known) {
@@ -175,8 +174,8 @@ struct AliveFacets {
     }
   }
 
-  /// Is `w`, whose coordinates are at most `reach`, below the plane for certain? Each product and sum here is off by
-  /// few roundings of the largest, kDoubt of which leave room. NaN is not certain.
+  /// True when `w` is certainly below the plane; its coordinates are at most `reach`. Each product and sum here has an
+  /// error of a few roundings of the largest term, within kDoubt. NaN is not certain.
   static bool isBelow(const Facet& f, const std::array<double, static_cast<std::size_t>(D)>& w, double reach) {
     constexpr double kDoubt = 32 * std::numeric_limits<double>::epsilon();
     double height = -f.offset;
@@ -184,12 +183,11 @@ struct AliveFacets {
     const double most = f.size * reach + std::abs(f.offset);
     return height < -kDoubt * most && f.size > kSafe && most > kSafe && most < 1 / kSafe;
   }
-  static constexpr double kSafe = 1e-200;  // what underflow or overflow takes from lengths within it is no digit
+  static constexpr double kSafe = 1e-200;  // lengths within this range lose no digit by underflow or overflow
 };
 
-// As in expansion3.h, but for points that are known within `error`: a facet in whose plane the new vertex lies within
-// that stays, and a new one may be as thin as it comes. The surface stays closed: each edge that is left alone gets a
-// facet.
+// As in expansion3.h, but for points known within `error`. A facet stays when the new vertex is in its plane within
+// that error, and a new facet may be arbitrarily thin. The surface stays closed: each open edge gets a facet.
 void growWithin(InnerPolytope<Real80, 3>& p, AliveFacets<3>& alive, const Difference<Real80, 3>::Vertex& w, int seen,
                 Real80 error) {
   alive.follow(p);
@@ -234,11 +232,11 @@ Real80 depth(Sampled<D>& m, const Simplex<Real80, D>& s, Real80 rounding, Real80
   InnerPolytope<Real80, D> p;
   startPolytope(s, p);
   AliveFacets<D> alive;
-  std::vector<Real80> distance;  // no facet is nearer; of those that were never the nearest, by their planes alone
-  std::vector<bool> settled;     // by facetDistance
+  std::vector<Real80> distance;  // lower bounds; by planeDistance for facets that were never the nearest
+  std::vector<bool> settled;     // computed by facetDistance
   using Entry = std::pair<Real80, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> nearest;
-  // Measures who is new and leaves the nearest on top, settled; false when none is left.
+  // Measures new facets and puts the nearest on top, settled; false when no facet is left.
   const auto findNearest = [&] {
     for (std::size_t i = distance.size(); i < p.facets.size(); ++i) {
       distance.push_back(planeDistance<D>(p, p.facets[i])), settled.push_back(false);
@@ -257,14 +255,14 @@ Real80 depth(Sampled<D>& m, const Simplex<Real80, D>& s, Real80 rounding, Real80
   Real80 proved = -1;
   for (int round = 0; static_cast<int>(p.facets.size()) < kMostFacets && findNearest(); ++round) {
     const auto [least, next] = nearest.top();
-    // What is there is proved from time to time: a later facet may be one on which nothing can be told.
+    // Prove intermediate results: a later facet may be one for which nothing can be proved.
     const bool done = (rounding - least) - m.lower() <= aim;
     if (done || round % 128 == 127) proved = std::max(proved, ballInside<D>(p, distance, m.error()));
     if (done) return proved;
     nearest.pop();
     const InnerFacet<Real80, D> f = p.facets[static_cast<std::size_t>(next)];
     const auto w = m.support(f.normal);
-    if (!(dot(f.normal, w.m) > f.offset)) continue;  // a facet of M, as far as these numbers go
+    if (!(dot(f.normal, w.m) > f.offset)) continue;  // a facet of M, within these numbers
     growWithin(p, alive, w, next, m.error());
   }
   findNearest();
@@ -301,7 +299,7 @@ RefereeAnswer<D> refereeOfPlane(const ShapeView<D>& a, const Pose<D>& X_WA, cons
     up[k] = rotation[k][1], origin[k] = Bounded(static_cast<double>(X_WP.p[static_cast<int>(k)]));
     down[k] = -up[k].v, lean += up[k].e;
   }
-  // The lowest point along `up`, whose own rounding turns it by `lean`.
+  // The lowest point along `up`; its own rounding tilts it by `lean`.
   const auto lowest = body.farthest(down);
   Real80 reach = 0;
   for (std::size_t k = 0; k < D; ++k) reach += std::abs(lowest.point[k].v) + std::abs(origin[k].v);
@@ -339,9 +337,8 @@ RefereeAnswer<D> refereeOfCurved(const ShapeView<D>& a, const Pose<D>& X_WA, con
     if (inside > 0) upper = std::min(upper, -inside);
   }
   know(m);
-  // Near contact the directions of both searches are made of rounding. A ball around M moves the origin into it, and
-  // the bounds are about the cores all the same. Where one ball leaves needles on which nothing can be told, another
-  // may not.
+  // Near contact, rounding decides the directions of both searches. A ball added to M moves the origin into it, while
+  // the bounds still apply to the cores. If one ball leaves needles for which nothing can be proved, another may not.
   for (const Real80 share : {1 / 16.0L, 1 / 3.0L, 1.0L}) {
     if (upper - lower <= 10 * aim || lower > s / 100) break;
     const Real80 rounding = std::max(Real80(0), std::isfinite(upper) ? upper : Real80(0)) + share * s;

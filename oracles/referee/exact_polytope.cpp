@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// The referee in exact integers (GMP): every coordinate of a posed core is a polynomial in doubles, hence a whole
-// number of some power of two. All decisions are signs of polynomials in them; only the last step, a square root, is
-// rounded, and outwards.
+// The referee in exact integers (GMP). Every coordinate of a posed core is a polynomial in doubles, so an integer times
+// a power of two. All decisions are signs of polynomials in them; only the last step, a square root, is rounded, and
+// outwards.
 #include <gmpxx.h>
 
 #include <algorithm>
@@ -15,7 +15,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Keeps argument-dependent lookup at home: the searches in M call sign() and squareRatio() of their number type.
+// A type in this namespace, for argument-dependent lookup: the searches in M call sign() and squareRatio() of their
+// number type.
 struct Integer {
   mpz_class z;
 
@@ -85,7 +86,7 @@ double scaledDown(const mpz_class& x, long e) {
   const bool whole = bits - static_cast<long>(mpz_scan1(x.get_mpz_t(), 0)) <= 53;
   const long place = std::clamp(exponent + e, -5000L, 5000L);
   const double d = std::ldexp(head, static_cast<int>(place));
-  const bool kept = std::ldexp(d, static_cast<int>(-place)) == head;  // neither subnormal nor infinite
+  const bool kept = std::ldexp(d, static_cast<int>(-place)) == head;  // true unless subnormal or infinite
   if (kept && (whole || head > 0)) return d;
   return std::nextafter(d, -std::numeric_limits<double>::infinity());
 }
@@ -98,7 +99,7 @@ bool isFinite(const ShapeView<D>& shape, const Pose<D>& X_WS, const std::vector<
   return finite;
 }
 
-// Where M lies from the origin: side * sqrt(level^2 / square) * 2^e is phi of the cores.
+// Position of M relative to the origin: phi of the cores is side * sqrt(level^2 / square) * 2^e.
 struct CoreDistance {
   int side;
   mpz_class level, square;
@@ -108,7 +109,7 @@ struct CoreDistance {
 // phi = core distance - radii, rounded outwards. `radii` >= 0.
 Interval subtractRadii(const CoreDistance& core, const Dyadic& radii) {
   const auto bits = [](const mpz_class& x) { return static_cast<long>(mpz_sizeinbase(x.get_mpz_t(), 2)); };
-  // In units of 2^(e - k) the radii are whole and the root has some 70 bits; more when the radii cancel them.
+  // In units of 2^(e - k) the radii are integers and the root has about 70 bits; more when the radii cancel it.
   long k = std::max(0L, 70 - (bits(core.level) - bits(core.square) / 2));
   if (radii.m != 0) k = std::max(k, core.e - radii.e);
   mpz_class lo, hi;
@@ -125,7 +126,7 @@ Interval subtractRadii(const CoreDistance& core, const Dyadic& radii) {
       const mpz_class whole = radii.scaled(core.e - k);
       lo -= whole, hi -= whole;
     }
-    // An irrational root differs from the radii, so this ends; two ends of 60 bits also agree on the sign.
+    // An irrational root differs from the radii, so this ends; if both ends have 60 bits, they also agree on the sign.
     if (exact || (bits(lo) >= 60 && bits(hi) >= 60)) break;
   }
   return {scaledDown(lo, core.e - k), scaledUp(hi, core.e - k)};

@@ -5,8 +5,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How a search in M ended. `direction` . `on` / |direction| is the distance of the origin to the plane (line) through
-/// `on`; the sign of phi and of the normal is the caller's.
+/// How a search in M ended. `direction` . `on` / |direction| is the distance of the origin from the plane (line)
+/// through `on`. The caller chooses the signs of phi and of the normal.
 template <class N, int D>
 struct SearchEnd {
   enum Kind { separated, inside, touching, gaveUp };
@@ -15,7 +15,7 @@ struct SearchEnd {
   Point<N, D> on;         // a point of M on that plane
 };
 
-/// A direction at right angles to the linear span of a simplex that contains the origin and has too few vertices.
+/// A direction perpendicular to the linear span of a simplex that contains the origin and has too few vertices.
 template <class N>
 Point<N, 2> transversal(const Simplex<N, 2>& s) {
   if (s.count < 2) return {N(1.0), N(0.0)};
@@ -30,14 +30,14 @@ Point<N, 3> transversal(const Simplex<N, 3>& s) {
   return isZero(n) ? Point<N, 3>{N(0.0), N(1.0), N(0.0)} : n;
 }
 
-/// Gilbert, Johnson, Keerthi: walks to the point of M nearest to the origin. Ends with `separated`, or with `inside`
-/// and a simplex that contains the origin. With exact numbers the new vertex is always strictly nearer, hence
-/// independent of the face, and since M has finitely many faces the walk ends.
+/// GJK (Gilbert, Johnson, Keerthi): finds the point of M nearest to the origin. Ends with `separated`, or with `inside`
+/// and a simplex that contains the origin. With exact numbers each new vertex is strictly nearer, hence independent of
+/// the face; since M has finitely many faces, the search ends.
 template <class N, int D>
 SearchEnd<N, D> walkToOrigin(const Difference<N, D>& m, Simplex<N, D>& s, int maxIterations) {
   SearchEnd<N, D> end;
   s.count = 0;
-  // From a boundary point of M, as all later vertices: grow() in 2D relies on it.
+  // Start at a boundary point of M, where all later vertices are too: grow() in 2D relies on it.
   const Point<N, D> first = minus(m.a[0], m.b[0]);
   s.add(m.support(isZero(first) ? transversal(s) : first));
   for (int i = 0; i < maxIterations; ++i) {
@@ -54,7 +54,7 @@ SearchEnd<N, D> walkToOrigin(const Difference<N, D>& m, Simplex<N, D>& s, int ma
       return end;
     }
     for (int k = 0; k < s.count; ++k) {
-      if (s.v[static_cast<std::size_t>(k)].same(w)) {  // rounding: exact numbers never return to a vertex
+      if (s.v[static_cast<std::size_t>(k)].same(w)) {  // rounding: with exact numbers no vertex comes twice
         end.kind = end.separated, end.direction = face.direction, end.on = s.at(0);
         return end;
       }
@@ -64,8 +64,8 @@ SearchEnd<N, D> walkToOrigin(const Difference<N, D>& m, Simplex<N, D>& s, int ma
   return end;
 }
 
-/// Completes a simplex that contains the origin to D + 1 vertices. If M does not reach past the origin in some
-/// direction, the origin lies on M's boundary: `touching`, which covers every M without volume.
+/// Completes a simplex that contains the origin to D + 1 vertices. When M does not extend beyond the origin in some
+/// direction, the origin is on M's boundary: `touching`, which includes every M without volume.
 template <class N, int D>
 SearchEnd<N, D> completeSimplex(const Difference<N, D>& m, Simplex<N, D>& s) {
   SearchEnd<N, D> end;
@@ -82,14 +82,14 @@ SearchEnd<N, D> completeSimplex(const Difference<N, D>& m, Simplex<N, D>& s) {
   return end;
 }
 
-/// Facets of an inner polytope of M that contains the origin, with the distance of each from the origin.
+/// A facet of an inner polytope of M that contains the origin, with its distance from the origin.
 template <class N, int D>
 struct InnerFacet {
-  std::array<int, static_cast<std::size_t>(D)> v{};  // vertices, oriented: counter-clockwise seen from outside
+  std::array<int, static_cast<std::size_t>(D)> v{};  // vertices, counter-clockwise from outside
   Point<N, D> normal;                                // outward, any length
   N offset, square;                                  // normal . v, normal . normal
-  double key = 0;                                    // about the square of the distance
-  bool alive = true, settled = false;                // settled: known to be no nearer than the best facet of M
+  double key = 0;                                    // approximate square of the distance
+  bool alive = true, settled = false;                // settled: known to be at least as far as the best facet of M
 
   void measure(const Point<N, D>& vertex) {
     offset = dot(normal, vertex), square = dot(normal, normal), key = squareRatio(offset, square);
@@ -104,11 +104,11 @@ struct InnerPolytope {
   const Point<N, D>& at(int i) const { return vertices[static_cast<std::size_t>(i)].m; }
 };
 
-/// Van den Bergen's expansion: takes the facet nearest to the origin until it is a facet of M. Keys only order the
-/// work; what decides is compared in N.
+/// EPA (van den Bergen): takes the facet nearest to the origin until it is a facet of M. Keys only order the work;
+/// decisions compare numbers of type N.
 template <class N, int D>
 SearchEnd<N, D> expand(const Difference<N, D>& m, const Simplex<N, D>& s, InnerPolytope<N, D>& p, int maxFacets) {
-  constexpr double kBand = 1 + 1e-9;  // keys this near may be in the wrong order
+  constexpr double kBand = 1 + 1e-9;  // keys this close may be in the wrong order
   SearchEnd<N, D> end;
   startPolytope(s, p);
   int best = -1;
@@ -135,7 +135,7 @@ SearchEnd<N, D> expand(const Difference<N, D>& m, const Simplex<N, D>& s, InnerP
     const auto w = m.support(f.normal);
     if (dot(f.normal, w.m) > f.offset) {
       if (!grow(p, w, next)) return end;
-      if (best >= 0 && !p.facets[static_cast<std::size_t>(best)].alive) best = -1;  // by rounding only
+      if (best >= 0 && !p.facets[static_cast<std::size_t>(best)].alive) best = -1;  // only by rounding
     } else {
       best = next;
     }

@@ -23,7 +23,7 @@ void startPolytope(const Simplex<N, 2>& s, InnerPolytope<N, 2>& p) {
   for (int i = 0; i < 3; ++i) addEdge(p, i, (i + 1) % 3);
 }
 
-/// `seen` is the only edge that the new vertex sees: all vertices lie on M's boundary.
+/// `seen` is the only edge visible from the new vertex: all vertices are on M's boundary.
 template <class N>
 bool grow(InnerPolytope<N, 2>& p, const typename Difference<N, 2>::Vertex& w, int seen) {
   const int k = static_cast<int>(p.vertices.size());

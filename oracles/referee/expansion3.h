@@ -29,9 +29,9 @@ void startPolytope(const Simplex<N, 3>& s, InnerPolytope<N, 3>& p) {
   addFacet(p, 2, 3, 0);
 }
 
-/// Replaces every facet that the new vertex sees strictly from outside by the cone over their horizon. A facet in whose
-/// plane the vertex lies stays, so no new facet is flat: a vertex on the line of a horizon edge would lie in the plane
-/// of the seen facet behind that edge. False when rounding has torn the surface.
+/// Replaces every facet that is strictly visible from the new vertex by the cone over their horizon. A facet stays when
+/// its plane contains the vertex, so no new facet is flat. Otherwise the vertex would be on the line of a horizon edge,
+/// and so in the plane of the visible facet behind that edge. Returns false when rounding has torn the surface.
 template <class N>
 bool grow(InnerPolytope<N, 3>& p, const typename Difference<N, 3>::Vertex& w, int) {
   std::vector<std::pair<int, int>> edges;

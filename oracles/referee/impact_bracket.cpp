@@ -9,7 +9,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kMostLooks = 1000;  // at the pair: bodies that glide along each other within the band need more
+constexpr int kMostLooks = 1000;  // queries of a pair: bodies that slide along each other within the band need more
 
 template <int D>
 struct Seen {
@@ -28,7 +28,7 @@ Seen<D> look(const MovingPair<D>& pair, double t) {
   return seen;
 }
 
-// How fast a point of the shape's core, however far out, moves along n (m/s): less the velocity of the centre.
+// Upper bound of the speed (m/s) along n of the shape's points relative to the centre of mass.
 template <int D>
 double turning(const ShapeView<D>& shape, const ShapeMotion<D>& motion, const Vecd<D>& n) {
   if (shape.core() == CoreClass::plane) return 0;
@@ -36,7 +36,8 @@ double turning(const ShapeView<D>& shape, const ShapeMotion<D>& motion, const Ve
   return static_cast<double>(cross(motion.motion.w, Vec<D>(n.template cast<Real>())).norm()) * reach;
 }
 
-// How fast the separation along n, a direction of A's frame at t, can fall at most (m/s), now and later.
+// Upper bound of the speed (m/s) at which the separation along n, a direction in A's frame at t, can decrease from t
+// on.
 template <int D>
 double closingSpeed(const MovingPair<D>& pair, double t, const Vecd<D>& n) {
   const Vec<D> inWorld = pair.A.bodyAt(static_cast<Real>(t)).q * (pair.A.X_CS.q * Vec<D>(n.template cast<Real>()));
@@ -63,7 +64,7 @@ ImpactBracket impactBracket(const MovingPair<D>& pair, Real duration) {
     }
     const double speed = closingSpeed(pair, t, seen.answer.normal);
     if (t >= end || (speed <= 0 && !near)) break;
-    if (near) {  // proved is no more to be had: they are looked for in longer and longer strides
+    if (near) {  // nothing more can be proved: search for contact with growing steps
       stride = std::min(std::max(2 * stride, seen.band / std::max(std::abs(speed), seen.band)), end / 64);
     } else {
       stride = seen.answer.lo / speed;

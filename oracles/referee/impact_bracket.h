@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The referee on two shapes under way: no method of finding times of impact is asked, only signed distances that are
-// proved, and how fast a gap can close.
+// Ground truth for times of impact of two moving shapes. Uses only proved signed distances and upper bounds of the
+// closing speed, and no time of impact method.
 #pragma once
 
 #include <string>
@@ -10,19 +10,19 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What counts as contact, against the size s of the error measure.
+/// Separation that counts as contact, relative to s of the error measure.
 inline constexpr double kImpactBand = sizeof(Real) == 8 ? 1e-9 : 1e-4;
 
-/// The first contact of two moving shapes, from both sides (s).
+/// Bounds of the first contact of two moving shapes, from both sides (s).
 struct ImpactBracket {
-  bool decided = false;  // false: the referee was not, or they glide along each other for too long
-  double free = 0;  // apart at every time before: proved; the first time at which they are no farther than the band
-  double met;       // deeper than the band at this time; infinite when they never are, as far as was looked
+  bool decided = false;  // false: a distance was undecided, or the shapes slide along each other for too long
+  double free = 0;  // proved: separated at all earlier times; the first time at which the separation is within the band
+  double met;       // deeper than the band at this time; infinite when no such time was found
 };
 template <int D>
 ImpactBracket impactBracket(const MovingPair<D>& pair, Real duration);
 
-/// What is wrong with an answer; empty when nothing is. `bracket` is the pair's, decided.
+/// What is wrong with an answer; empty when it is right. `bracket` is that of the pair, and decided.
 template <int D>
 std::string impactFault(const MovingPair<D>& pair, Real duration, const TimeOfImpactAnswer<D>& answer,
                         const ImpactBracket& bracket);

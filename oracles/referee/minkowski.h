@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The Minkowski difference M = B - A of two vertex lists, and what the referee asks of it, for any number type: with
-// exact integers the answers are exact and every loop ends by proof; with long double they are candidates that
+// The Minkowski difference M = B - A of two vertex lists, and the referee's queries of it, for any number type. With
+// exact integers the answers are exact and every loop provably ends. With long double they are candidates that
 // certificate.cpp proves or rejects.
 #pragma once
 
@@ -12,7 +12,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 inline int sign(long double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
-/// About num^2 / den, to 1e-12; what is too large or too small for a double may come out as infinite or 0.
+/// num^2 / den within 1e-12; infinite or 0 when out of the range of double.
 inline double squareRatio(long double num, long double den) { return static_cast<double>(num * num / den); }
 
 template <class N, std::size_t D>
@@ -48,7 +48,7 @@ template <class N>
 N crossProduct(const std::array<N, 2>& a, const std::array<N, 2>& b) {
   return N(a[0] * b[1] - a[1] * b[0]);
 }
-/// A quarter turn clockwise: of a counter-clockwise edge, the outward normal.
+/// Rotates clockwise by a quarter turn: for a counter-clockwise edge, the outward normal.
 template <class N>
 std::array<N, 2> outward(const std::array<N, 2>& edge) {
   return {edge[1], N(-edge[0])};
@@ -64,7 +64,7 @@ struct Difference {
 
   std::vector<Point<N, D>> a, b;
 
-  /// A vertex of M farthest along d.
+  /// Support point: a vertex of M farthest along d.
   Vertex support(const Point<N, D>& d) const {
     Vertex v;
     v.ia = extreme(a, d, -1), v.ib = extreme(b, d, 1);
@@ -100,11 +100,11 @@ struct Simplex {
   }
 };
 
-/// The face of a simplex that contains, in its interior, the simplex' point nearest to the origin.
+/// The face of a simplex that contains, in its interior, the simplex's point nearest to the origin.
 template <class N, int D>
 struct NearestFace {
-  unsigned mask = 0;      // 0: none was found, which exact numbers exclude
-  bool origin = false;    // the origin lies in that face
+  unsigned mask = 0;      // 0: none found, which cannot happen with exact numbers
+  bool origin = false;    // the face contains the origin
   Point<N, D> direction;  // parallel to the nearest point, any positive length
 };
 

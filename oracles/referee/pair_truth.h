@@ -6,11 +6,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How far an answer about a pair may be from the truth, over the pair's `errorScale`: 1e-12, of what computes in
-/// single precision 1e-5.
+/// Allowed error of an answer, relative to the pair's `errorScale`: 1e-12; in single precision 1e-5.
 constexpr double pairTolerance(bool inFloat = sizeof(Real) == sizeof(float)) { return inFloat ? 1e-5 : 1e-12; }
 
-/// What is true about a pair, whoever is asked.
+/// Ground truth of a pair.
 template <int D>
 struct PairTruth {
   RefereeAnswer<D> answer = {};

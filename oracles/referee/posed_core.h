@@ -12,8 +12,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <class N, int D>
 using Point = std::array<N, static_cast<std::size_t>(D)>;
 
-/// The rotation matrix of space.h, from the components as they stand: for a quaternion that is unit only within
-/// rounding it is a rotation only within rounding. The number type decides how exactly it is evaluated.
+/// The rotation matrix of space.h from the stored components: for a quaternion that is unit only within rounding, a
+/// rotation only within rounding. The number type sets the precision.
 template <class N>
 std::array<Point<N, 2>, 2> rotationOf(const Rot<2>& q) {
   const N c(static_cast<double>(q.c)), s(static_cast<double>(q.s));
@@ -29,13 +29,13 @@ std::array<Point<N, 3>, 3> rotationOf(const Rot<3>& q) {
            {two * (x * z - w * y), two * (y * z + w * x), one - two * (x * x + y * y)}}};
 }
 
-/// Is the core the convex hull of finitely many points?
+/// True when the core is the convex hull of finitely many points.
 template <int D>
 bool hasVertices(const ShapeView<D>& shape) {
   return shape.core() != CoreClass::curved && shape.core() != CoreClass::plane;
 }
 
-/// The vertices of the shape's core (its rounding left out) in its own frame; none of a core that has none.
+/// Vertices of the shape's core (without its rounding) in its own frame; empty for a core without vertices.
 template <int D>
 void coreVertices(const ShapeView<D>& shape, std::vector<Vec<D>>& out) {
   out.clear();
@@ -63,7 +63,7 @@ void coreVertices(const ShapeView<D>& shape, std::vector<Vec<D>>& out) {
   }
 }
 
-/// Those vertices in the world: X_WS applied with the arithmetic of N.
+/// These vertices in the world: X_WS applied with the arithmetic of N.
 template <class N, int D>
 void poseVertices(const std::vector<Vec<D>>& vertices, const Pose<D>& X_WS, std::vector<Point<N, D>>& out) {
   const auto r = rotationOf<N>(X_WS.q);

@@ -7,14 +7,14 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A bounded core in the world as its support function sees it, with error bounds. The pose is applied as the numbers
-/// say, so a rotation that is one only within rounding deforms a curved core just as it does a list of vertices.
+/// A bounded core in the world by its support function, with error bounds. The pose is applied as its numbers are, so a
+/// rotation that is exact only within rounding deforms a curved core as it does a list of vertices.
 template <int D>
 class PosedSupport {
  public:
   struct Farthest {
     Point<Bounded, D> point;  // of the core
-    Bounded value;            // the support function: the largest p . d
+    Bounded value;            // the support value: the largest p . d
   };
 
   PosedSupport(const ShapeView<D>& shape, const Pose<D>& X_WS) : m_curved(shape.curved) {
@@ -44,7 +44,7 @@ class PosedSupport {
   }
 
   Farthest onCurved(const Point<Real80, D>& d) const {
-    constexpr Real80 kWithin = 8 * Bounded::kUlp;  // what CurvedCore::support promises, of its reach
+    constexpr Real80 kWithin = 8 * Bounded::kUlp;  // promised by CurvedCore::support, relative to its reach
     Point<Bounded, D> local;
     Point<Real80, D> values;
     Real80 lean = 0;

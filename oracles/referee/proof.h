@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What the two provers share: certificate.cpp for cores with vertices, curved_referee.cpp for those without. Both
-// search in long double, where they may err, and prove what they found with running error bounds.
+// Shared by the two provers: certificate.cpp for cores with vertices, curved_referee.cpp for cores without. Both search
+// in long double, where they may err, and prove the result with running error bounds.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ Bounded boundedDot(const std::array<Bounded, D>& a, const std::array<Bounded, D>
   return sum;
 }
 
-/// Numbers without any error.
+/// Numbers without error.
 template <int D>
 Point<Bounded, D> exactly(const Point<Real80, D>& d) {
   Point<Bounded, D> out;
@@ -29,8 +29,8 @@ Point<Bounded, D> exactly(const Point<Real80, D>& d) {
   return out;
 }
 
-/// Barycentric coordinates (any common positive factor) of the simplex' point nearest to the origin, by Cramer's rule
-/// on its Gram matrix. Only their signs matter for the proof; wrong sizes give a weaker one.
+/// Barycentric coordinates, up to a common positive factor, of the simplex's point nearest to the origin, by Cramer's
+/// rule on its Gram matrix. Only their signs matter for the proof; wrong sizes give a weaker proof.
 template <int D>
 std::array<Real80, 4> weights(const Simplex<Real80, D>& s) {
   std::array<Real80, 4> w{1, 0, 0, 0};
@@ -51,7 +51,7 @@ inline Point<Bounded, 3> facetNormal(const std::array<Point<Bounded, 3>, 3>& v) 
   return crossProduct(minus(v[1], v[0]), minus(v[2], v[0]));
 }
 
-/// Is the surface closed: does each end of a facet meet exactly one other the opposite way?
+/// True when the surface is closed: each end of a facet meets exactly one other in the opposite direction.
 inline bool isClosed(const InnerPolytope<Real80, 2>& p) {
   std::vector<int> begins, ends;
   for (const auto& f : p.facets) {

@@ -18,7 +18,7 @@ CoreSize<D> sizeOf(const ShapeView<D>& shape, const Pose<D>& X_WS) {
   CoreSize<D> size;
   size.world = X_WS.p.template cast<double>().cwiseAbs().maxCoeff();
   switch (shape.core()) {
-    case CoreClass::plane:  // unbounded: its extent plays no part
+    case CoreClass::plane:  // unbounded: its extent does not matter
       return size;
     case CoreClass::curved: {
       size.own = static_cast<double>(shape.half.maxCoeff()), size.side = 2 * size.own;
@@ -56,7 +56,8 @@ Interval separationAlong(const ShapeView<D>& a, const Pose<D>& X_WA, const Shape
   for (std::size_t k = 0; k < D; ++k) direction[k] = d[static_cast<int>(k)];
   const bool planeA = a.core() == CoreClass::plane, planeB = b.core() == CoreClass::plane;
   if (planeA || planeB) {
-    // Along any direction but its normal a half-space has no end: of a normal within rounding, the normal is meant.
+    // A half-space is unbounded except along its normal: a direction equal to the normal within rounding counts as the
+    // normal.
     const RefereeAnswer<D> truth = refereeOfPlane(a, X_WA, b, X_WB);
     const double off = (d.normalized() - truth.normal).norm(), s = errorScale(a, X_WA, b, X_WB, truth.hi);
     return {truth.lo - off * s, truth.hi - off * s};

@@ -5,13 +5,13 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Of the faces that contain the newest vertex. Which face it is follows from signs of polynomials alone (Johnson's
-/// conditions: all barycentric coordinates positive, no other vertex nearer along the face's direction).
+/// Nearest face among those that contain the newest vertex. Decided by signs of polynomials only (Johnson's conditions:
+/// all barycentric coordinates are positive, and no other vertex is nearer along the face's direction).
 template <class N>
 NearestFace<N, 2> nearestFace(const Simplex<N, 2>& s) {
   NearestFace<N, 2> face;
   const int last = s.count - 1;
-  // Is no vertex beside those of `mask` nearer along d than they are?
+  // True when no vertex outside `mask` is nearer along d than those in it.
   const auto supports = [&](const Point<N, 2>& d, unsigned mask) {
     const N level = dot(d, s.at(last));
     for (int i = 0; i < last; ++i) {

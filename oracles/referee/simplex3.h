@@ -11,7 +11,7 @@ NearestFace<N, 3> nearestFace(const Simplex<N, 3>& s) {
   NearestFace<N, 3> face;
   const int last = s.count - 1;
   const Point<N, 3>& z = s.at(last);
-  // Is no vertex beside those of `mask` nearer along d than they are?
+  // True when no vertex outside `mask` is nearer along d than those in it.
   const auto supports = [&](const Point<N, 3>& d, unsigned mask) {
     const N level = dot(d, z);
     for (int i = 0; i < last; ++i) {
@@ -50,7 +50,7 @@ NearestFace<N, 3> nearestFace(const Simplex<N, 3>& s) {
     }
   }
   if (s.count == 4) {
-    // The origin is inside when it sees all four faces from the same side as their opposite vertices.
+    // The origin is inside when it is on the same side of all four faces as their opposite vertices.
     bool inside = true;
     for (int i = 0; i < 4; ++i) {
       const Point<N, 3>&p = s.at((i + 1) % 4), &q = s.at((i + 2) % 4), &r = s.at((i + 3) % 4);

@@ -15,7 +15,7 @@ namespace {
 template <int D>
 struct Cell {
   std::array<Vecd<D>, static_cast<std::size_t>(D)> corner;
-  double bound = 0;  // no direction of the cell separates more than this
+  double bound = 0;  // upper bound of the separation along the cell's directions
   bool operator<(const Cell& b) const { return bound < b.bound; }
 };
 
@@ -44,7 +44,7 @@ class Sweep {
  private:
   static std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
-  // The longest side is halved, so cells stay round.
+  // Halves the longest side, so that cells stay round.
   void split(const Cell<D>& cell) {
     int from = 0, to = 1;
     for (int i = 0; i < D; ++i) {
@@ -63,8 +63,9 @@ class Sweep {
     push(half);
   }
 
-  // Every m of the Minkowski difference bounds the separation along d by m . d. Over the cap of angle r around the
-  // cell's middle c that is at most |m| cos(angle(m, c) - r). Tried with the m of each corner and of the middle.
+  // Every point m of the Minkowski difference bounds the separation along d by m . d. Over the cap of angle r around
+  // the cell's middle c, that is at most |m| cos(angle(m, c) - r). Uses the support points of each corner and of the
+  // middle.
   void push(Cell<D> cell) {
     Vecd<D> c = Vecd<D>::Zero();
     for (const auto& corner : cell.corner) c += corner;

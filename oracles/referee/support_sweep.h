@@ -7,18 +7,18 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A point of a convex body farthest along d (world frame, d unit).
+/// Support function of a convex body: a point farthest along d (world frame, d unit).
 template <int D>
 using SupportFunction = std::function<Vecd<D>(const Vecd<D>&)>;
 
 struct SweepLimits {
   double width = 1e-6;   // stop when the interval is this narrow (m)
-  int maxCells = 20000;  // or after so many cells of directions; the interval is then as wide as it is
+  int maxCells = 20000;  // or after this many cells of directions, with a wider interval
 };
 
-/// phi of two bodies that are known by their support functions only, from both sides, whatever their shapes. Slow, and
-/// written apart from the other referees, so that it can judge them: branch and bound over cells of directions. The
-/// bounds hold up to a few roundings of the support points.
+/// Bounds phi of two bodies known only by their support functions, by branch and bound over cells of directions. Slow,
+/// and independent of the other referees, so that it can check them. The bounds hold up to a few roundings of the
+/// support points.
 template <int D>
 Interval sweepDirections(const SupportFunction<D>& a, const SupportFunction<D>& b, const SweepLimits& limits);
 

@@ -16,10 +16,10 @@ MovingPair<D> movingPair(const CaseGeometry<D>& g) {
   return pair;
 }
 
-// The speed of the fastest point of B times how long it takes from one time to the other, over s.
+// Speed of the fastest point of B times the error in time, relative to s.
 template <int D>
 double errorOf(const CaseGeometry<D>& g, double time, double expected) {
-  if (time == expected) return 0;  // both never
+  if (time == expected) return 0;  // both without impact
   const double s = errorScale(g.a.shape->view(), g.a.X_WS, g.b.shape->view(), g.b.X_WS, 0);
   const double reach = static_cast<double>((g.b.X_WS.p - g.X_WBodyB.p).norm() + boundingRadius(g.b.shape->view()));
   const double speed = static_cast<double>(g.motionB.v.norm()) + static_cast<double>(g.motionB.w.norm()) * reach;
@@ -39,7 +39,7 @@ void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>&
     const ImpactBracket bracket = impactBracket(movingPair(g), g.duration);
     CaseResult& row = rows.emplace_back(
         CaseResult{.id = c.id, .method = "referee", .role = AlgorithmRole::referee, .expected = c.expected.impact});
-    // As far as they are apart by more than what counts as contact.
+    // Separated by more than the contact band until then.
     tell(row, bracket.free < static_cast<double>(g.duration) ? bracket.free : bracket.met);
     if (!bracket.decided) row.verdict = CaseVerdict::refused, row.reason = "undecided";
     if (row.verdict == CaseVerdict::wrong) row.reason = "the file's expected value is not the time";

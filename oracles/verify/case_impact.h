@@ -5,8 +5,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A case of a time of impact through the referee and every method that is registered. Its value is the time (s), that
-/// of who never meet is infinite; its error is the way that B's fastest point goes in the time that it is off, over s.
+/// Runs a case of a time of impact through the referee and every registered method. The value is the time (s), infinite
+/// without impact. The error is the path of B's fastest point during the error in time, relative to s.
 template <int D>
 void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows);
 

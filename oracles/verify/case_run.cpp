@@ -20,20 +20,21 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// On top of the case's own tolerance, times s. The single precision build reads rounded inputs.
+// In addition to the case's own tolerance, times s. The single precision build reads rounded inputs.
 constexpr double kTolerance = pairTolerance();
-// A case that was found in single precision has rotations of seven digits, which the double build normalises.
+// A case found in single precision has rotations of seven digits, which the double build normalises.
 double toleranceOf(const Case& c) {
   return c.finding && c.finding->precision == "f32" ? pairTolerance(true) : kTolerance;
 }
-// Mass properties and areas, relative: what is left of a hundredth of a metre far from the origin.
+// Relative error of mass properties and areas: the precision that remains for a hundredth of a metre far from the
+// origin.
 constexpr double kRelative = sizeof(Real) == 8 ? 1e-9 : 1e-2;
 
 constexpr std::string_view kReferee = "referee", kUnknownMethod = "unknown_method", kSide = "side",
                            kSideAlone = "by the side alone: it claims no gap",
-                           kWrongSide = "wrong_side";  // as the verdict of a found case has it
+                           kWrongSide = "wrong_side";  // as in the verdict of a case with a finding
 
-// The registered pair queries of one dimension, made once: a witness keeps its process from case to case.
+// The registered pair queries of one dimension, created once: a witness keeps its process from case to case.
 template <int D>
 struct Method {
   const Registered* entry;
@@ -82,7 +83,7 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
   }
   const Vecd<D> n = (g.a.X_WS.q * answer.normal).template cast<double>();
   if (n.isZero(0)) {
-    // No direction is an answer only where the boundaries touch, and witnesses may have none.
+    // A missing normal is allowed only when the boundaries touch, and for witnesses.
     const bool stated = std::abs(expected.distance) <= allowed || row.role != AlgorithmRole::competitor;
     row.verdict = stated ? CaseVerdict::ok : CaseVerdict::wrong;
     row.reason = stated ? "" : "no normal";
@@ -102,7 +103,7 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
   row.verdict = CaseVerdict::ok;
 }
 
-// The referee on the case: it judges the file's expected value.
+// Runs the referee on the case: it checks the file's expected value.
 template <int D>
 CaseResult judgeExpected(const Case& c, const CaseGeometry<D>& g) {
   CaseResult row{
@@ -238,8 +239,8 @@ CaseResult runHull(const Case& c, const CaseGeometry<D>& g) {
   double extent = 0;
   for (const Vec<D>& p : g.points) extent = std::max(extent, (p - g.points[0]).template cast<double>().norm());
   row.verdict = CaseVerdict::ok;
-  if (c.expected.degenerate) return row;  // any end is right that is not an endless loop
-  // Each expected vertex is one of ours and the reverse: points in the middle of an edge are dropped.
+  if (c.expected.degenerate) return row;  // any outcome is right, except an endless loop
+  // The expected vertices must be exactly ours, because points inside an edge are dropped.
   for (const auto& want : c.expected.hullVertices) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const Vec<D>& have : hull->vertices) {
@@ -318,7 +319,7 @@ void runCase(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::
     case CaseQuery::timeOfImpact:
       runImpact<D>(c, g, rows);
       return;
-    case CaseQuery::broadphase:  // only as a finding
+    case CaseQuery::broadphase:  // only with a finding
     case CaseQuery::unknown:
       rows.push_back({.id = c.id, .method = "-", .reason = "unsupported_query"});
       return;
@@ -336,7 +337,7 @@ namespace {
 
 int dimensionOf(const Case& c) { return std::holds_alternative<CaseGeometry<2>>(c.geometry) ? 2 : 3; }
 
-// The method that the case is about.
+// The method of the case's finding is not registered.
 [[noreturn]] void failUnknown(const Case& c) {
   const std::string name = Spec::parse(c.finding->method).name;
   std::vector<std::string> names;
@@ -355,7 +356,7 @@ const Registered* registered(const Case& c, const std::string& method) {
 
 std::vector<std::string> methodsToAsk(const Case& c) {
   std::vector<std::string> out{c.finding->method};
-  if (c.finding->stage == StageKind::broadphase) return out;  // the boxes themselves are the judge
+  if (c.finding->stage == StageKind::broadphase) return out;  // the definition by pairs of boxes is the judge
   const auto hasShapes = [](const auto& g) { return g.a.shape && g.b.shape; };
   if (std::isfinite(c.expected.distance) && std::visit(hasShapes, c.geometry)) out.emplace_back(kReferee);
   for (const Registered* r : Registry::instance().list(c.finding->stage, dimensionOf(c))) {
@@ -412,7 +413,7 @@ namespace {
 
 bool hasValue(const CaseResult& row) { return row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong; }
 
-// The file may hold no expected value.
+// Returns `otherwise` when the file has no expected value.
 std::string expectedOr(const CaseResult& row, const char* otherwise) {
   return std::isnan(row.expected) ? otherwise : numberText(row.expected);
 }
@@ -437,7 +438,7 @@ void print(const CaseResult& row, std::ostream& out) {
 }
 
 void write(const CaseResult& row, std::ostream& csv) {
-  const bool listed = row.method.find(',') != std::string::npos;  // of parameters
+  const bool listed = row.method.find(',') != std::string::npos;  // has several parameters
   csv << row.id << ',' << (listed ? '"' + row.method + '"' : row.method) << ',' << caseVerdictName(row.verdict) << ','
       << std::setprecision(17);
   if (hasValue(row)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Every method on the cases of a corpus.
+// Runs every method on the cases of a corpus.
 #pragma once
 
 #include <iosfwd>
@@ -15,50 +15,50 @@ namespace lpc { inline namespace LPC_PRECISION {
 enum class CaseVerdict { ok, wrong, refused, failed, hang };
 std::string_view caseVerdictName(CaseVerdict verdict);
 
-/// One case and one method.
+/// Result of one method on one case.
 struct CaseResult {
   std::string id, method;
   AlgorithmRole role = AlgorithmRole::competitor;
   CaseVerdict verdict = CaseVerdict::refused;
-  std::string reason = {};  // unsupported_shape, unsupported_query, undecided, what is wrong, or was not judged
+  std::string reason = {};  // unsupported_shape, unsupported_query, undecided, what is wrong, or what was not judged
   double value = 0;
-  double expected = 0;     // NaN where the file has none
+  double expected = 0;     // NaN when the file has none
   double error = 0;        // |value - expected| / s, s as in `errorScale`
-  bool sideAlone = false;  // an approximate pair query: it owes no more
-  /// Of the method that was found wrong on the case: does it fail in the same way again?
+  bool sideAlone = false;  // an approximate pair query, of which only the side is judged
+  /// For the method of the finding: true when it fails in the same way again.
   std::optional<bool> again = {};
 };
 
-/// Asks a method (with parameters, as gjk_epa{iterations=20}) what the case's finding says was asked, and judges as
-/// `lpc verify` does; `unsupported_shape` where it does not take the shapes. Throws UserError where it does not exist.
+/// Runs a method (with parameters, as gjk_epa{iterations=20}) on the input of the case's finding, and judges as `lpc
+/// verify` does; `unsupported_shape` when it does not take the shapes. Throws UserError when the method does not exist.
 /// Precondition: the case has a finding.
 Verdict askAgain(const Case& c, const std::string& method);
 
-/// Who is asked about a case with a finding: the method that was found, the referee where there is an expected value,
-/// then the others of its stage (of broadphases the method alone).
+/// Methods to run on a case with a finding: the method of the finding; the referee when there is an expected value;
+/// then the other methods of its stage. For broadphases only the method of the finding.
 std::vector<std::string> methodsToAsk(const Case& c);
-/// The role that one of them has in its row; of a method that is not registered here, a competitor's.
+/// The role of a method in its row; competitor for a method that is not registered here.
 AlgorithmRole roleOf(const Case& c, const std::string& method);
-/// One of them. One that is not registered here refuses; the method that was found must be (else UserError): nobody
-/// shall take it for mended.
+/// Runs one method on a case with a finding. A method that is not registered gives `refused`. For the method of the
+/// finding throws UserError instead, so that it cannot be mistaken for fixed.
 CaseResult askFound(const Case& c, const std::string& method);
 
-/// Every case with every method that takes its query: signed distances with each registered pair query, contacts with
-/// each generator (by the check of verifyContacts), times of impact with each method that finds them, hulls with
-/// `convexHull`, mass properties with `massProperties`. The referee stands in the table, too: where it is `wrong`, it
-/// contradicts the file. A case with a finding is asked as it was found, its own method first; one of the other
-/// precision is asked in this one.
+/// Runs every case with every registered method that takes its query. Contacts are checked as in verifyContacts; hulls
+/// and mass properties are computed by `convexHull` and `massProperties`. The referee is in the table too: where it is
+/// `wrong`, it contradicts the file. A case with a finding is run as it was found, with the method of the finding
+/// first; a case of the other precision is run in this one.
 std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 
-/// Is it one that must not happen: a competitor that is wrong (an approximate pair query: on the wrong side), fails, or
-/// refuses what it declares?
+/// True for a result that fails the run: a competitor that is wrong (an approximate pair query: on the wrong side),
+/// fails, or rejects what it declares to support.
 bool isOurFault(const CaseResult& result);
 
-/// Prints one line per case and method (id, method, verdict, value, expected value, error/s, reason; `-` where there is
-/// no value) and a summary; into `csv` go the same lines with a head. Returns 0 when none is our fault, else 1.
+/// Prints one line per case and method (id, method, verdict, value, expected value, error/s, reason; `-` when there is
+/// no value) and a summary. Writes the same lines with a header to `csv`. Returns 0 when isOurFault() is false for all
+/// rows, otherwise 1.
 int printCases(const std::vector<CaseResult>& rows, std::ostream& out, std::ostream* csv = nullptr);
 
-/// Reads, runs and prints, all in this precision.
+/// Reads, runs and prints a file of cases, all in this precision.
 int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv = nullptr);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The ledger of a verification: who was asked what and how it went, by kinds of shape and by one further axis at a
-// time. Entries add up, so that blocks can be verified in any order, anywhere.
+// The ledger of a verification: queries and outcomes by method, by kinds of shape, and by one further axis at a time.
+// Entries can be added, so that blocks may be verified in any order, on any machine.
 #pragma once
 
 #include <array>
@@ -15,20 +15,20 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The first ones after `asked` are how a question can end, and add up to it; the last two come on top of an end.
+/// Outcomes of a query. The first ones after `asked` add up to it; the last two are counted in addition.
 enum class Tally {
   asked,
   agree,
-  wrong,      // value, normal or side, by the referee's proof: candidate or oracle, as the method's role says
-  tie,        // agrees along another normal than the referee's, or its features changed by chance
-  undecided,  // the referee cannot say
+  wrong,      // value, normal or side, proved by the referee; candidate or witness by the method's role
+  tie,        // correct along another normal than the referee's, or features changed by chance
+  undecided,  // the referee has no answer
   refused,
   notFinite,
   threw,
   crashed,
   hung,
-  wrongSide,  // of the wrong ones: a wrong yes or no
-  capped,     // ended at its limit of iterations, or in a case that it cannot finish
+  wrongSide,  // of the wrong answers: separated and overlapping confused
+  capped,     // stopped at the iteration limit, or in a case that it cannot finish
   kCount
 };
 inline constexpr std::size_t kTallies = static_cast<std::size_t>(Tally::kCount);
@@ -40,7 +40,7 @@ struct LedgerKey {
   std::string stage, precision;
   int dimension = 3;
   std::string kindA, kindB;  // empty for broadphases
-  std::string axis, value;   // all and nothing, or family, regime, scale, offset, kWiderScale and which one
+  std::string axis, value;   // all and empty, or family, regime, scale, offset or kWiderScale with its value
   std::string method;
   auto operator<=>(const LedgerKey&) const = default;
 };
@@ -50,11 +50,11 @@ struct LedgerEntry {
   std::array<long, kTallies> tallies{};
   double maxError = 0, nanoseconds = 0;   // error / s; time inside the method
   std::map<std::string, long> histogram;  // of errors, by decade: "-17" for 1e-17 up to 1e-16, "zero"
-  std::string worst;                      // the case of maxError, as a line of a file of cases; axis `all` only
+  std::string worst;                      // the case of maxError, as a line of a file of cases; only for axis `all`
 
   long& operator[](Tally t) { return tallies[static_cast<std::size_t>(t)]; }
   long operator[](Tally t) const { return tallies[static_cast<std::size_t>(t)]; }
-  /// Asked, and neither right nor undecided.
+  /// Queries that ended neither right nor undecided.
   long faults() const {
     const LedgerEntry& e = *this;
     return e[Tally::asked] - e[Tally::agree] - e[Tally::tie] - e[Tally::undecided];
@@ -72,7 +72,7 @@ struct LedgerEntry {
 
 using Ledger = std::map<LedgerKey, LedgerEntry>;
 
-/// A pair on which a method failed in one way, to be kept while no simpler one is known.
+/// A pair on which a method failed in one way; replaced when a simpler pair is found.
 struct FoundCase {
   std::string method, failure;
   int vertices = 0;  // simpler: fewer vertices, then a smaller s

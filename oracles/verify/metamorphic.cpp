@@ -16,7 +16,7 @@ namespace {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 
-// The k-th coordinate of the image is that of axis from[k], perhaps negated.
+// Coordinate k of the image is that of axis from[k], possibly negated.
 template <int D>
 struct SignedPermutation {
   std::array<int, static_cast<std::size_t>(D)> from{};
@@ -43,7 +43,7 @@ struct SignedPermutation {
     return (inversions + turns()) % 2 == 1;
   }
   Rot<2> turn(const Rot<2>& q) const { return reflects() ? q.inverse() : q; }
-  // An axis of rotation is no vector: a reflection turns it round once more.
+  // A rotation axis is an axial vector: a reflection negates it in addition.
   Rot<3> turn(const Rot<3>& q) const {
     const Vec<3> v = (*this) * q.imag();
     return reflects() ? Rot<3>{q.w, -v[0], -v[1], -v[2]} : Rot<3>{q.w, v[0], v[1], v[2]};
@@ -64,8 +64,8 @@ std::vector<SignedPermutation<D>> signedPermutations() {
   return out;
 }
 
-// Is the image of the shape again one of its kind in its own frame? Of a curved core its support function tells, to the
-// last bit, so that no kind need be known here.
+// True when the image is again a shape of this kind in its own frame. A curved core is tested by its support function,
+// to the last bit, so that no kind need be known here.
 template <int D>
 bool admits(const ShapeView<D>& shape, const SignedPermutation<D>& p) {
   switch (shape.core()) {
@@ -89,13 +89,13 @@ bool admits(const ShapeView<D>& shape, const SignedPermutation<D>& p) {
   return true;
 }
 
-// The same faces and edges: a hull that is computed anew may drop other points.
+// Keeps faces and edges: a new hull of the points might drop others.
 template <class MapPoint, class MapNormal>
 Shape<2> mappedHull(const ShapeView<2>& shape, bool reflects, Real factor, MapPoint point, MapNormal normal) {
   auto hull = std::make_shared<Polytope<2>>(*shape.hull);
   for (Vec<2>& v : hull->vertices) v = point(v);
   for (Vec<2>& n : hull->normals) n = normal(n);
-  if (reflects) {  // counter-clockwise again; normal i is of the edge from vertex i
+  if (reflects) {  // counter-clockwise again; normal i belongs to the edge from vertex i
     std::reverse(hull->vertices.begin(), hull->vertices.end());
     std::reverse(hull->normals.begin(), hull->normals.end() - 1);
   }
@@ -171,14 +171,14 @@ Shape<D> scaled(const Shape<D>& shape, Real k) {
 
 template <int D>
 RelatedPairs<D> scaled(const PosedPair<D>& pair, Random& random) {
-  constexpr int kFar = kDouble ? 20 : 4;  // fourth powers of lengths stay above what underflows
+  constexpr int kFar = kDouble ? 20 : 4;  // fourth powers of lengths must not underflow
   constexpr std::array<int, 4> kPowers = {-kFar, -1, 1, kFar};
   const Real k = std::ldexp(Real(1), kPowers[random.below(kPowers.size())]);
   const PosedPair<D> image{scaled(pair.a, k), scaled(pair.b, k), {k * pair.X_AB.p, pair.X_AB.q}};
   return {.before = pair, .after = image, .factor = static_cast<double>(k)};
 }
 
-// Rotations whose matrices are exact.
+// Rotations with exact matrices.
 Rot<2> exactTurn(Random& random, Rot<2>) {
   return std::array<Rot<2>, 4>{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}}[random.below(4)];
 }
@@ -189,8 +189,8 @@ Rot<3> exactTurn(Random& random, Rot<3>) {
   return {Real(k == 8), Real(k == 9), Real(k == 10), Real(k == 11)};
 }
 
-// The points of A, or those of B where A has none; then B is turned by what is exact. So many bits are a coordinate,
-// and so many more the way: both fit into a number.
+// Moves the points of A, or of B when A has none; B is then rotated by an exact rotation. Coordinates have kBits bits
+// and the translation kMoreBits more: both fit into a number.
 template <int D>
 std::optional<RelatedPairs<D>> translated(const PosedPair<D>& pair, Random& random) {
   constexpr int kBits = kDouble ? 40 : 20, kMoreBits = kDouble ? 10 : 2;
@@ -298,7 +298,7 @@ std::optional<RelatedPairs<D>> relatedPairs(Relation relation, const HardPair<D>
       case Relation::kCount:
         break;
     }
-  } catch (const UserError&) {  // on the grid, or in single precision, a sliver is too flat for a hull
+  } catch (const UserError&) {  // on the grid, or in single precision, a sliver may be too flat for a hull
   }
   return std::nullopt;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Pairs whose answers are related, so that a method can be judged by two of its own: the same pair swapped, mirrored,
-// in other axes, larger, elsewhere, of more points, or carried (Chen et al. 1998: metamorphic testing).
+// Metamorphic testing (Chen et al. 1998): pairs with related answers, so that a method can be checked by two of its own
+// answers. The same pair is swapped, mirrored, put into other axes, scaled, translated, given more points, or moved.
 #pragma once
 
 #include <array>
@@ -18,10 +18,11 @@ inline constexpr std::size_t kRelations = static_cast<std::size_t>(Relation::kCo
 inline constexpr std::array<std::string_view, kRelations> kRelationNames = {
     "swap", "mirror", "permutation", "scale", "translation", "extra_vertices", "motion"};
 
-/// Is phi of the image known, `factor` times that of the pair? The others round: the referee is asked on both.
+/// True when phi of the image is known exactly: `factor` times that of the pair. The other relations round: the referee
+/// is run on both pairs.
 constexpr bool keepsTruth(Relation relation) { return relation != Relation::swap && relation != Relation::motion; }
 
-/// The axis under which the ledger has them.
+/// The axis of these results in the ledger.
 inline constexpr std::string_view kRelationAxis = "relation";
 
 template <int D>
@@ -34,19 +35,19 @@ struct PosedPair {
 template <int D>
 struct RelatedPairs {
   PosedPair<D> before, after;
-  double factor = 1;  // of all lengths of `after` against those of `before`
+  double factor = 1;  // lengths of `after` relative to `before`
 };
 
-/// The image of a pair, none where the relation has nothing to say of it:
-///   swap            B and A, of equal kinds (others are always asked in one order); the inverse pose rounds
-///   mirror          one coordinate negated in both shapes' frames, one that leaves their kinds as they are; exact
+/// The image of a pair; empty when the relation does not apply:
+///   swap            B and A, of equal kinds (others always come in one order); the inverse pose rounds
+///   mirror          one coordinate negated in both shapes' frames, such that their kinds stay; exact
 ///   permutation     another signed permutation of the axes of both frames, likewise; exact
 ///   scale           a power of two; exact
-///   translation     a polytope's points carried in its own frame, the pose against it, all on one grid; exact
-///   extra_vertices  polytopes as hulls of the same points in another order, some of them twice, and of the middles of
-///                   edges; what a hull drops is below what is owed
-///   motion          both carried by one motion of the world, the pose between them computed anew; rounds
-/// `choice` is chance. `before` is the pair, but snapped to the grid for `translation`.
+///   translation     a polytope's points moved in its own frame, the pose moved back, all on one grid; exact
+///   extra_vertices  polytopes as hulls of the same points in another order, some duplicated, and of midpoints of
+///                   edges; what a hull drops is below the tolerance
+///   motion          both moved by one motion of the world, the pose between them computed again; rounds
+/// `choice` is a random number. `before` is the pair, snapped to the grid for `translation`.
 template <int D>
 std::optional<RelatedPairs<D>> relatedPairs(Relation relation, const HardPair<D>& pair, std::uint64_t choice);
 

@@ -17,7 +17,7 @@ Vecd<3> direction3(const Vec<D>& v) {
   return out;
 }
 
-// Longest and shortest side of the shape's own box (m). Against a plane only the other shape's count.
+// Longest and shortest side of the shape's own box (m). Against a plane both are the other shape's.
 template <int D>
 Vecd<2> sides(const ShapeView<D>& shape, const ShapeView<D>& other) {
   if (shape.core() == CoreClass::plane) return sides(other, other);
@@ -42,7 +42,7 @@ bool polytopeFacesAlong(const Polytope<3>& hull, const Vecd<3>& n) {
   });
 }
 
-// Does a face of the shape's core, an edge in 2D, look along n (in the shape's frame)?
+// True when a face (2D: edge) of the shape's core has the normal n (in the shape's frame).
 template <int D>
 bool facesAlong(const ShapeView<D>& shape, const Vecd<D>& n) {
   switch (shape.core()) {
@@ -70,7 +70,7 @@ bool facesAlong(const ShapeView<D>& shape, const Vecd<D>& n) {
   return false;
 }
 
-// Along n (m).
+// Width along n (m).
 template <int D>
 double width(const ShapeView<D>& shape, const Vecd<D>& n) {
   if (shape.core() == CoreClass::plane) return std::numeric_limits<double>::infinity();
@@ -78,12 +78,12 @@ double width(const ShapeView<D>& shape, const Vecd<D>& n) {
   return static_cast<double>(supportValue(shape, d)) + static_cast<double>(supportValue(shape, Vec<D>(-d)));
 }
 
-// What the regimes are told by.
+// Input of the regimes' conditions.
 template <int D>
 struct Facts {
   const ShapeView<D>&a, &b;
   Vecd<2> sidesA, sidesB;
-  double smaller, larger;  // of the two longest sides (m)
+  double smaller, larger;  // the smaller and larger of the two longest sides (m)
   Vecd<D> nA, nB;          // the referee's normal, in each shape's frame
   double phi;              // separation (m)
 };
@@ -98,7 +98,7 @@ struct Regime {
   std::string_view name;
   bool (*holds)(const Facts<D>&);
 };
-// The first that holds; the last one does.
+// The first true condition applies; the last is always true.
 template <int D>
 constexpr std::array<Regime<D>, 8> kRegimes = {{
     {"huge_ratio", [](const Facts<D>& f) { return f.larger >= 100 * f.smaller; }},
@@ -106,7 +106,7 @@ constexpr std::array<Regime<D>, 8> kRegimes = {{
     {"touching", [](const Facts<D>& f) { return std::abs(f.phi) < 1e-6 * f.smaller; }},
     {"parallel_faces", [](const Facts<D>& f) { return facesAlong<D>(f.a, f.nA) && facesAlong<D>(f.b, -f.nB); }},
     {"separated", [](const Facts<D>& f) { return f.phi > 0; }},
-    // Along n, A ends at its reach and B begins at A's end + phi: the far ends tell who lies within whom.
+    // Along n, A ends at its support value and B begins at A's end + phi: comparing the far ends shows containment.
     {"contained", [](const Facts<D>& f) { return -f.phi >= std::min(width<D>(f.a, f.nA), width<D>(f.b, f.nB)); }},
     {"shallow", [](const Facts<D>& f) { return -f.phi <= 0.1 * f.smaller; }},
     {"deep", [](const Facts<D>&) { return true; }},

@@ -9,11 +9,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What kind of question a pair is, once and for all methods, from the referee's answer. The first that applies of
+/// Classifies a pair by the referee's answer, the same for all methods. The first that applies of
 ///   huge_ratio      one shape is at least 100 times as large as the other
 ///   thin            one shape is less than 1e-3 as thick as it is long, segments aside
 ///   touching        gap or depth below 1e-6 of the smaller shape
-///   parallel_faces  a face (2D: edge) of each lies across the normal, within 1e-3 rad
+///   parallel_faces  a face (2D: edge) of each is perpendicular to the normal, within 1e-3 rad
 ///   separated
 ///   contained       along the normal, one shape's extent lies within the other's
 ///   shallow, deep   depth up to a tenth of the smaller shape, or more

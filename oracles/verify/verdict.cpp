@@ -82,7 +82,8 @@ long faultsOfOurs(const LedgerKey& key, const LedgerEntry& entry) {
   const StageInfo* stage = stageByName(key.stage);
   const auto& all = Registry::instance().all();
   const auto at =
-      stage ? all.find({stage->kind, key.dimension, Spec::parse(key.method).name}) : all.end();  // else of a plugin
+      stage ? all.find({stage->kind, key.dimension, Spec::parse(key.method).name}) : all.end();  // otherwise from a
+                                                                                                 // plugin
   if (at == all.end() || !owesSideAlone(stage->kind, at->second.info)) return entry.faults();
   return entry.faults() - entry[Tally::wrong] + entry[Tally::wrongSide];
 }

@@ -14,48 +14,49 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How one method did on one input.
+/// Result of one method on one input.
 struct Verdict {
   Tally end = Tally::agree;
   bool wrongSide = false, capped = false;
   bool sideAlone = false;  // the method claims no distance here: none was judged
-  bool wider = false;      // right, but by a scale that holds where frames are, and not by that of the posed shapes
-  double value = 0;        // the distance, or of contacts that of the deepest point (m), where there is an error
-  std::optional<double> error;  // over s, of an answer with a value
-  std::string failure;          // what went wrong, as in names of files; empty when nothing did
+  bool wider = false;      // right only by the error scale that depends on the position of frames, not by that of the
+                           // posed shapes
+  double value = 0;        // the distance, or for contacts that of the deepest point (m), when there is an error
+  std::optional<double> error;  // relative to s, for an answer with a value
+  std::string failure;          // what went wrong, as in file names; empty when nothing did
 };
 
-/// There is no answer: it ended like this.
+/// Verdict without an answer, with this outcome.
 Verdict withoutAnswer(Tally end);
 
 /// Values of the further axes: {"family", "ties"}, ...
 using Labels = std::vector<std::pair<std::string, std::string>>;
 
-/// An axis of pairs that are right by the wider scale alone: see Verdict.
+/// Axis of pairs that are right only by the wider scale: see Verdict.
 inline constexpr const char* kWiderScale = "right_by_scale_of";
 
-/// Books the verdict under axis `all` and under each label. `text` is the input as a line of a file of cases; it is
-/// asked for only when the line is kept.
+/// Records the verdict under axis `all` and under each label. `text` returns the input as a line of a file of cases; it
+/// is called only when the line is kept.
 void book(Ledger& ledger, LedgerKey subject, AlgorithmRole role, const Labels& labels, const Verdict& verdict,
           double nanoseconds, const std::function<std::string()>& text);
 
-/// What was wrong with whom, as a field of a case: see CaseFinding.
+/// The finding as a field of a case: see CaseFinding.
 std::string findingText(const LedgerKey& subject, const Verdict& verdict, std::uint64_t seed, int index);
 
-/// What `findingText` has where nothing was wrong: of the largest error of a method that was right.
+/// In `findingText` when nothing was wrong: the case of the largest error of a correct method.
 inline constexpr std::string_view kNoFailure = "\"failure\": \"none\"";
 
-/// A name for one input: of kinds (empty for none), seed and number.
+/// Name of one input: kinds (empty for none), seed and number.
 std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index);
 
-/// The subject of a method in this build's precision; its axis is set by `book`.
+/// Subject of a method in this build's precision; `book` sets its axis.
 LedgerKey subjectOf(StageKind stage, int dimension, const std::string& method);
 
-/// Is this an approximate pair query? It owes the side alone: what else is wrong with its answers is booked, as of a
-/// witness, and no fault of ours. (Other stages have no side, and what they owe is said where they are judged.)
+/// True for an approximate pair query: only its side must be right. Its other errors are recorded, as for a witness,
+/// and do not count as our faults. (Other stages have no side; their requirements are defined where they are judged.)
 bool owesSideAlone(StageKind stage, const AlgorithmInfo& info);
 
-/// The faults in this entry for which `lpc verify` fails: those of a competitor, by what it owes.
+/// The faults in this entry for which `lpc verify` fails: those of a competitor, by its requirements.
 long faultsOfOurs(const LedgerKey& key, const LedgerEntry& entry);
 
 }}  // namespace lpc::LPC_PRECISION

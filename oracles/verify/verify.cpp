@@ -72,7 +72,7 @@ Verdict askAgainIn(const CaseGeometry<D>& g, StageKind stage, const std::string&
   return askPair<PairQuery<D>>(g, method);
 }
 
-// The method that a kept text names, asked it alone: is the failure there again, and by as much?
+// Runs the method of a kept text alone: true when the same failure, with the same error, appears again.
 bool failsAgain(const std::string& text) {
   const Case c = parseCases("{\"cases\": [" + text + "]}", "a kept failure").front();
   const Verdict verdict = askAgain(c, c.finding->method);
@@ -82,8 +82,8 @@ bool failsAgain(const std::string& text) {
 
 constexpr std::string_view kFound = "\"found\": {";
 
-// What is told of a question must not hang on those that were asked before it. The simplest pair and the one with the
-// largest error are often one, which is asked once.
+// A finding must not depend on the queries before it. The simplest pair and the one with the largest error are often
+// the same, which is then run once.
 void askKeptAgain(Verified& out) {
   std::map<std::string, bool> asked;
   const auto again = [&](const std::string& text) {

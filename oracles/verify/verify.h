@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// `lpc verify`: pair queries, contact generators and broadphases on seeded inputs before the referee. A method is wrong
-// when the referee's proof says so; methods that merely differ from each other are not compared. Velocity resolvers
-// are, and what each leaves of the problem decides.
+// `lpc verify`: compares pair queries, contact generators and broadphases with the referee on seeded inputs. A method
+// is wrong when the referee proves it; methods are not compared with each other. Velocity resolvers are compared with
+// each other, and their residuals decide.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A method by the name that the ledger shall show.
+/// A method with its name in the ledger.
 template <class StageOf>
 struct Candidate {
   std::string name;
@@ -30,97 +30,98 @@ struct Candidate {
   std::function<std::unique_ptr<StageOf>()> create;
 };
 
-/// What every method is asked: the inputs numbered first .. first + count - 1 of a seed.
+/// The inputs for every method: numbers first .. first + count - 1 of a seed.
 struct VerifyRange {
   std::uint64_t seed = 1;
   int first = 0, count = 0;
-  /// How the process ended that asked this: booked as the verdict, and nobody is asked again.
+  /// How a process with these inputs ended: recorded as the verdict; no method is run again.
   std::optional<Tally> ended = {};
 };
 
-/// The one measure of an answer's error, in ledgers and in trials: |distance - referee's interval| / s, or what the
-/// separation along the normal lacks, whichever is more. A side alone has none: what says that the shapes are apart and
-/// claims no gap (PairQuery::claimsGap), and a witness's `degenerate`.
+/// Judges an answer. The error measure, in ledgers and in trials, is the larger of |distance - referee's interval| / s
+/// and the shortfall of the separation along the normal. An answer with a side only has no error: a method that reports
+/// separation and claims no gap (PairQuery::claimsGap), and a witness's `degenerate`.
 template <int D>
 Verdict judge(const PairView<D>& pair, const PairTruth<D>& truth, const PairAnswer<D>& answer, AlgorithmRole role,
               Ending ending = Ending::answered, double tolerance = pairTolerance(), bool claimsGap = true);
 
-/// The time (ns) of all these queries, each by itself and between two readings of the clock: as witnesses are timed.
+/// Time (ns) of all these queries, each measured separately with two readings of the clock, as for witnesses.
 template <int D>
 double timeOneByOne(PairQuery<D>& method, std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers);
 
-/// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them.
+/// Runs pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them.
 template <int D>
 void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                        std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
 
-/// The same pairs before their images: docs/verification.md says which, and what is a violation. Booked under the axis
-/// `relation`: `agree` to the last bit where the truth is the same (else within what is owed), `tie` within what is
-/// owed, `wrong` violated. None is kept.
+/// Compares the same pairs with their images. docs/verification.md lists the relations and what violates them. Recorded
+/// under the axis `relation`: `agree` when equal to the last bit where the truth is the same (otherwise within
+/// tolerance), `tie` within tolerance, `wrong` when violated. Keeps no cases.
 template <int D>
 void verifyRelations(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                      std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
 
-/// The same pairs as bodies: a manifold if and only if they are within the margin; one unit normal along which they are
-/// as far apart as they are; points on both shapes, the deepest as deep as they. And faces laid on faces, which keep
-/// their features under a small motion (family resting_faces).
+/// The same pairs as bodies. Requires a manifold if and only if they are within the margin, with one unit normal along
+/// which their separation is that of the pair. Points must be on both shapes, the deepest as deep as the pair. Also
+/// tests faces on faces, which must keep their features under a small motion (family resting_faces).
 template <int D>
 void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                     std::span<const Candidate<ContactGenerator<D>>> methods, Verified& out);
 
-/// One pair by the same checks, as a file of cases holds it: the pair query is asked X_AB, the generator both world
+/// Runs one pair through the same checks, as a file of cases has it: the pair query gets X_AB, the generator both world
 /// poses. Precondition: the method supports the kinds, kindA <= kindB.
 template <int D>
 Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& method);
 template <int D>
 Verdict verifyPair(const HardPair<D>& pair, const Candidate<ContactGenerator<D>>& method);
 
-/// Sets of boxes that come, move and go: the pairs of every step, compared with those of every two boxes.
+/// Sets of boxes that are added, moved and removed: compares the pairs of every step with a test of every two boxes.
 template <int D>
 void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broadphase<D>>> methods, Verified& out);
 
-/// One set of boxes by the same check, as a file of cases holds it.
+/// Runs one set of boxes through the same check, as a file of cases has it.
 template <int D>
 Verdict verifyScript(const BoxScript<D>& script, const Candidate<Broadphase<D>>& method);
 
-/// Motions of hard pairs, drawn for a second (f32 and f64 draw alike): `wrong` is who is late, misses an impact or
-/// finds one where the shapes are apart by more than kImpactBand, by brackets of the referee. Nothing is kept: a motion
-/// is its kinds, seed and number.
+/// Random motions of hard pairs over one second (the same in f32 and f64). A method is `wrong` when it is late, misses
+/// an impact, or reports one where the shapes are separated by more than kImpactBand, by brackets of the referee. Keeps
+/// no cases: kinds, seed and number define a motion.
 template <int D>
 void verifyImpacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                    std::span<const Candidate<TimeOfImpact<D>>> methods, Verified& out);
 
-/// Drawn problems (drawProblem) through resolvers that are to converge: velocities before those of the reference, the
-/// answer of convergedResolvers() that leaves least, whoever else is asked. Others are a `tie` where they leave as
-/// little as a solution may, `wrong` where they leave more, and `undecided` where neither they nor the reference solve
-/// the problem. Nothing is kept: a problem is its seed and number.
+/// Runs drawn problems (drawProblem) through resolvers that should converge, and compares velocities with the
+/// reference. The reference is the answer of convergedResolvers() with the least residual, whichever methods are
+/// verified. Answers with other velocities are a `tie` when their residual is that of a solution, and `wrong` when it
+/// is larger. They are `undecided` when neither they nor the reference solve the problem. Keeps no cases: seed and
+/// number define a problem.
 template <int D>
 void verifyVelocities(const VerifyRange& range, std::span<const Candidate<VelocityResolver<D>>> methods, Verified& out);
 
-/// The verdicts of the methods on one problem by the same check; the time of each is added to `nanoseconds`.
+/// Verdicts of the methods on one problem by the same check; adds the time of each method to `nanoseconds`.
 template <int D>
 std::vector<Verdict> verifyProblem(const FrozenProblem<D>& problem,
                                    std::span<const Candidate<VelocityResolver<D>>> methods,
                                    std::vector<double>* nanoseconds = nullptr);
 
-/// Ours that are to converge, as they are asked: the reference is one of them, and always sought among all.
+/// Our resolvers that should converge, with their parameters. The reference is always chosen among all of them.
 inline std::vector<Spec> convergedResolvers(int dimension) {
   std::vector<Spec> out = {Spec::parse("admm{iterations=20000,tolerance=1e-13,proximal=1e-6}"),
                            Spec::parse("proximal_newton{tolerance=1e-13,passes=1000,iterations=100000}")};
-  if (dimension == 2) out.push_back(Spec::parse("direct_lcp{cfm=0}"));  // in 3D its law is that of facets
+  if (dimension == 2) out.push_back(Spec::parse("direct_lcp{cfm=0}"));  // in 3D its friction law is that of facets
   return out;
 }
 
-/// One stage by name, on methods of the registry: what a worker does. The kinds are ignored by broadphases. Throws
-/// UserError for names that do not exist. A failure that it keeps is asked again, alone and from its text: what does
-/// not fail so again is named `_once`, and its case says "again": false.
+/// One stage by name, with registered methods, as a worker runs it. Broadphases ignore the kinds. Throws UserError for
+/// unknown names. A failure that is kept is run again, alone and from its text. When it does not fail again, its name
+/// gets `_once`, and its case says "again": false.
 struct VerifyTask {
   StageKind stage = StageKind::pairQuery;
   int dimension = 3;
   ShapeKind kindA = ShapeKind::sphere, kindB = ShapeKind::sphere;
   VerifyRange range = {};
-  std::vector<std::string> methods = {};  // specs, as gjk_epa{tolerance=1e-10}
-  bool relations = false;                 // of pair queries: verifyRelations instead
+  std::vector<std::string> methods = {};  // specs, such as gjk_epa{tolerance=1e-10}
+  bool relations = false;                 // for pair queries: run verifyRelations instead
 };
 Verified verify(const VerifyTask& task);
 

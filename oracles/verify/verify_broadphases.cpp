@@ -11,14 +11,14 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-/// A family of boxes: what it makes of a box that was scattered, per axis.
+/// A family of boxes: how it changes a random box, per axis.
 struct BoxFamily {
   std::string_view name;
   void (*shape)(Random& random, int dimension, bool large, double& at, double& size);  // m; `large`: one box in six
 };
 constexpr BoxFamily kBoxFamilies[] = {
     {"scattered", [](Random&, int, bool, double&, double&) {}},
-    {"touching",  // whole numbers: most neighbours touch exactly
+    {"touching",  // integers: most neighbours touch exactly
      [](Random& random, int, bool, double& at, double& size) {
        at = static_cast<double>(random.below(12)) - 6, size = static_cast<double>(random.below(4));
      }},
@@ -36,7 +36,7 @@ constexpr BoxFamily kBoxFamilies[] = {
 constexpr std::string_view kMixed = "mixed";  // each box from another family
 constexpr int kSteps = 6;
 
-/// Draws what happens, step by step.
+/// Draws the changes, step by step.
 template <int D>
 class BoxDrawer {
  public:
@@ -93,19 +93,19 @@ class BoxDrawer {
   }
   BoxChange<D> added(ProxyId i) {
     BoxChange<D> c{.what = What::added, .slot = i, .box = drawBox()};
-    c.body = m_random.below(4) == 0 ? static_cast<std::int32_t>(m_random.below(8)) : 100 + i;  // some share
+    c.body = m_random.below(4) == 0 ? static_cast<std::int32_t>(m_random.below(8)) : 100 + i;  // some share a body
     c.active = m_random.below(4) > 0;
     c.category = 1u << m_random.below(2), c.mask = m_random.below(4) == 0 ? 1u : ~0u;
     return c;
   }
 
   Random m_random;
-  const BoxFamily* m_family = nullptr;  // none: mixed
+  const BoxFamily* m_family = nullptr;  // null: mixed
   int m_slots = 0;
   BoxSet<D> m_boxes;
 };
 
-// Right pairs that are not found, then found ones that are wrong or found twice.
+// Correct pairs that were not found; found pairs that are wrong or found twice.
 struct Difference {
   std::size_t missing = 0, extra = 0;
 };
@@ -117,14 +117,14 @@ Difference compare(std::vector<ProxyPair>& found, const BoxSet<D>& boxes, Guaran
   std::sort(found.begin(), found.end());
   std::set_difference(right.begin(), right.end(), found.begin(), found.end(), std::back_inserter(missing));
   std::set_difference(found.begin(), found.end(), right.begin(), right.end(), std::back_inserter(extra));
-  if (guarantee == Guarantee::conservative) {  // boxes that are apart are allowed, nothing else
+  if (guarantee == Guarantee::conservative) {  // pairs of separated boxes are allowed, other errors are not
     std::erase_if(extra, [&](const ProxyPair& p) { return p.a < p.b && boxes.proxies().mayCollide(p.a, p.b); });
     if (std::adjacent_find(found.begin(), found.end()) != found.end()) extra.push_back(found.front());
   }
   return {missing.size(), extra.size()};
 }
 
-/// What the first step that was wrong has.
+/// The first wrong step and its errors.
 struct WrongStep {
   int number = -1;  // none
   Difference difference = {};

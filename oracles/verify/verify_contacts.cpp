@@ -14,13 +14,13 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr std::string_view kRestingFaces = "resting_faces";
-constexpr int kRestingEvery = 8;  // of the pairs of boxes and polytopes, one in so many
-// Whether names of resting faces last is asked from here on beside their place, over as much again (m): a centimetre.
+constexpr int kRestingEvery = 8;  // one in this many pairs of boxes and polytopes
+// Features of faces at rest are compared again at displacements of one to two times this (m).
 constexpr double kBeside = 0.01;
-// At so many places of it (count). Fewer: a fault that shows under few motions is taken for chance.
+// Number of displacements in this range (count). Fewer: a fault that appears under few motions counts as chance.
 constexpr int kPlacesBeside = 1000;
-// So many changes of names on that way are chance (count): methods of ours have more than five on one way of 7,500.
-// More: names that do not last pass. Fewer: corners that pass each other make a method wrong.
+// Up to this many changes of features over the range are chance (count): our methods have more than five on one range
+// of 7,500. More: unstable features pass. Fewer: corners that pass each other make a method wrong.
 constexpr int kMostChanges = 8;
 // A generator that names this test in its failures keeps one point of a patch on purpose.
 constexpr std::string_view kPatchTest = "Contacts.FaceContactsSpanThePatch";
@@ -30,19 +30,19 @@ struct PlacedHard {
   HardPair<D> pair;
   RefereeAnswer<D> truth = {};
   double s = 0;
-  double allowed = 0;  // a generator may prefer one feature to another by so much (m)
+  double allowed = 0;  // a generator may prefer one feature to another by this much (m)
   int vertices = 0;
   Labels labels = {};
 
   bool resting() const { return pair.X_WBNudged.has_value(); }
 };
 
-// Of faces at rest (m): ten roundings at the least.
+// Motion of faces at rest (m): at least ten rounding errors.
 double motionOfRest() { return sizeof(Real) == 8 ? 1e-6 : 1e-5; }
 
 bool hasFaces(ShapeKind k) { return k == ShapeKind::box || k == ShapeKind::polytope; }
 
-/// B's face on A's, as bodies rest: a little apart or in each other, turned about the normal, hardly tilted.
+/// B's face on A's face, as bodies rest: slightly separated or penetrating, rotated about the normal, hardly tilted.
 template <int D>
 class RestingFaces {
  public:
@@ -82,7 +82,7 @@ class RestingFaces {
   static Rot<2> turned(const Ang<2>& v) { return Rot<2>::angle(v[0]); }
   static Rot<3> turned(const Ang<3>& v) { return Rot<3>::vector(v); }
 
-  // A box, or as a polytope its corners; in 3D often those of a prism on an n-gon.
+  // A box, or its corners as a polytope; in 3D often a prism on an n-gon.
   Shape<D> block(ShapeKind kind, Vec<D>& half, std::vector<Vec<D>>& points) {
     for (int k = 0; k < D; ++k) half[k] = uniform(0.3, 1);
     const Real rounding = m_random.below(4) == 0 ? Real(0.1) : Real(0);
@@ -106,7 +106,7 @@ class RestingFaces {
   Random m_random;
 };
 
-// B moved that far (m) along the faces (n: their normal in the world), across no side of theirs in particular: they
+// Moves B by `far` (m) along the faces (n: their normal in the world), in a direction independent of their sides: they
 // rest as before.
 template <int D>
 HardPair<D> movedBeside(HardPair<D> pair, const Vecd<D>& n, double far) {
@@ -122,7 +122,8 @@ HardPair<D> movedBeside(HardPair<D> pair, const Vecd<D>& n, double far) {
   return pair;
 }
 
-// A length that generators keep their tolerances well below (m): of a core that has no thickness, half its length.
+// A length (m) that is far above generators' tolerances: the thickness of a core, or half the length of a core without
+// thickness.
 template <int D>
 double coreSize(const ShapeView<D>& s) {
   if (s.core() == CoreClass::point || s.core() == CoreClass::plane) return std::numeric_limits<double>::max();
@@ -147,7 +148,7 @@ PlacedHard<D> placedPair(HardPair<D> pair) {
   const double thinner = 0.01 * std::min(coreSize(p.a.view()), coreSize(p.b.view()));
   placed.allowed = std::min(static_cast<double>(kLinearSlop) / 10, thinner) +
                    1000 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * placed.s;
-  // The regime is told in A's frame.
+  // The regime is computed in A's frame.
   RefereeAnswer<D> inA = placed.truth;
   inA.normal = p.X_WA.q.matrix().template cast<double>().transpose() * placed.truth.normal;
   placed.labels = {{"family", std::string(p.family)}, {"regime", std::string(regimeOf(p, inA))}};
@@ -184,13 +185,14 @@ Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<PlacedHa
   return out;
 }
 
-// How far the world point is outside the shape, negative inside (m).
+// Signed distance of the world point from the shape, negative inside (m).
 template <int D>
 double pointDistance(const Vec<D>& p_W, const ShapeView<D>& shape, const Pose<D>& X_WS) {
   return referee<D>(Shape<D>::sphere(0).view(), {p_W, {}}, shape, X_WS).interval().middle();
 }
 
-// How far the contact points are off what they should lie on (m): within a shape, of a core's witness on its surface.
+// How far the contact points are misplaced (m): a point must be in its shape; for a shape without rounding it must be
+// on the surface.
 template <int D>
 double besideSurfaces(const PlacedHard<D>& k, const Manifold<D>& m) {
   const HardPair<D>& p = k.pair;
@@ -218,7 +220,7 @@ bool sameFeatures(const std::vector<Manifold<D>>& a, const std::vector<Manifold<
   return true;
 }
 
-// What is wrong with the manifold of a pair, empty when nothing is, and by how much (m), where that is a length.
+// Fault of a pair's manifold, empty when it has none; `off` is its size (m) when it is a length.
 template <int D>
 std::string_view faultOf(const PlacedHard<D>& k, const Manifold<D>& m, double& deepest, double& off) {
   const double phi = k.truth.interval().middle(), allowed = 2 * k.allowed;
@@ -250,8 +252,8 @@ const std::vector<Manifold<D>>* manifoldsOf(const Manifolds<D>& all, std::size_t
   return at == all.end() ? nullptr : &at->second;
 }
 
-// How often features change on a way beside, under the small motion at each place and from place to place; counting
-// ends above kMostChanges. A manifold that is not there is a change.
+// Counts changes of features in the range of displacements: under the small motion at each place, and from place to
+// place. Stops above kMostChanges. A missing manifold is a change.
 template <int D>
 int changesBeside(const PlacedHard<D>& k, ContactGenerator<D>& generator) {
   int changes = 0;
@@ -270,10 +272,9 @@ int changesBeside(const PlacedHard<D>& k, ContactGenerator<D>& generator) {
   return changes;
 }
 
-// What is wrong after the small motion of faces at rest, which are far deeper within the margin than it is long: they
-// keep their manifold. A corner is named while it lies on the other face, and no more when it lies far beside: on every
-// way from there to here names change in some place, whoever gives them, and a pair that was drawn at such a place
-// proves nothing; it is a tie. But such places are few and far between.
+// Fault after a small motion of faces at rest. Their margin is far larger than the motion: they must keep their
+// manifold. A corner is named while it lies on the other face, and not when it lies far beside it. So names change
+// somewhere along every path, with every generator. A pair drawn at such a place is a tie. But such places are rare.
 template <int D>
 std::string_view faultOfMotion(const PlacedHard<D>& k, const std::vector<Manifold<D>>& found,
                                const std::vector<Manifold<D>>* nudged, ContactGenerator<D>& generator, Verdict& v) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Times of impact on drawn motions of hard pairs: bracketed by the referee's signed distances from both sides.
+// Times of impact for random motions of hard pairs, bracketed from both sides by the referee's signed distances.
 #include <algorithm>
 #include <cmath>
 
@@ -27,18 +27,18 @@ Vec<D> direction(Random& random) {
   return length > Real(0.1) ? Vec<D>(d / length) : Vec<D>::Unit(0);
 }
 
-/// Within a second most of them meet, miss each other or fly through each other: the hard pair, B taken away from where
-/// it was and sent back past it. A third turns, a third is carried along with what it meets.
+/// Within a second most pairs touch, miss each other or pass through each other: B of a hard pair is moved away and
+/// sent back past its place. A third rotates, a third moves along with the body that it hits.
 template <int D>
 DrawnMotion<D> drawMotion(ShapeKind kindA, ShapeKind kindB, std::uint64_t seed, int index) {
   DrawnMotion<D> out{hardPair<D>(kindA, kindB, seed, index), {}, {}, {}, {}};
-  constexpr std::uint64_t kSpread = 0xd1342543de82ef95u;  // odd: no two indices of a seed start alike
+  constexpr std::uint64_t kSpread = 0xd1342543de82ef95u;  // odd: no two indices of a seed start with the same state
   Random random((seed + 1) * kSpread + static_cast<std::uint64_t>(index));
   const bool planeA = kindA == ShapeKind::plane, onPlane = planeA || kindB == ShapeKind::plane;
   out.A.X_WC = out.shapes.X_WA, out.B.X_WC = out.shapes.X_WB;
   const Real reachA = boundingRadius(out.shapes.a.view()), reachB = boundingRadius(out.shapes.b.view());
   const Real size = onPlane ? std::min(reachA, reachB) : std::max(reachA, reachB);
-  const double decade = random.uniform(-1, 3);  // sizes a second
+  const double decade = random.uniform(-1, 3);  // sizes per second
   out.speed = decade < 0   ? "0.1 to 1 sizes/s"
               : decade < 1 ? "1 to 10 sizes/s"
               : decade < 2 ? "10 to 100 sizes/s"
@@ -53,7 +53,7 @@ DrawnMotion<D> drawMotion(ShapeKind kindA, ShapeKind kindB, std::uint64_t seed, 
   const std::uint64_t family = random.below(3);
   out.family = family == 0 ? "straight" : family == 1 ? "turning" : "carried along";
   for (ShapeMotion<D>* m : {&out.A, &out.B}) {
-    if (onPlane && m == &other) continue;  // it stands still
+    if (onPlane && m == &other) continue;  // it does not move
     Ang<D> w;
     for (int k = 0; k < kAngDim<D>; ++k) w[k] = static_cast<Real>(random.uniform(-20, 20));
     const Vec<D> lever = static_cast<Real>(random.uniform(0, 0.5)) * size * direction<D>(random);
@@ -68,15 +68,15 @@ DrawnMotion<D> drawMotion(ShapeKind kindA, ShapeKind kindB, std::uint64_t seed, 
   return out;
 }
 
-// "late: 0.3, but ..." is "late".
+// Name of a fault: "late: 0.3, but ..." gives "late".
 std::string failureOf(const std::string& fault) {
   std::string name = fault.substr(0, std::min(fault.find(':'), fault.find(" at ")));
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }
 
-// The error is how far the shapes are from touching at the time that was found, over s: the error in time times the
-// speed at which they approach. Of who says that they do not meet there is none.
+// The error is the separation at the time found, relative to s: the error in time times the approach speed. An answer
+// without impact has no error.
 template <int D>
 Verdict judged(const MovingPair<D>& pair, Real duration, const TimeOfImpactAnswer<D>& answer,
                const ImpactBracket& bracket) {
@@ -99,7 +99,7 @@ Verdict judged(const MovingPair<D>& pair, Real duration, const TimeOfImpactAnswe
     const RefereeAnswer<D> known = referee(view.a, Pose<D>{}, view.b, view.X_AB);
     const double phi = known.interval().middle();
     const double s = errorScale(view.a, pair.A.bodyAt(answer.t) * pair.A.X_CS, view.b,
-                                pair.B.bodyAt(answer.t) * pair.B.X_CS, phi);  // as of the band
+                                pair.B.bodyAt(answer.t) * pair.B.X_CS, phi);  // as for the band
     if (known.decided) out.error = (answer.t > 0 ? std::abs(phi) : std::max(phi, 0.0)) / s;
   }
   return out;

@@ -10,7 +10,7 @@ namespace {
 template <int D>
 struct Asked {
   RelatedPairs<D> pairs;
-  bool sameTruth = false;  // then of `after` only s is known
+  bool sameTruth = false;  // true: of `after` only s is needed
   PairTruth<D> before = {}, after = {};
 };
 
@@ -44,7 +44,7 @@ std::vector<ImageAnswer> ask(PairQuery<D>& method, const std::vector<PairView<D>
   return out;
 }
 
-// See docs/verification.md: the two answers before each other.
+// Compares the two answers; see docs/verification.md.
 template <int D>
 Verdict compare(const Asked<D>& asked, const ImageAnswer& before, const ImageAnswer& after, AlgorithmRole role,
                 double tolerance, bool claimsGap) {
@@ -87,7 +87,8 @@ Verdict compare(const Asked<D>& asked, const ImageAnswer& before, const ImageAns
 template <int D>
 Asked<D> asked(const RelatedPairs<D>& pairs, const PairTruth<D>& ofPair, Relation relation) {
   Asked<D> out{.pairs = pairs, .sameTruth = keepsTruth(relation)};
-  out.before = relation == Relation::translation ? pairTruth(pairs.before.view()) : ofPair;  // it is snapped
+  out.before = relation == Relation::translation ? pairTruth(pairs.before.view()) : ofPair;  // `before` was snapped to
+                                                                                             // the grid
   if (out.sameTruth) {
     const double phi = pairs.factor * out.before.answer.interval().middle();
     const PairView<D> image = pairs.after.view();

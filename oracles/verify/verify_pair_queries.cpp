@@ -12,7 +12,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A normal that differs from the referee's by more than this and is as good is a tie, not rounding.
+// An equally good normal that differs from the referee's by more than this is a tie, not rounding.
 constexpr double kOtherNormal = sizeof(Real) == 8 ? 1e-6 : 1e-3;
 
 template <int D>
@@ -59,13 +59,13 @@ Tally endOf(Ending ending) {
   return Tally::agree;
 }
 
-// What the separation along the answer's normal lacks, which is all that a normal is for.
+// How far the separation along the answer's normal is below the true distance (m), which a correct normal attains.
 template <int D>
 double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<D>& n, AlgorithmRole role,
                  double tolerance) {
   const Interval truth = known.answer.interval();
   if (n.isZero(0)) {
-    // No direction is an answer only where the boundaries touch, and witnesses may have none.
+    // A missing normal is allowed only when the boundaries touch, and for witnesses.
     const bool touching = std::abs(truth.middle()) <= tolerance * known.s;
     return touching || role != AlgorithmRole::competitor ? 0 : known.s;
   }
@@ -80,7 +80,7 @@ double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<
 template <int D>
 Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnswer<D>& answer, AlgorithmRole role,
               Ending ending, double tolerance, bool claimsGap) {
-  // The bounds of a curved core leave something open: who is judged by them must be content with ten times that.
+  // The bounds of a curved core are not exact: comparisons must allow ten times their width.
   const bool narrow = 10 * known.answer.interval().width() <= tolerance * known.s;
   if (!known.answer.decided || !narrow) return withoutAnswer(Tally::undecided);
   if (ending != Ending::answered) return withoutAnswer(endOf(ending));
@@ -94,7 +94,7 @@ Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnsw
   Verdict v;
   v.capped = answer.status != QueryStatus::converged;
   v.wrongSide = (phi < 0 && truth.lo > allowed) || (phi >= 0 && truth.hi < -allowed);
-  // A witness that is `degenerate` knows the side and no value.
+  // A witness that is `degenerate` reports the side and no value.
   v.sideAlone =
       (phi >= 0 && !claimsGap) || (role != AlgorithmRole::competitor && answer.status == QueryStatus::degenerate);
   if (!v.sideAlone) {
@@ -119,7 +119,7 @@ template Verdict judge(const PairView<3>&, const PairTruth<3>&, const PairAnswer
 
 template <int D>
 double timeOneByOne(PairQuery<D>& method, std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers) {
-  using Clock = std::chrono::steady_clock;  // that of a witness's process
+  using Clock = std::chrono::steady_clock;  // the clock of a witness's process
   WorkDone work;
   Clock::duration spent{};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -150,7 +150,7 @@ template Verdict verifyPair(const HardPair<3>&, const Candidate<PairQuery<3>>&);
 template <int D>
 void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                        std::span<const Candidate<PairQuery<D>>> methods, Verified& out) {
-  constexpr int kAtOnce = 1024;  // known answers that are held
+  constexpr int kAtOnce = 1024;  // number of ground truths kept in memory
   std::vector<PairView<D>> views;
   std::vector<PairAnswer<D>> answers;
   std::vector<Known<D>> known;
@@ -170,7 +170,7 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
       double spent = 0;
       answers.assign(views.size(), {});
       if (!range.ended) {
-        method->query(views, QueryNeed::witnesses, answers, {}, work);  // of ours it warms the caches
+        method->query(views, QueryNeed::witnesses, answers, {}, work);  // for our methods this warms the caches
         spent = witness ? static_cast<double>(witness->nanoseconds()) : timeOneByOne<D>(*method, views, answers);
       }
       LedgerKey subject = subjectOf(StageKind::pairQuery, D, m.name);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Velocity resolvers that are to converge, on drawn problems. There is no proof of an answer as there is of a distance:
-// whoever of ours that are to converge leaves least is the reference, and what others leave says whether they are wrong
-// or merely elsewhere. What is left is computed in long double, from the impulses and from the velocities alike.
+// Velocity resolvers that should converge, on drawn problems. Unlike a distance, an answer cannot be proved: the least
+// residual of our converging resolvers is the reference. The residuals of other answers show whether they are wrong or
+// another solution. Residuals are computed in long double, from impulses and from velocities alike.
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -17,18 +17,18 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kSolved =
-    sizeof(Real) == 8 ? 1e-8 : 1e-3;  // of the largest velocity of a row: what a solution may leave
+    sizeof(Real) == 8 ? 1e-8 : 1e-3;  // residual of a solution, relative to the largest velocity of a row
 constexpr double kAlike =
-    sizeof(Real) == 8 ? 1e-6 : 1e-2;  // the same: by how much velocities of two of them may differ
+    sizeof(Real) == 8 ? 1e-6 : 1e-2;  // difference between velocities of two solutions, likewise relative
 
 using Wide = long double;
 
 /// One method's answer to a problem.
 template <int D>
 struct Answer {
-  Tally end = Tally::agree;  // refused, threw: none
-  std::vector<double> u;     // of the rows, less what is wanted, m/s
-  Wide left = 0;             // m/s
+  Tally end = Tally::agree;  // refused, threw: no answer
+  std::vector<double> u;     // of the rows, minus the target, m/s
+  Wide left = 0;             // residual, m/s
   double nanoseconds = 0;
 };
 
@@ -55,7 +55,7 @@ class Judge {
       const double before = threadNanoseconds();
       resolver->solve(in);
       const double spent = threadNanoseconds() - before;
-      const auto* witness = dynamic_cast<const WitnessResolver<D>*>(resolver.get());  // which tells its time itself
+      const auto* witness = dynamic_cast<const WitnessResolver<D>*>(resolver.get());  // a witness reports its own time
       out.nanoseconds = witness ? witness->nanoseconds() : spent;
     } catch (const UserError&) {
       out.end = Tally::refused;
@@ -79,7 +79,7 @@ class Judge {
 
   Wide impulse(int i) const { return m_impulse[static_cast<std::size_t>(i)]; }
 
-  // u of the impulses; by how much the velocities of the answer are others than these.
+  // Computes u from the impulses; returns how far the answer's velocities differ from it.
   Wide unexplained(const std::vector<double>& velocity) {
     std::vector<Moved> moved(static_cast<std::size_t>(m_problem.bodies.size()) + 1);
     for (int i = 0; i < m_rows.size(); ++i) {
@@ -101,7 +101,7 @@ class Judge {
     return worst;
   }
 
-  // Of Coulomb's law with De Saxce's correction, the largest of all rows, m/s; as ContactProblem::naturalMap().
+  // Residual of Coulomb's law with De Saxce's correction, maximum over all rows, m/s; as ContactProblem::naturalMap().
   Wide naturalMap() const {
     Wide worst = 0;
     for (int i = 0; i < m_rows.size(); ++i) {
@@ -146,13 +146,14 @@ class Judge {
   double m_scale = std::numeric_limits<double>::min();
 };
 
-// A best that has no answer leaves an infinity.
+// A reference without answer has an infinite residual.
 template <int D>
 Verdict judged(const Answer<D>& answer, const Answer<D>& best, double scale) {
   if (answer.end != Tally::agree) return withoutAnswer(answer.end);
   Verdict out;
   const bool solved = answer.left <= kSolved * scale;
-  if (!(best.left <= kSolved * scale)) {  // who has solved it needs no reference, but agrees with nobody
+  if (!(best.left <= kSolved * scale)) {  // a method that solves the problem needs no reference, but cannot agree with
+                                          // one
     out.end = solved ? Tally::tie : Tally::undecided;
     return out;
   }
@@ -174,7 +175,7 @@ std::vector<Verdict> verifyProblem(const FrozenProblem<D>& problem,
   Judge<D> judge(problem);
   std::vector<Answer<D>> answers;
   for (const Candidate<VelocityResolver<D>>& m : methods) answers.push_back(judge.ask(m));
-  // The same are asked for the reference, whoever else is: no verdict depends on the company.
+  // The reference always uses the same methods, so that no verdict depends on which methods are verified.
   Answer<D> best;
   best.left = std::numeric_limits<Wide>::infinity();
   for (const Spec& spec : convergedResolvers(D)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the adapters of the witnesses share: their answers in our conventions.
+// Shared by the adapters of the witnesses: converts answers to our conventions.
 #pragma once
 
 #include <limits>
@@ -8,25 +8,25 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Of capsules and cylinders that lie along z: ours lie along x.
+/// For capsules and cylinders along z: ours are along x.
 inline Eigen::Matrix3d turnFromZ() {
   Eigen::Matrix3d turn;
   turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
   return turn;
 }
 
-/// The answer of a library that says "apart" and no more. Where the cores alone were asked and a rounding lies around
-/// them, that is no answer: refused.
+/// The answer of a library that reports separation without a distance. When only the cores were queried and they have a
+/// rounding, this is no answer: refused.
 template <int D>
 PairAnswer<D> apartAnswer(double rounding) {
   PairAnswer<D> answer;
   if (rounding > 0) return answer;
-  answer.status = QueryStatus::degenerate;  // the side is all there is
+  answer.status = QueryStatus::degenerate;  // only the side is known
   answer.distance = std::numeric_limits<Real>::min();
   return answer;
 }
 
-/// Depth of the cores along the unit normal n_AB, with the point half-way between their deepest points.
+/// Answer from the depth of the cores along the unit normal n_AB, and the midpoint of their deepest points.
 template <int D>
 PairAnswer<D> depthAnswer(double depth, const Eigen::Vector<double, D>& normal, const Eigen::Vector<double, D>& middle,
                           double roundingA, double roundingB) {

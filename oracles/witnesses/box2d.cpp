@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Box2D 2.4 in float, which is compiled in: what f64 asks is rounded to it first, and its error bars hold that
+// Box2D 2.4 in float, which is compiled in: an f64 query is rounded to float first, and its error bars include this
 // rounding.
 #include <box2d/b2_circle_shape.h>
 #include <box2d/b2_collision.h>
@@ -17,8 +17,8 @@ namespace {
 b2Vec2 vector(const Vec<2>& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1])}; }
 Eigen::Vector2d vectorOf(const b2Vec2& v) { return {v.x, v.y}; }
 
-// A shape in Box2D's terms, its frame included. Circles have their radius; of polygons the core is asked and the
-// rounding taken off, which is exact: Box2D knows no other rounding than a skin of 1 cm, which is left out.
+// A shape in Box2D's terms, with its frame. Circles have their radius. For polygons the core is queried and the
+// rounding subtracted, which is exact: Box2D's only rounding is a skin of 1 cm, which is left out.
 class Box2dPlaced {
  public:
   void place(const ShapeView<2>& shape, const Pose<2>& X) {
@@ -51,13 +51,14 @@ class Box2dPlaced {
   const b2CircleShape& circle() const { return m_circle; }
   const b2PolygonShape& polygon() const { return m_polygon; }
   const b2Shape& shape() const { return isCircle() ? static_cast<const b2Shape&>(m_circle) : m_polygon; }
-  /// Around the core (m).
+  /// Radius around the core (m).
   double radius() const { return m_radius; }
-  /// What of it Box2D does not know.
+  /// The part of the rounding that Box2D does not support.
   double rounding() const { return isCircle() ? 0 : m_radius; }
 
  private:
-  // Not by b2PolygonShape::Set, which makes one corner of those within 2.5 mm, and a square of what then is too few.
+  // Not by b2PolygonShape::Set, which merges corners within 2.5 mm, and replaces a polygon of too few corners by a
+  // square.
   void setCorners(const std::vector<Vec<2>>& corners) {
     m_polygon.m_count = static_cast<int32>(corners.size());
     for (std::size_t i = 0; i < corners.size(); ++i) m_polygon.m_vertices[i] = vector(corners[i]);
@@ -106,7 +107,7 @@ class Box2dPairs final : public IsolatedWitness<2> {
   bool computesInFloat() const override { return true; }
 
  private:
-  // m, as in b2TestOverlap: nearer ones overlap, and b2Distance has no direction for them.
+  // m, as in b2TestOverlap: nearer shapes overlap, and b2Distance gives no direction for them.
   static constexpr double kOverlap = 10 * b2_epsilon;
 
   void place(const PairView<2>& pair) override { m_a.place(pair.a, placeOfA()), m_b.place(pair.b, placeOfB(pair)); }
@@ -140,7 +141,7 @@ class Box2dPairs final : public IsolatedWitness<2> {
     } else {
       b2CollidePolygons(&manifold, &first.polygon(), first.frame(), &second.polygon(), second.frame());
     }
-    if (manifold.pointCount == 0) {  // b2TestOverlap says that they do, and nobody how far
+    if (manifold.pointCount == 0) {  // b2TestOverlap reports an overlap, but no function its depth
       PairAnswer<2> answer;
       answer.status = QueryStatus::degenerate, answer.distance = -std::numeric_limits<Real>::min();
       return answer;
@@ -161,7 +162,7 @@ class Box2dPairs final : public IsolatedWitness<2> {
         .flags = "-lbox2d",
         .head = "#include <box2d/b2_distance.h>\n#include <box2d/box2d.h>\n#include <cmath>\n#include <cstdio>\n"};
     const bool isCircleA = pair.a.core() == CoreClass::point, isCircleB = pair.b.core() == CoreClass::point;
-    double radii = 0;  // that Box2D knows
+    double radii = 0;  // radii supported by Box2D
     for (const ShapeView<2>* s : {&pair.a, &pair.b}) {
       (s->core() == CoreClass::point ? radii : out.rounding) += static_cast<double>(s->radius);
     }
@@ -198,7 +199,7 @@ class Box2dPairs final : public IsolatedWitness<2> {
                "  }\n";
     return out;
   }
-  // As Box2dPlaced has it.
+  // The same as Box2dPlaced.
   static std::string placed(const std::string& name, const ShapeView<2>& shape, const Pose<2>& X) {
     std::string out = shape.core() == CoreClass::point
                           ? "  b2CircleShape " + name + ";\n  " + name + ".m_radius = " + rounded(shape.radius) + ";\n"
@@ -220,7 +221,7 @@ class Box2dPairs final : public IsolatedWitness<2> {
     return out + "  b2Transform " + frame + ";\n  " + frame + ".p.Set(" + rounded(X.p[0]) + ", " + rounded(X.p[1]) +
            ");\n  " + frame + ".q.c = " + rounded(X.q.c) + ", " + frame + ".q.s = " + rounded(X.q.s) + ";\n";
   }
-  // The float that Box2D sees.
+  // The float that Box2D gets.
   static std::string rounded(Real x) { return literal(static_cast<double>(static_cast<float>(x))); }
 
   Box2dPlaced m_a, m_b;

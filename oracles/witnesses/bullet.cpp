@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Bullet in double precision: Debian builds the library twice, and this file is compiled for the one whose btScalar is
-// double. The usual one computes in float and is no witness for the last ten digits.
+// Bullet in double precision: Debian builds the library twice, and this file is compiled for the build with double as
+// btScalar. The usual one computes in float and cannot check the last ten digits.
 #define BT_USE_DOUBLE_PRECISION
 #include <BulletCollision/CollisionDispatch/btBoxBoxDetector.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
@@ -32,7 +32,7 @@ btTransform transform(const Pose<3>& X) {
   return btTransform({r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)}, vector(X.p));
 }
 
-// A curved core by its support function: Bullet adds the margin.
+// A curved core by its support function; Bullet adds the margin.
 class CurvedShape final : public btConvexInternalShape {
  public:
   explicit CurvedShape(const ShapeView<3>& shape) : m_core(*shape.curved) {
@@ -52,8 +52,8 @@ class CurvedShape final : public btConvexInternalShape {
   const CurvedCore<3>& m_core;
 };
 
-// Bullet rounds every shape by its margin, 4 cm unless told. Ours is the shape's own radius, around the core: Bullet's
-// boxes count their margin into the half extents.
+// Bullet rounds every shape by its margin, by default 4 cm. Our margin is the shape's own radius, around the core: the
+// half extents of Bullet's boxes include the margin.
 std::unique_ptr<btConvexShape> shapeOf(const ShapeView<3>& shape) {
   const double radius = static_cast<double>(shape.radius);
   switch (shape.core()) {
@@ -79,7 +79,7 @@ std::unique_ptr<btConvexShape> shapeOf(const ShapeView<3>& shape) {
   return hull;
 }
 
-// The same as a program: `a` or `b`. A curved core needs a class before `main`.
+// The same as text of a program: `a` or `b`. A curved core needs a class before `main`.
 std::string bulletShape(const std::string& name, const ShapeView<3>& shape, std::string& head) {
   const double radius = static_cast<double>(shape.radius);
   const std::string margin = "  " + name + ".setMargin(" + literal(radius) + ");\n";
@@ -128,7 +128,7 @@ std::string transformText(const Pose<3>& X) {
          literals(X.p.cast<double>()) + "))";
 }
 
-// `made`: the two shapes; `detector`: the one to ask.
+// `made`: the two shapes; `detector`: the detector to call.
 Snippet bulletProgram(const Pose<3>& X_WA, const Pose<3>& X_WB, const std::string& head, const std::string& made,
                       const std::string& detector, const char* otherwise) {
   Snippet out{.flags =
@@ -157,7 +157,7 @@ Snippet bulletProgram(const Pose<3>& X_WA, const Pose<3>& X_WB, const std::strin
   return out;
 }
 
-// Bullet's normals point from B to A, its points lie on B.
+// Bullet's normals point from B to A; its points are on B.
 PairAnswer<3> answerOf(const btPointCollector& found, double roundingA, double roundingB) {
   const Eigen::Vector3d normal = -vectorOf(found.m_normalOnBInWorld), onB = vectorOf(found.m_pointInWorld);
   const double depth = -found.m_distance;
@@ -249,7 +249,7 @@ class BulletBoxBox final : public IsolatedWitness<3> {
   }
 
  private:
-  // The cores without a margin: this detector takes a margin for a part of a sharp box.
+  // Cores without a margin: this detector treats the margin as part of a sharp box.
   void place(const PairView<3>& pair) override {
     m_a.emplace(vector(pair.a.half)), m_b.emplace(vector(pair.b.half));
     m_a->setMargin(0), m_b->setMargin(0);
@@ -258,7 +258,7 @@ class BulletBoxBox final : public IsolatedWitness<3> {
   }
   PairAnswer<3> measure() override {
     btBoxBoxDetector detector(&*m_a, &*m_b);
-    btPointCollector found;  // keeps the deepest of up to eight
+    btPointCollector found;  // keeps the deepest of up to eight points
     detector.getClosestPoints(m_input, found, nullptr);
     if (!found.m_hasResult) return apartAnswer<3>(m_roundingA + m_roundingB);
     return answerOf(found, m_roundingA, m_roundingB);

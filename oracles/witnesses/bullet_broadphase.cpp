@@ -10,8 +10,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-/// Bullet keeps fat pairs from step to step; the tight ones are filtered out of them within the stage, as who wants
-/// what the stage promises must do. In 2D the third axis is [0, 1] for all.
+/// Bullet keeps fat pairs from step to step. The tight ones are filtered out within the stage, since the stage must
+/// return exactly these. In 2D the third axis is [0, 1] for all.
 template <int D>
 class BulletDbvt final : public Broadphase<D> {
  public:
@@ -51,7 +51,7 @@ class BulletDbvt final : public Broadphase<D> {
  private:
   void place(const Proxies<D>& proxies, ProxyId i) {
     const Aabb<D> box = proxies.box(i);
-    // An empty box overlaps nothing: of a free slot, or of a body that has become NaN.
+    // An empty box overlaps nothing: a free slot, or a body that has become NaN.
     if (proxies.isFree(i) || !(box.lo.array() <= box.hi.array()).all()) return take(i);
     if (m_proxies.size() <= static_cast<std::size_t>(i)) m_proxies.resize(static_cast<std::size_t>(i) + 1, nullptr);
     btBroadphaseProxy*& proxy = m_proxies[static_cast<std::size_t>(i)];

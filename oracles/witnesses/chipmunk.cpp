@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Chipmunk 7 in double precision, as Debian builds it: all our kinds of 2D with bounds, rounding included. It has a
-// signed distance of a circle from every shape; other pairs have contacts alone.
+// Chipmunk 7 in double precision, as Debian builds it: all our bounded 2D kinds, rounding included. It has a signed
+// distance of a circle from every shape; other pairs have contacts only.
 #include <chipmunk/chipmunk.h>
 
 #include <array>
@@ -30,7 +30,7 @@ class ChipmunkPlaced {
 
   void place(const ShapeView<2>& shape, const Pose<2>& X) {
     clear();
-    if (!m_body) m_body = cpBodyNewStatic();  // its pose is not looked at
+    if (!m_body) m_body = cpBodyNewStatic();  // its pose is not used
     const double radius = static_cast<double>(shape.radius);
     const cpVect half = chipmunkVector(shape.half);
     switch (shape.core()) {
@@ -108,15 +108,15 @@ class Chipmunk final : public IsolatedWitness<2> {
  private:
   void place(const PairView<2>& pair) override {
     m_a.place(pair.a, placeOfA()), m_b.place(pair.b, placeOfB(pair));
-    m_isCircle = pair.a.core() == CoreClass::point;  // the first of the kinds
+    m_isCircle = pair.a.core() == CoreClass::point;  // circles are the first of the kinds
     m_radius = static_cast<double>(pair.a.radius);
   }
 
   PairAnswer<2> measure() override { return m_isCircle ? fromCentre() : collide(); }
 
-  // Chipmunk's point on B is not taken: it is 0 / 0 where the centre lies on B's
-  // surface. Nor are the contacts of circles: on a rounded polygon they are too shallow by twice its rounding, since
-  // CircleToPoly adds it along the normal to the polygon's point, too.
+  // Chipmunk's point on B is not used: it is 0 / 0 when the centre is on B's surface. The contacts of circles are not
+  // used either. On a rounded polygon they are too shallow by twice its rounding, because CircleToPoly also adds it
+  // along the normal to the polygon's point.
   PairAnswer<2> fromCentre() const {
     cpPointQueryInfo nearest;
     const cpVect centre = chipmunkVector(placeOfA().p);
@@ -129,7 +129,7 @@ class Chipmunk final : public IsolatedWitness<2> {
   PairAnswer<2> collide() const {
     const cpContactPointSet found = cpShapesCollide(m_a.shape(), m_b.shape());
     if (found.count == 0) return apartAnswer<2>(0);
-    // By the points: Chipmunk's own `distance` has the wrong sign where it has swapped the shapes.
+    // Use the points: Chipmunk's own `distance` has the wrong sign when it has swapped the shapes.
     const Eigen::Vector2d normal = vectorOf(found.normal);
     double depth = -std::numeric_limits<double>::infinity();
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
@@ -168,7 +168,7 @@ class Chipmunk final : public IsolatedWitness<2> {
         "  if (found.count > 0 && !std::isfinite(depth)) distance = NAN;  // no answer\n";
     return out;
   }
-  // As ChipmunkPlaced has it.
+  // The same as ChipmunkPlaced.
   static std::string placed(const std::string& name, const ShapeView<2>& shape, const Pose<2>& X) {
     const std::string radius = literal(static_cast<double>(shape.radius));
     std::string corners, made;

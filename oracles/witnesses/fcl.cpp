@@ -27,8 +27,8 @@ Geometry convex(const Polytope<3>& hull) {
   return std::make_shared<fcl::Convex<double>>(vertices, static_cast<int>(hull.faces.size()), faces);
 }
 
-// A shape in FCL's terms. FCL knows no rounding of boxes and polytopes: their cores are asked, and `rounding` is
-// taken off the distance, which is exact.
+// A shape in FCL's terms. FCL has no rounding of boxes and polytopes: their cores are queried, and `rounding` is
+// subtracted from the distance, which is exact.
 struct FclPlaced {
   Geometry geometry;
   Transform X_WS = Transform::Identity();
@@ -64,18 +64,18 @@ struct FclPlaced {
         geometry = std::make_shared<fcl::Ellipsoid<double>>(shape.half[0], shape.half[1], shape.half[2]);
         rounding = shape.radius;
         break;
-      case ShapeKind::cone:  // around the middle of its height, the tip up, as ours
+      case ShapeKind::cone:  // centred at half its height, tip up, as ours
         geometry = std::make_shared<fcl::Cone<double>>(shape.half[1], 2 * shape.half[0]);
         lieAlongX();
         rounding = shape.radius;
         break;
-      default:  // of no other kind is a pair in errorBars(): it is unsupported, and not asked
+      default:  // errorBars() has no pair of other kinds: unsupported, never queried
         break;
     }
   }
 };
 
-// The same as a program: `a` and its pose `xa`, or `b`.
+// The same as text of a program: `a` and its pose `xa`, or `b`.
 std::string fclPlaced(const std::string& name, const ShapeView<3>& shape, const Pose<3>& X, double& rounding) {
   const std::string radius = literal(static_cast<double>(shape.radius));
   const Eigen::Vector3d half = shape.half.cast<double>();
@@ -120,7 +120,7 @@ std::string fclPlaced(const std::string& name, const ShapeView<3>& shape, const 
          ";\n  x" + name + ".matrix() << " + literals(pose) + ";\n";
 }
 
-// What the three have in common.
+// Shared by the three FCL witnesses.
 template <int D>
 class FclWitness : public IsolatedWitness<3> {
  public:
@@ -144,27 +144,27 @@ class FclWitness : public IsolatedWitness<3> {
     fcl::DistanceResult<double> result;
     const double distance = fcl::distance(m_a.geometry.get(), m_a.X_WS, m_b.geometry.get(), m_b.X_WS, request, result);
     PairAnswer<3> answer;
-    // Unsigned, an overlap is -1 and no more.
+    // The unsigned distance of an overlap is -1, without a depth.
     answer.status = distance < 0 && !isSigned ? QueryStatus::failed : QueryStatus::converged;
     answer.distance = static_cast<Real>(distance - m_a.rounding - m_b.rounding);
     Eigen::Vector3d n = result.nearest_points[1] - result.nearest_points[0];
     if (distance < 0) n = -n;
     const double length = n.norm();
-    if (length > 0) answer.normal = (n / length).cast<Real>();  // at a touch FCL has none
+    if (length > 0) answer.normal = (n / length).cast<Real>();  // FCL gives no normal at a touch
     answer.pA = result.nearest_points[0].cast<Real>() + static_cast<Real>(m_a.rounding) * answer.normal;
     answer.pB = result.nearest_points[1].cast<Real>() - static_cast<Real>(m_b.rounding) * answer.normal;
     return answer;
   }
 
   PairAnswer<3> collide(fcl::GJKSolverType solver) const {
-    constexpr std::size_t kContacts = 8;  // more than box against box makes; the deepest counts
+    constexpr std::size_t kContacts = 8;  // more than a box pair makes; the deepest is used
     fcl::CollisionRequest<double> request(kContacts, true);
     request.gjk_solver_type = solver;
     request.gjk_tolerance = static_cast<double>(m_params.tolerance);
     fcl::CollisionResult<double> result;
     fcl::collide(m_a.geometry.get(), m_a.X_WS, m_b.geometry.get(), m_b.X_WS, request, result);
     if (!result.isCollision()) return apartAnswer<3>(m_a.rounding + m_b.rounding);
-    // GST_INDEP reports minus the depth where its EPA answers, and the depth where a closed form does.
+    // GST_INDEP reports minus the depth when its EPA answers, and the depth when a closed form does.
     const auto depth = [&](std::size_t i) { return std::abs(result.getContact(i).penetration_depth); };
     std::size_t deepest = 0;
     for (std::size_t i = 1; i < result.numContacts(); ++i) {
@@ -174,7 +174,7 @@ class FclWitness : public IsolatedWitness<3> {
     return depthAnswer<3>(depth(deepest), contact.normal, contact.pos, m_a.rounding, m_b.rounding);
   }
 
-  // `ask`: the statements that set `distance`; what throws leaves it.
+  // `ask`: the statements that set `distance`; an exception leaves it unchanged.
   Snippet program(const PairView<3>& pair, const std::string& ask) const {
     Snippet out{.flags = "-I/usr/include/eigen3 -lfcl -lccd"};
     out.head =
@@ -350,7 +350,7 @@ class FclIndep final : public FclWitness<D> {
     const PairAnswer<3> apart = this->distance(fcl::GST_INDEP, false);
     if (apart.status == QueryStatus::converged) return apart;
     const PairAnswer<3> overlap = this->collide(fcl::GST_INDEP);
-    return overlap.status == QueryStatus::converged ? overlap : apart;  // neither apart nor in contact: no value
+    return overlap.status == QueryStatus::converged ? overlap : apart;  // neither separated nor in contact: no value
   }
   Snippet snippet(const PairView<3>& pair) const override {
     return this->program(pair, this->distanceText("GST_INDEP", false) +
@@ -359,7 +359,7 @@ class FclIndep final : public FclWitness<D> {
   }
 };
 
-// Not of circles: as capsules along z they take it 0.1 s a pair, and some never end.
+// Circles are excluded: as capsules along z they take 0.1 s per pair, and some never end.
 template <>
 class FclLibccd<2> final : public Prisms<FclLibccd<3>> {
  public:

@@ -10,8 +10,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-/// FCL's tree of tight boxes, refitted and descended against itself. In 2D the third axis is [0, 1] for all. What the
-/// library does not decide, who may collide, is asked of its pairs.
+/// FCL's tree of tight boxes, refitted and traversed against itself. In 2D the third axis is [0, 1] for all. The
+/// collision filters are applied to the library's pairs.
 template <int D>
 class FclTree final : public Broadphase<D> {
  public:
@@ -58,7 +58,7 @@ class FclTree final : public Broadphase<D> {
 
   void place(const Proxies<D>& proxies, ProxyId i) {
     const Aabb<D> box = proxies.box(i);
-    // An empty box overlaps nothing: of a free slot, or of a body that has become NaN.
+    // An empty box overlaps nothing: a free slot, or a body that has become NaN.
     if (proxies.isFree(i) || !(box.lo.array() <= box.hi.array()).all()) return take(i);
     if (m_slots.size() <= static_cast<std::size_t>(i)) m_slots.resize(static_cast<std::size_t>(i) + 1);
     Slot& slot = m_slots[static_cast<std::size_t>(i)];
@@ -67,7 +67,7 @@ class FclTree final : public Broadphase<D> {
       slot.object = std::make_unique<fcl::CollisionObjectd>(slot.shape, fcl::Transform3d::Identity());
       slot.object->setUserData(reinterpret_cast<void*>(static_cast<std::intptr_t>(i)));
     }
-    // The object stays at the origin and its shape takes our bounds: recomputed from centre and size they would be
+    // The object stays at the origin and its shape takes our bounds: bounds computed from centre and size would be
     // rounded.
     slot.shape->aabb_local = fcl::AABBd(corner(box.lo, 0), corner(box.hi, 1));
     slot.object->computeAABB();

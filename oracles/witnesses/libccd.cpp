@@ -8,7 +8,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A whole shape, rounding included, as libccd sees it: a support function in the frame of the pair's first shape.
+// A whole shape for libccd, rounding included: a support function in the frame of the pair's first shape.
 struct CcdPlaced {
   ShapeView<3> shape;
   Eigen::Matrix3d r = Eigen::Matrix3d::Identity();
@@ -36,14 +36,14 @@ void center(const void* object, ccd_vec3_t* out) {
   setVector(out, placed.r * middle + placed.p);
 }
 
-// One of libccd's two methods, and the tolerance at which it stops.
+// One of libccd's two methods, and its tolerance.
 struct CcdMethod {
   int (*call)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
   ccd_real_t ccd_t::*tolerance;
-  std::string callName, toleranceName;  // in a program
+  std::string callName, toleranceName;  // names for the program
 };
 
-// libccd 2.1 measures depths only. Of shapes that are apart it says no more than that.
+// libccd 2.1 computes depths only. For separated shapes it reports no distance.
 class LibccdWitness : public IsolatedWitness<3> {
  public:
   LibccdWitness(PairFrame frame, const CcdMethod& method, Real tolerance)
@@ -61,8 +61,8 @@ class LibccdWitness : public IsolatedWitness<3> {
     ccd_t settings;
     CCD_INIT(&settings);
     settings.support1 = settings.support2 = support;
-    settings.center1 = settings.center2 = center;  // GJK asks for none
-    settings.max_iterations = 500;                 // the default has no end
+    settings.center1 = settings.center2 = center;  // not used by GJK
+    settings.max_iterations = 500;                 // the default is unlimited
     settings.*m_method.tolerance = m_tolerance;
     ccd_real_t depth = 0;
     ccd_vec3_t direction, position;

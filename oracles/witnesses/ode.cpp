@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // ODE in double precision, as Debian builds it: spheres, capsules and boxes by closed forms and separating axes. It
-// finds contacts and no distances.
+// finds contacts, not distances.
 #include <ode/collision.h>
 #include <ode/odeinit.h>
 
@@ -22,7 +22,7 @@ class Geom {
   Geom& operator=(const Geom&) = delete;
 
   dGeomID id() const { return m_id; }
-  /// Of a box the rounding that ODE does not know (m).
+  /// The rounding of a box, which ODE does not support (m).
   double rounding() const { return m_rounding; }
 
   void make(const ShapeView<3>& shape, const Pose<3>& X) {
@@ -109,7 +109,7 @@ class Ode final : public IsolatedWitness<3> {
     for (int i = 1; i < count; ++i) {
       if (found[static_cast<std::size_t>(i)].depth > deepest->depth) deepest = &found[static_cast<std::size_t>(i)];
     }
-    // ODE's normals point into the first.
+    // ODE's normals point into the first shape.
     const Eigen::Vector3d normal(-deepest->normal[0], -deepest->normal[1], -deepest->normal[2]);
     const Eigen::Vector3d middle(deepest->pos[0], deepest->pos[1], deepest->pos[2]);
     return depthAnswer<3>(deepest->depth, normal, middle, m_a.rounding(), m_b.rounding());
@@ -133,7 +133,7 @@ class Ode final : public IsolatedWitness<3> {
   }
   static std::string placed(const std::string& name, const ShapeView<3>& shape, const Pose<3>& X, double& rounding) {
     const std::string radius = literal(static_cast<double>(shape.radius));
-    Eigen::Matrix<double, 3, 4> pose;  // with the column that ODE pads its rows with
+    Eigen::Matrix<double, 3, 4> pose;  // with the column by which ODE pads rows
     pose << X.q.matrix().cast<double>(), Eigen::Vector3d::Zero();
     std::string made;
     if (shape.core() == CoreClass::point) {

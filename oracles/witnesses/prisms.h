@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// A library that knows 3D alone, asked about 2D: each shape becomes a prism along z, longer than both shapes are wide,
-// so the signed distance is that of the shapes, along a normal without z. B's is longer than A's: between the same two
-// planes Bullet calls one in six overlapping pairs of sharp shapes apart. A circle becomes a capsule along z, and a
-// capsule's core a sheet: no new kinds are needed.
+// Runs a 3D library on 2D pairs. Each shape becomes a prism along z, longer than both shapes are wide. So the signed
+// distance is that of the 2D shapes, along a normal without z. B's prism is longer than A's: between the same two
+// planes Bullet reports one in six overlapping pairs of sharp shapes as separated. A circle becomes a capsule along z,
+// and a capsule's core a sheet: no new kinds are needed.
 #pragma once
 
 #include <deque>
@@ -11,7 +11,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// `Solid` is an IsolatedWitness<3>. Its table of error bars in 2D is that of the class that derives from this one.
+/// `Solid` is an IsolatedWitness<3>. The derived class has the table of error bars in 2D.
 template <class Solid>
 class Prisms : public Witness<2> {
  public:
@@ -44,7 +44,7 @@ class Prisms : public Witness<2> {
 
  private:
   PairView<3> prisms(const PairView<2>& pair) {
-    const Real height = extent(pair.a) + extent(pair.b);  // half of it: an overlap along z is never the least
+    const Real height = extent(pair.a) + extent(pair.b);  // half the height: the overlap along z is never the least
     const Pose<3> X_AB{{pair.X_AB.p[0], pair.X_AB.p[1], 0}, aboutZ(pair.X_AB.q)};
     return {prism(pair.a, height), prism(pair.b, Real(1.375) * height),
             upright(pair.a.kind).inverse() * X_AB * upright(pair.b.kind)};
@@ -54,7 +54,7 @@ class Prisms : public Witness<2> {
     const Aabb<2> box = boundingBox(shape, Pose<2>{});
     return (box.hi - box.lo).norm();
   }
-  // Circles become capsules, which lie along x: they are set up.
+  // Circles become capsules; capsules lie along x, so rotate them to z.
   static Pose<3> upright(ShapeKind kind) {
     const Real half = std::sqrt(Real(0.5));
     return {Vec<3>::Zero(), kind == ShapeKind::sphere ? Rot<3>{half, 0, -half, 0} : Rot<3>{}};
@@ -82,7 +82,7 @@ class Prisms : public Witness<2> {
         break;
       case CoreClass::curved:
       case CoreClass::plane:
-        LPC_ASSERT(false);  // has no error bar in 2D, so it is not asked
+        LPC_ASSERT(false);  // has no error bar in 2D, so it is never used
         break;
     }
     return out;

@@ -6,8 +6,8 @@
 
 namespace lpc {
 
-/// Solves m x = b in the sense of least squares, with the smallest x where m is singular. It computes in doubles in
-/// each precision, so that Eigen's templates for it are compiled once.
+/// Solves m x = b in the least squares sense, with the smallest x when m is singular. Computes in double in each
+/// precision, so that Eigen's templates are compiled once.
 class PseudoInverse {
  public:
   explicit PseudoInverse(const Eigen::MatrixXd& m);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Siconos (Acary and others), nonsmooth Gauss-Seidel that solves each contact exactly: a witness of velocity problems.
-// It is asked about contacts; equality rows and springs are eliminated first, and limits of joints it does not know.
-// It is loaded by a process of its own for each problem, as it ends the one that meets what it does not like.
+// Siconos (Acary and others), nonsmooth Gauss-Seidel with an exact solution of each contact: a witness for velocity
+// problems. It solves contacts only; equality rows and springs are eliminated first, and limits of joints are not
+// supported. Each problem runs in its own process, because Siconos exits the process on unexpected input.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -39,16 +39,16 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr unsigned kMostSeconds = 20;  // for a problem
+constexpr unsigned kMostSeconds = 20;  // limit for one problem
 
-/// W r + q in the cones of mu, D rows of each contact.
+/// W r + q in the cones of mu, D rows for each contact.
 struct Question {
   int dimension, contacts;
   Matrix w;
   Vector q, mu;
   double tolerance;
   int sweeps;
-  double nanoseconds = 0;  // of the driver
+  double nanoseconds = 0;  // time of the driver
 };
 
 #ifdef LPC_SICONOS
@@ -61,7 +61,7 @@ F* found(const char* name) {
 }
 #define LPC_OF_SICONOS(function) found<decltype(function)>(#function)
 
-// In the child.
+// Runs in the child.
 void answer(Question& of, double* r) {
   std::vector<double> u(static_cast<std::size_t>(of.q.size()), 0.0);
   const int n = of.dimension * of.contacts;
@@ -77,14 +77,14 @@ void answer(Question& of, double* r) {
 }
 
 Vector ask(Question& of) {
-  const auto bytes = static_cast<std::size_t>(of.q.size() + 1) * sizeof(double);  // the last is how long it took
+  const auto bytes = static_cast<std::size_t>(of.q.size() + 1) * sizeof(double);  // the last number is the time
   void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "Siconos cannot be given memory");
   auto* const r = static_cast<double*>(memory);
   const pid_t parent = getpid(), child = fork();
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(1);  // it died before the line above
+    if (getppid() != parent) _exit(1);  // the parent died before the line above
     const int nowhere = open("/dev/null", O_RDWR);
     for (int fd = 0; fd < 3; ++fd) dup2(nowhere, fd);
     const rlimit none{0, 0};
@@ -143,7 +143,7 @@ class Siconos final : public WitnessResolver<D> {
     m_problem.set(in);
     std::vector<double> free, x(static_cast<std::size_t>(m_problem.size()), 0.0);
     m_problem.freeVelocities(in, free);
-    std::vector<std::int32_t> contacts, equalities;  // of a contact its normal
+    std::vector<std::int32_t> contacts, equalities;  // of a contact its normal row
     for (std::int32_t i = 0; i < m_problem.size(); ++i) {
       const ProblemRow<D>& row = m_problem.row(i);
       if (row.ofJoint && row.law == ProblemLaw::interval) {
@@ -161,7 +161,7 @@ class Siconos final : public WitnessResolver<D> {
   void solveFor(const std::vector<std::int32_t>& contacts, const std::vector<std::int32_t>& equalities,
                 const std::vector<double>& free, std::vector<double>& x) {
     const auto n = static_cast<Eigen::Index>(D * contacts.size()), m = static_cast<Eigen::Index>(equalities.size());
-    // Rows of the contacts, D of each; tangents that a contact without friction lacks stand alone and stay at 0.
+    // Rows of the contacts, D each; tangents missing in a contact without friction are uncoupled and stay 0.
     std::vector<std::int32_t> rows(static_cast<std::size_t>(n), -1);
     Question of{.dimension = D,
                 .contacts = static_cast<int>(contacts.size()),

@@ -15,7 +15,7 @@ std::string coordinate(int k, const std::string& half) {
   return "p" + i + " = d" + i + " >= 0 ? " + half + " : -" + half;
 }
 
-// As CurvedCore::support of the kind.
+// The same as CurvedCore::support of the kind.
 std::string curvedBody(const ShapeView<3>& shape) {
   const auto size = [&](std::size_t i) { return literal(static_cast<double>(shape.curved->sizes()[i])); };
   if (shape.kind == ShapeKind::cylinder) {
@@ -60,7 +60,7 @@ std::string coreBody(const ShapeView<3>& shape) {
     }
     case CoreClass::curved:
       return curvedBody(shape);
-    case CoreClass::plane:  // unbounded: nothing lies farthest
+    case CoreClass::plane:  // unbounded: there is no support point
       break;
   }
   throw UserError("no program is written of a " + std::string(shapeKindName(shape.kind)));

@@ -5,7 +5,7 @@
 
 namespace lpc {
 
-/// Processor time of this thread (ns): what other processes do does not count.
+/// Processor time of this thread (ns), which other processes do not affect.
 inline double threadNanoseconds() {
   std::timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Other people's code behind PairQuery. It runs in a process of its own, because on known inputs it throws, aborts on
-// its own assertions, faults or never returns.
+// External libraries behind PairQuery. Each runs in its own process, because on known inputs libraries throw, fail an
+// assertion, crash or never return.
 #pragma once
 
 #include <cmath>
@@ -15,13 +15,13 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How one call of a witness ended. All but `answered` come with QueryStatus::failed.
+/// How one call of a witness ended. All except `answered` come with QueryStatus::failed.
 enum class Ending : std::uint8_t { answered, notFinite, threw, crashed, hung };
 std::string_view endingName(Ending ending);
 
-/// 99 of 100 answers with a value stay within `bar` (|phi - phi_ref| / s, s as in `errorScale`) on random pairs of
-/// these kinds (a <= b) at 1 m, in double precision; tests/properties/witness_test.cpp holds it there from both sides.
-/// On the named families of hard pairs witnesses do worse.
+/// Error bound of a witness, in |phi - phi_ref| / s with s as in `errorScale`. Of the answers with a value, 99 of 100
+/// stay within `bar`, for random pairs of these kinds (a <= b) at 1 m, in double precision.
+/// tests/properties/witness_test.cpp checks it from both sides. On the named families of hard pairs witnesses do worse.
 struct ErrorBar {
   ShapeKind a, b;
   double bar;
@@ -30,31 +30,30 @@ struct ErrorBar {
 template <int D>
 class Witness : public PairQuery<D> {
  public:
-  /// The pairs of kinds that the library really answers. All others are unsupported, those of a kind that is new among
-  /// them, and none is asked: some libraries pass over what they lack in silence (FCL prints a warning and calls the
-  /// shapes apart). So an adapter names the kinds that stand here and no others.
+  /// The pairs of kinds that the library really supports. All others, also with new kinds, are unsupported and never
+  /// queried: some libraries silently return a wrong answer for unsupported kinds (FCL prints a warning and reports
+  /// separation). So an adapter lists exactly the kinds that it handles.
   virtual std::span<const ErrorBar> errorBars() const { return {}; }
-  /// Infinite where the witness has no value.
+  /// Infinite when the witness has no value.
   double errorBar(ShapeKind a, ShapeKind b) const {
     for (const ErrorBar& e : errorBars()) {
       if (e.a == std::min(a, b) && e.b == std::max(a, b)) return e.bar;
     }
     return std::numeric_limits<double>::infinity();
   }
-  /// Of a library in float, whatever it is asked in: its numbers are rounded before it sees them, so that it is judged
-  /// by the tolerance of f32 in f64, too.
+  /// True for a library that computes in float, even in f64 builds: its input is rounded first, so that it is judged by
+  /// the tolerance of f32.
   virtual bool computesInFloat() const { return sizeof(Real) == sizeof(float); }
   bool supports(ShapeKind a, ShapeKind b) const override { return a <= b && std::isfinite(errorBar(a, b)); }
   /// Of the last batch, one per pair.
   virtual std::span<const Ending> endings() const = 0;
-  /// Time inside the library for the last batch, without the way to its process and back (ns).
+  /// Time inside the library for the last batch (ns), without communication with its process.
   virtual std::int64_t nanoseconds() const = 0;
-  /// What `query` asks the library of this pair, which it supports; nothing where the adapter has no words for it. The
-  /// library is not called.
+  /// The query of this supported pair as a program; empty when the adapter cannot write one. Does not call the library.
   virtual std::optional<Question> question(const PairView<D>&) { return std::nullopt; }
 };
 
-/// pairTolerance() of the method that is asked; null: no witness.
+/// pairTolerance() of the method; null: not a witness.
 template <int D>
 double verifyTolerance(const Witness<D>* witness = nullptr) {
   return witness ? pairTolerance(witness->computesInFloat()) : pairTolerance();

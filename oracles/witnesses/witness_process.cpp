@@ -25,13 +25,14 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr std::size_t kBlock = 1000;                // pairs that the child is given at once
-constexpr std::size_t kHullBytes = 8 << 20;         // for their hulls, at first
-constexpr std::int64_t kBusyLimit = 500'000'000;    // ns of its own processor time on one pair: it will not come back
-constexpr std::int64_t kIdleLimit = 3'000'000'000;  // ns by the clock, for one that sleeps; a loaded machine is no hang
+constexpr std::size_t kBlock = 1000;                // pairs per block
+constexpr std::size_t kHullBytes = 8 << 20;         // initial space for their hulls
+constexpr std::int64_t kBusyLimit = 500'000'000;    // ns of its own processor time on one pair: the child hangs
+constexpr std::int64_t kIdleLimit = 3'000'000'000;  // ns of wall time, for a child that sleeps; a loaded machine does
+                                                    // not count as a hang
 constexpr int kVainStarts = 3;
 
-// Both processes see the shared memory at the same address: pointers into it hold in either.
+// Both processes see the shared memory at the same address, so pointers into it are valid in both.
 template <int D>
 struct StoredHull;
 
@@ -58,7 +59,7 @@ struct StoredHull<3> {
   }
 };
 
-// A power of two in which the larger shape is about 1. 1 for shapes without any size.
+// A power of two, as a unit in which the larger shape is about 1; 1 for shapes without size.
 template <int D>
 Real unitFor(const PairView<D>& pair) {
   int exponent = 0;
@@ -67,7 +68,7 @@ Real unitFor(const PairView<D>& pair) {
   return std::ldexp(Real(1), exponent);
 }
 
-// hull: where to keep the scaled one.
+// hull: storage for the scaled hull.
 template <int D>
 void divide(ShapeView<D>& shape, Polytope<D>& hull, Real unit) {
   shape.radius /= unit, shape.half /= unit;
@@ -79,7 +80,7 @@ void divide(ShapeView<D>& shape, Polytope<D>& hull, Real unit) {
   shape.hull = &hull;
 }
 
-// The sizes of a curved core, from which the child makes it anew.
+// The sizes of a curved core, from which the child builds it again.
 template <int D>
 struct StoredSizes {
   static constexpr std::size_t kMost = 8;
@@ -113,7 +114,7 @@ struct StoredPair {
 template <int D>
 struct Block {
   sem_t asked, answered;
-  // Pairs begun and pairs done, counted by the child; the parent corrects `done` when the child is dead.
+  // Pairs begun and pairs done, counted by the child; the parent corrects `done` when the child has died.
   std::atomic<int> begun = 0, done = 0;
   int count = 0;
   std::array<StoredPair<D>, kBlock> pairs;
@@ -123,7 +124,7 @@ struct Block {
 };
 static_assert(std::atomic<int>::is_always_lock_free, "or it would not work between processes");
 
-// Where hulls are written, one behind the other.
+// Space for hulls, stored one after another.
 struct HullSpace {
   std::byte* next;
   std::byte* end;
@@ -196,7 +197,7 @@ class IsolatedWitness<D>::Process {
 
   void run(std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers, std::span<Ending> endings,
            std::int64_t& nanoseconds) {
-    if (m_owner != getpid()) release();  // a forked copy of the witness: the child is the original's
+    if (m_owner != getpid()) release();  // in a forked copy of the witness: the child belongs to the original
     for (std::size_t begin = 0; begin < pairs.size();) {
       const std::size_t count = fill(pairs.subspan(begin));
       answerBlock();
@@ -210,7 +211,7 @@ class IsolatedWitness<D>::Process {
   }
 
  private:
-  // Puts as many pairs into the shared memory as there is room for: at least one.
+  // Puts as many pairs into the shared memory as fit: at least one.
   std::size_t fill(std::span<const PairView<D>> pairs) {
     const std::size_t first = HullSpace::bytes(pairs[0]);
     if (!m_block || first > m_hullBytes) {
@@ -243,8 +244,8 @@ class IsolatedWitness<D>::Process {
       const Ending ending = watch();
       if (ending == Ending::answered) return;
       stop();
-      // Dead before it had a pair in hand (by a signal from outside, or with the thread that forked it): no pair's
-      // fault, so the same block goes to a new child; but not for ever.
+      // The child died before it began a pair (by a signal from outside, or with the thread that forked it). No pair is
+      // at fault, so a new child gets the same block; at most kVainStarts times.
       if (m_block->begun <= m_block->done && ++vain < kVainStarts) continue;
       vain = 0;
       const int at = m_block->done++;
@@ -255,10 +256,10 @@ class IsolatedWitness<D>::Process {
     }
   }
 
-  // How the block, or the pair in hand, ended.
+  // How the block, or the current pair, ended.
   Ending watch() {
     int seen = -1;
-    std::int64_t busy = 0, idle = 0;  // when progress was last seen
+    std::int64_t busy = 0, idle = 0;  // times when progress was last seen
     for (;;) {
       timespec until{};
       clock_gettime(CLOCK_MONOTONIC, &until);
@@ -280,7 +281,7 @@ class IsolatedWitness<D>::Process {
   }
 
   void start() {
-    // A child that was killed may have left them in any state.
+    // A killed child may have left the semaphores in any state.
     sem_init(&m_block->asked, 1, 0);
     sem_init(&m_block->answered, 1, 0);
     m_child = fork();
@@ -289,7 +290,7 @@ class IsolatedWitness<D>::Process {
   }
 
   [[noreturn]] void serve() {
-    // It dies with its parent, leaves the end by Ctrl-C to it, writes nothing, and keeps none of its files open.
+    // The child dies with its parent, ignores Ctrl-C, writes nothing, and keeps none of the parent's files open.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != m_owner) _exit(0);
     prctl(PR_SET_NAME, "lpc-witness");
@@ -375,7 +376,7 @@ class IsolatedWitness<D>::Process {
 
 namespace {
 
-// Along no axis, nor is any coordinate of it a round number.
+// Not along any axis, and without round coordinates.
 Pose<2> somewhere(Vec<2>) { return {{Real(1.7), Real(-2.3)}, Rot<2>::angle(Real(0.7))}; }
 Pose<3> somewhere(Vec<3>) {
   return {{Real(1.7), Real(-2.3), Real(0.9)}, Rot<3>{Real(0.8), Real(0.3), Real(-0.4), Real(0.33)}.normalized()};
@@ -423,7 +424,7 @@ std::optional<Question> IsolatedWitness<D>::question(const PairView<D>& pair) {
   if (m_frame == PairFrame::world) known.answer = referee<D>(scaled.a, placeOfA(), scaled.b, placeOfB(scaled));
   out.truth = {known.answer.decided, known.answer.lo, known.answer.hi},
   out.allowed = verifyTolerance<D>(this) * known.s;
-  if (const double rounding = out.snippet.rounding; rounding > 0) {  // of the cores, outwards
+  if (const double rounding = out.snippet.rounding; rounding > 0) {  // interval of the cores, rounded outwards
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     out.truth.lo = std::nextafter(out.truth.lo + rounding, -kInfinity);
     out.truth.hi = std::nextafter(out.truth.hi + rounding, kInfinity);

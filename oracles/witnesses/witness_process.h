@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// A witness whose library runs in a process of its own, as long as the witness lives. Parent and child share one block
-// of memory and no file descriptor, so that nothing leaks into other children. Pairs go in by blocks; the child notes
-// which pair it has in hand before each call, and the parent watches that note: a crash, or no progress, is booked to
-// that pair, and a new child goes on with the next one.
+// A witness with its library in a separate process, which lives as long as the witness. Parent and child share one
+// block of memory and no file descriptor, so that other children inherit nothing. Pairs are passed in blocks. The child
+// notes the current pair before each call, and the parent watches this note. A crash, or no progress, is recorded for
+// that pair, and a new child continues with the next one.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Where the library is shown a pair: A in its own frame, at the origin, or both somewhere in a world, turned and about
-/// two sizes from its origin, as an engine would ask. Some (FCL) are right in the one and wrong in the other.
+/// Frame in which the library gets a pair. `own`: A's own frame, with A at the origin. `world`: both are rotated and
+/// about two sizes from the origin, as in an engine. Some libraries (FCL) are right in one and wrong in the other.
 enum class PairFrame { own, world };
 struct PairFrameParams {
   PairFrame frame = PairFrame::own;
@@ -35,21 +35,20 @@ class IsolatedWitness : public Witness<D> {
   std::int64_t nanoseconds() const final { return m_nanoseconds; }
   std::optional<Question> question(const PairView<D>& pair) final;
 
-  /// Any number of pairs, of any kinds that are supported. Fills `answers`, of the same length, and `endings`.
+  /// Queries any number of pairs of supported kinds. Fills `answers`, of the same length, and `endings`.
   void ask(std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers);
 
  protected:
-  // Poses in the frame that the library is shown, in the unit of `place`: the answer is given in it, too.
+  // Poses in the frame of the library's input, in the unit of `place`; the answer is in this frame and unit too.
   const Pose<D>& placeOfA() const { return m_X_WA; }
   Pose<D> placeOfB(const PairView<D>& pair) const { return m_frame == PairFrame::own ? pair.X_AB : m_X_WA * pair.X_AB; }
 
-  // Both run in the child and may throw, abort, fault or never return. The pair comes in a unit in which the larger
-  // shape is about 1, and the answer is taken in that unit, because these libraries have absolute thresholds for shapes
-  // of about a metre. The unit is a power of two: it costs no digit. A hull of 3D has vertices, faces and loop, but no
-  // edges.
-  virtual void place(const PairView<D>& pair) = 0;  // the pair in the library's own terms; not timed
-  virtual PairAnswer<D> measure() = 0;              // the library's answer to it
-  // Both of these as a program, of a pair in that unit; runs in the parent and calls nothing of the library.
+  // Both run in the child and may throw, abort, crash or never return. Pair and answer are in a unit in which the
+  // larger shape is about 1, because these libraries have absolute thresholds for shapes of about a metre. The unit is
+  // a power of two, which costs no digit. A 3D hull has vertices, faces and loop, but no edges.
+  virtual void place(const PairView<D>& pair) = 0;  // converts the pair for the library; not timed
+  virtual PairAnswer<D> measure() = 0;              // the library's answer
+  // Both steps as a program, for a pair in this unit. Runs in the parent and does not call the library.
   virtual Snippet snippet(const PairView<D>&) const { return {}; }
 
  private:

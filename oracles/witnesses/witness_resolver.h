@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Other people's code behind VelocityResolver, in a process of its own: see witness.h.
+// External libraries behind VelocityResolver, each in its own process: see witness.h.
 #pragma once
 
 #include "framework/stage/stage_solver.h"
@@ -9,8 +9,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class WitnessResolver : public VelocityResolver<D> {
  public:
-  /// Processor time of the last solve (ns), which no clock of one thread sees: ours, which makes the matrix, and that
-  /// inside the library, without the way to its process and back.
+  /// Processor time of the last solve (ns): our time to build the matrix plus the time inside the library, without
+  /// communication. The clock of one thread cannot measure it.
   virtual double nanoseconds() const = 0;
 };
 
