@@ -62,7 +62,7 @@ class RebuiltBvh final : public Broadphase<D> {
     work[WorkCount::sortMoves] += std::exchange(m_moves, 0);
     if (m_nodes.empty()) return;
     std::uint64_t visits = 0, tests = 0;
-    // What is popped leaves at most three, of which one part is a level deeper; one place is written ahead.
+    // A popped pair pushes at most three pairs, one of them a level deeper; one place is written ahead.
     std::array<std::array<std::int32_t, 2>, 4 * kDeepest> stack;
     std::size_t top = 0;
     const auto push = [&](std::int32_t a, std::int32_t b) {
@@ -101,7 +101,7 @@ class RebuiltBvh final : public Broadphase<D> {
   void ray(const Proxies<D>& proxies, const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
            std::vector<RayHit<D>>& out) const override {
     RayHit<D> first{-1, maxT};
-    Real t = 0;  // of the box that was asked about last
+    Real t = 0;  // of the box of the last query
     const auto meets = [&](const Aabb<D>& b) {
       t = castRay(b, p, direction, maxT);
       return t >= 0 && !(firstOnly && t > first.t);
@@ -123,7 +123,7 @@ class RebuiltBvh final : public Broadphase<D> {
   }
 
   void structure(std::vector<StructureBox<D>>& out) const override {
-    std::array<std::int32_t, kDeepest> past;  // of the nodes above
+    std::array<std::int32_t, kDeepest> past;  // ends of the nodes above
     std::size_t level = 0;
     for (std::int32_t at = 0; at < static_cast<std::int32_t>(m_nodes.size()); ++at) {
       const Node& node = m_nodes[at];
@@ -135,15 +135,15 @@ class RebuiltBvh final : public Broadphase<D> {
 
  private:
   static constexpr int kMostInLeaf = 32, kMostBins = 64;
-  static constexpr std::size_t kFlush = 1024;         // noted pairs before they are looked at
+  static constexpr std::size_t kFlush = 1024;         // pairs collected before they are tested
   static constexpr int kCodeBits = D == 2 ? 16 : 11;  // of a Morton code, per axis
-  static constexpr std::size_t kBySurface = 40;       // levels; whatever is deeper is halved
+  static constexpr std::size_t kBySurface = 40;       // levels; deeper ranges are halved
   static constexpr std::size_t kDeepest = 80;         // levels: codes have 33 bits, numbers of boxes 31
 
   struct Node {
     IndexedArray<Real, D> lo, hi;
     std::int32_t begin, end;  // boxes below
-    std::int32_t past;        // the node after all below this one, in the order of a walk from the root
+    std::int32_t past;        // the next node after this subtree, in preorder
     std::uint8_t active;      // any box below
     PackedBox packed;         // the bounds of a leaf
 
@@ -261,7 +261,7 @@ class RebuiltBvh final : public Broadphase<D> {
     return to;
   }
 
-  // The axis on which the centres spread most, and how far; halves, since no difference of finite halves overflows.
+  // The axis on which the centres spread most, and the spread; halved, since no difference of finite halves overflows.
   struct Spread {
     std::size_t axis = 0;
     Real from = 0, half = -1;
@@ -310,7 +310,7 @@ class RebuiltBvh final : public Broadphase<D> {
       Bin& b = bin[binOf(item)];
       b.box = b.box.merged(proxies.box(item.slot)), ++b.count;
     }
-    // From the right the cost of all that is right of each border, from the left the whole.
+    // Cumulated from the right, the cost right of each border; from the left, the total.
     std::array<Real, kMostBins> right;
     Bin sum;
     for (std::size_t b = bins; b-- > 1;) {
@@ -426,7 +426,7 @@ class RebuiltBvh final : public Broadphase<D> {
   std::vector<Real> m_sample;
   IndexedVector<KeyedIndex<std::uint64_t>> m_codes, m_scratch;
   IndexedVector<Item> m_items;
-  IndexedVector<Node> m_nodes;            // in the order of a walk from the root
+  IndexedVector<Node> m_nodes;            // in preorder
   IndexedVector<GatheredBox<D>> m_boxes;  // in the order of the tree
   IndexedVector<PackedBox> m_packed;      // the same
   std::size_t m_hits = 0;
