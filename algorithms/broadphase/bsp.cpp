@@ -68,7 +68,7 @@ class Bsp final : public Broadphase<D> {
     work[WorkCount::sortMoves] += m_moves;
   }
 
-  /// All of space, and the halves of each region whose plane divided its boxes.
+  /// All of space, and the halves of each region that a plane divides.
   void structure(std::vector<StructureBox<D>>& out) const override {
     if (m_slots.size() < 2) return;
     std::vector<std::int32_t> items(m_packed.size());

@@ -13,7 +13,7 @@ namespace {
 // Rotations on the way up keep sorted insertions from degenerating the tree into a list.
 //
 // Pairs of overlapping fat boxes are kept, too. A step then costs the tests of these pairs, and queries for the few
-// boxes that were reinserted or whose filters or activity changed; all their pairs are dropped and found anew.
+// boxes that were reinserted or got other filters or activity; all their pairs are dropped and found anew.
 template <int D>
 class DynamicTree final : public Broadphase<D> {
  public:
@@ -191,7 +191,7 @@ class DynamicTree final : public Broadphase<D> {
     }
     std::int32_t start = m_root;
     if (known) {
-      // Also reinserts a box whose fat box was made for a larger or faster box; it would otherwise keep false pairs for
+      // Also reinserts a box with a fat box made for a larger or faster one; it would otherwise keep false pairs for
       // ever.
       const Aabb<D>& fat = node(m_leaf[i]).box;
       const Real most = kMostMargins * m_params.margin + 2 * way.cwiseAbs().maxCoeff();

@@ -27,7 +27,7 @@ struct GatheredBox {
   Aabb<D> box() const { return {Vec<D>(lo.data()), Vec<D>(hi.data())}; }
 };
 
-/// Lists the slots whose box can overlap another.
+/// Lists the slots with a box that can overlap another.
 template <int D>
 inline void listSlots(const Proxies<D>& proxies, std::vector<ProxyId>& slots) {
   slots.clear();

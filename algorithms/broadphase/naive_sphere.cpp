@@ -9,7 +9,7 @@ namespace {
 using namespace broadphase;
 
 // Every pair of circles (spheres) around the boxes: one comparison instead of D axes, and no update when a body turns.
-// The 2009 team wanted it besides the boxes. It reports pairs whose boxes are apart, and is the only method that may.
+// The 2009 team wanted it besides the boxes. It also reports pairs of separate boxes, and is the only method that may.
 template <int D>
 class NaiveSphere final : public Broadphase<D> {
  public:

@@ -339,7 +339,7 @@ class RebuiltBvh final : public Broadphase<D> {
     return static_cast<Real>(b.count) * border;
   }
 
-  // Boxes in the order of the tree, and the bounds of the nodes from the leaves up.
+  // Gathers the boxes in the order of the tree, and computes the bounds of the nodes from the leaves up.
   void fit(const Proxies<D>& proxies) {
     const Packing<D> packing(findWindow(proxies, m_slots, m_sample));
     m_boxes.resize(m_order.size()), m_packed.resize(m_order.size() + kListAhead);
@@ -370,8 +370,8 @@ class RebuiltBvh final : public Broadphase<D> {
     }
   }
 
-  // Pairs of packed boxes that overlap are noted without a branch and looked at many together: of a short list at a
-  // time, nearly every one ends where nobody predicts it.
+  // Collects overlapping pairs of packed boxes without a branch, and tests many at once: the ends of short lists are
+  // unpredictable.
   std::uint64_t hitsInLeaf(const Node& x) {
     for (std::int32_t k = x.begin; k < x.end; ++k) note(k, k + 1, x.end);
     const auto n = static_cast<std::uint64_t>(x.end - x.begin);
@@ -400,7 +400,8 @@ class RebuiltBvh final : public Broadphase<D> {
     m_hits = 0;
   }
 
-  // meets(box) of a box around others must hold when it holds for one of them; found(slot) for each that it holds for.
+  // Calls found(slot) for each box for which meets(box) holds. meets() of a box around others must hold if it holds for
+  // one of them.
   template <class Meets, class Found>
   void visit(const Proxies<D>& proxies, const Meets& meets, const Found& found) const {
     for (std::size_t at = 0; at < m_nodes.size();) {
@@ -419,9 +420,9 @@ class RebuiltBvh final : public Broadphase<D> {
   }
 
   Params m_params;
-  int m_age = 0;                           // updates since the tree was built
+  int m_age = 0;                           // updates since the build
   std::uint64_t m_moves = 0;               // since the last findPairs
-  std::vector<ProxyId> m_listed, m_slots;  // scratch; who is in the tree, by number
+  std::vector<ProxyId> m_listed, m_slots;  // scratch; the slots in the tree, sorted
   IndexedVector<ProxyId> m_order;          // the same in the order of the tree
   std::vector<Real> m_sample;
   IndexedVector<KeyedIndex<std::uint64_t>> m_codes, m_scratch;

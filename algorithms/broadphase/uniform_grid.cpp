@@ -179,7 +179,7 @@ class UniformGrid final : public Broadphase<D> {
     }
   }
 
-  // Half of the neighbouring rows: those whose last nonzero offset is positive.
+  // Half of the neighbouring rows: those with a positive last nonzero offset.
   using LaterRows = std::array<std::size_t, D == 2 ? 1 : 4>;
   LaterRows laterRows(std::size_t row) const {
     const auto height = static_cast<std::size_t>(m_size[1]);

@@ -12,7 +12,7 @@ namespace {
 // face lies in the smaller shape, so no place of it is farther from the first point than that shape is wide. The place
 // may have moved by `distance`, but along the normal by no more than the contact margin: a place that was farther apart
 // when the points were made has no point and would penetrate unseen. Round shapes are excluded: their points do not
-// stay on them while they roll, and a ball whose point lags behind it accelerates.
+// stay on them while they roll, and a ball accelerates if its point lags behind it.
 template <int D>
 class Recycling final : public ContactCache<D> {
  public:

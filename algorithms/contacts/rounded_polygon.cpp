@@ -96,7 +96,7 @@ int climb(const C& c, const Xy& d, int at) {
   return at;
 }
 
-// Of the two edges at the support vertex `at` along d, the one whose normal is more along d; it is the best of all
+// Of the two edges at the support vertex `at` along d, the one with the normal more along d; it is the best of all
 // edges.
 template <class C>
 int edgeAt(const C& c, const Xy& d, int at) {
@@ -321,7 +321,7 @@ void collide(const PlacedPair<2>& pair, Patch2& out, WorkDone& work) {
   const CoreClass core1 = pair.view1().core();
   if (core1 == CoreClass::box && pair.view2().core() == CoreClass::box) return collideBoxes(pair, out, work);
   collidePolygons(pair, out, work);
-  // A vertex touches in one point, whose number is the same wherever it is.
+  // A vertex touches in one point with the same number at any position.
   if (core1 == CoreClass::point) out.points[0].feature = featureNumber(featureCode(0), kNoFeature);
 }
 

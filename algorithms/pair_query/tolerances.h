@@ -53,7 +53,7 @@ inline constexpr Real kFeatureBand = 64 * kEpsilon;
 inline constexpr Real kTiePart = Real(1e-6);
 inline constexpr Real kTieRounding = 64 * kEpsilon;
 
-/// Edges whose common normal is shorter than this (sine) have only noise as normal. Larger: the axis of crossing edges
+/// Edges with a common normal shorter than this (sine) have only noise as normal. Larger: the axis of crossing edges
 /// is missed, and the depth is too large by sine x length. Smaller: axes of noise are tested, which costs only time.
 inline constexpr Real kParallelSine = 4 * kEpsilon;
 
@@ -89,7 +89,7 @@ inline constexpr Real kCoreMargin = Real(0.1);
 inline constexpr Real kFlat = 32 * kEpsilon;
 
 /// In 2D, GJK's points that are no farther apart than this (kFlat x scale) are no base for a triangle: the four extreme
-/// points are queried, too. Larger: up to four more supports. Smaller: a base whose direction is rounding.
+/// points are queried, too. Larger: up to four more supports. Smaller: a base with a direction of rounding.
 inline constexpr Real kShortBase = 1024;
 
 /// In 3D, GJK's tetrahedron is used if its determinant is above this fraction of the cube of its longest edge (1).

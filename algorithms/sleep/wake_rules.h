@@ -308,7 +308,7 @@ class WakeRules {
   }
 
   // Finds bodies that stand on something fixed: on static bodies, on sleepers, or on a body that itself stands.
-  // Fixed-point iteration by forward and backward sweeps; two suffice for a pile whose slots rise or fall with height.
+  // Fixed-point iteration by forward and backward sweeps; two suffice for a pile with slots in order of height.
   void findSupported(const SleepInput<D>& in, IndexedSpan<const std::uint8_t> awake) {
     m_stands.assign(awake.size(), 0);
     for (std::size_t i = 0; i < awake.size(); ++i) {

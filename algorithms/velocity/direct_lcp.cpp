@@ -189,7 +189,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     }
     return false;
   }
-  // Through softer problems, whose paths have fewer changes.
+  // Through softer problems, which have fewer changes along their paths.
   bool softly() {
     const double cfm = m_cfm;
     bool right = true;

@@ -114,7 +114,7 @@ inline void addClipped(bool refIsFirst, const ClipScratch3& s, const Triple& p, 
 }
 
 /// Clips an edge of `inc` between two vertices against the side planes of the reference face, with tolerances as for a
-/// face. If both are one vertex, the result is a point, whose number needs no tolerance to be stable.
+/// face. If both are one vertex, the result is a point; its number needs no tolerance to be stable.
 inline void clipEdge(const Reference3& ref, const Core3& inc, const IndexedArray<int, 2>& vertices,
                      const PlacedPair<3>& pair, ClipScratch3& scratch, std::vector<PatchPoint<3>>& out) {
   const int ends = vertices[0] == vertices[1] ? 1 : 2;

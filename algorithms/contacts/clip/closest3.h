@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Closest points of cores that are apart and whose nearest features have no separating axis of SAT: two corners, a
+// Closest points of cores that are apart and have nearest features without a separating axis of SAT: two corners, a
 // corner and an edge, parallel edges.
 #pragma once
 

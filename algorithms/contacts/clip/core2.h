@@ -77,7 +77,7 @@ inline Core2 makeFacing2(const ShapeView<2>& s, const Pose<2>* X_12, const Vec<2
   return {storage.v.data(), storage.n.data(), static_cast<int>(storage.v.size())};
 }
 
-/// The edge of `c` whose normal is most along `d`.
+/// The edge of `c` with the normal most along `d`.
 inline int edgeAlong(const Core2& c, const Xy& d) {
   int best = 0;
   Real most = dot(c.n[0], d);

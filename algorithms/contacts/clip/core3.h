@@ -165,7 +165,7 @@ inline Core3 makeFacing3(const ShapeView<3>& s, const Pose<3>* X_12, const Vec<3
   return {v.data(), storage.n.data(), &polygonTopology(v.size()), count};
 }
 
-/// The face of `c` whose normal is most along `d`; with a vertex, only among the faces around it.
+/// The face of `c` with the normal most along `d`; with a vertex, only among the faces around it.
 inline int faceAlong(const Core3& c, const Vec<3>& d, int vertex = -1) {
   const Triple towards(d);
   int best = -1;

@@ -85,7 +85,7 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
   // Shape 1's face is preferred unless shape 2's is clearly better, and faces unless an edge pair is clearly better, so
   // that equal axes do not alternate.
   const Real best = axes.best();
-  if (!(best > -std::numeric_limits<Real>::infinity())) return;  // sizes whose sums are not finite
+  if (!(best > -std::numeric_limits<Real>::infinity())) return;  // sums of sizes are not finite
   const auto near = [&](Real separation) { return separation + pair.tolerance >= best; };
   const auto tryFirst = [&] {
     return near(axes.face1.separation) &&

@@ -29,7 +29,7 @@ inline bool climbToPeak(const Polytope<3>& hull, const Vec<3>& d, int start, Rea
   auto& [top, count] = peak;
   top[0] = start, count = 1;
   Real most = height(start);
-  std::size_t seen = 0;  // number of vertices whose neighbours are all known
+  std::size_t seen = 0;  // number of vertices with all neighbours known
   while (seen < count) {
     for (const Polytope<3>::Spoke& s : hull.spokesOf(top[seen++])) {
       const Real h = height(s.to);

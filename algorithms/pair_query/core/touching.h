@@ -345,7 +345,7 @@ class TouchingPoint {
                  w = m_polygonB[0] - m_polygonA[0];
     const Real area = e[0] * f[1] - e[1] * f[0], length2 = e.squaredNorm();
     Real t = 0;
-    // Crossing lines meet in one point; (nearly) parallel ones share an interval, whose middle is taken.
+    // Crossing lines meet in one point; (nearly) parallel ones share an interval; its middle is taken.
     if (std::abs(area) > kSharedStretchSine * e.norm() * f.norm()) {
       t = (w[0] * f[1] - w[1] * f[0]) / area;
     } else {

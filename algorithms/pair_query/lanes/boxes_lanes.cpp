@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Boxes, as in SatBoxes (sat_boxes3.h explains each step). Pairs whose features meet in more than a point are left to
-// the scalar code: their closest point is the middle of a polygon.
+// Boxes, as in SatBoxes (sat_boxes3.h explains each step). Pairs with features that meet in more than a point are left
+// to the scalar code: their closest point is the middle of a polygon.
 #include "algorithms/pair_query/lanes/pair_lanes.h"
 
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)

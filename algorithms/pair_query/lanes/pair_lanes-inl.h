@@ -80,7 +80,7 @@ HWY_INLINE void copyFour(const Real* from, Real* to) {
   for (std::size_t k = 0; k < 4; k += hn::Lanes(Four())) hn::StoreU(hn::LoadU(Four(), from + k), Four(), to + k);
 }
 
-/// Squares whose root may be taken directly: makeUnit of core_pair.h.
+/// Squares of safe size for a direct square root: makeUnit of core_pair.h.
 HWY_INLINE Mask isSafeSquare(Lane square) { return hn::And(square > all(kSafeSquare), square < all(1 / kSafeSquare)); }
 
 /// As many pairs as there are lanes, transposed.

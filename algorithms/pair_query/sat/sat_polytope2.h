@@ -21,8 +21,8 @@ class SatPolytope<2, Watch> {
     fill(pair.b, pair.p, pair.r, m_b);
     testNormals(pair, m_a, m_b, 1, best, work);
     testNormals(pair, m_b, m_a, -1, best, work);
-    // For cores that are apart, the nearest features are a vertex and an edge, whose normal has been tested, or two
-    // vertices.
+    // For cores that are apart, the nearest features are two vertices, or a vertex and an edge; normals of edges have
+    // been tested.
     if (best.bound <= -kBoundRounding * pair.scale) return;
     Real least = std::numeric_limits<Real>::infinity();
     for (const Vec<2>& a : m_a.vertices) {

@@ -121,7 +121,7 @@ class SatPolytope<3, Watch> {
       }
     }
   }
-  // A face whose plane has the ball's centre no higher than this proves no more than the best.
+  // A face with the ball's centre no higher than this above its plane proves no more than the best.
   Real lowFor(const SatCore& other) const { return least() + other.inner - kFaceRounding * m_pair->scale; }
 
   // Tests first those vertices of the other core that rejected earlier faces, the latest one first.
@@ -155,10 +155,10 @@ class SatPolytope<3, Watch> {
          ofA ? SatFeatures{Kind::faceOfA, face, low[0]} : SatFeatures{Kind::faceOfB, low[0], face}, all);
   }
 
-  // Selects the edges whose normals may still prove more than the best. All normals of an edge are normalised sums of
-  // those of its two faces. If some point of the other core is so low that both of these prove no more than c, so does
-  // every normal between: for negative c a longer sum proves less, for positive c at most 1 / cos(half the angle) times
-  // as much. Such a point is a vertex that rejected a face, or the centre of the ball, which reaches lower by its
+  // Selects the edges with normals that may still prove more than the best. All normals of an edge are normalised sums
+  // of those of its two faces. If some point of the other core is so low that both of these prove no more than c, so
+  // does every normal between: for negative c a longer sum proves less, for positive c at most 1 / cos(half the angle)
+  // times as much. Such a point is a vertex that rejected a face, or the centre of the ball, which reaches lower by its
   // radius.
   void pickRidges(const SatCore& of, const SatCore& other, std::vector<SatRidge>& out) const {
     const Real low = lowFor(other), surely = std::min(low, Real(0));

@@ -236,9 +236,9 @@ class BlockLu : public BlockPattern {
     }
   }
   Block& diagonal(int node) { return m_diagonal[m_place[node]]; }
-  /// Block whose rows belong to the node that is eliminated later.
+  /// Block with the rows of the node that is eliminated later.
   Block& below(std::size_t at) { return m_below[at]; }
-  /// Block whose columns belong to the node that is eliminated later.
+  /// Block with the columns of the node that is eliminated later.
   Block& above(std::size_t at) { return m_above[at]; }
 
   /// Returns false if A is singular.

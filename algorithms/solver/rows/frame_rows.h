@@ -81,7 +81,7 @@ struct Axis {
       throw UserError("'" + kind + "' has a rest, but no spring; valid: stiffness > 0, or rest=0");
     }
   }
-  // `make()` appends a row whose error is B's position.
+  // `make()` appends a row with B's position as error.
   template <int D, class Make>
   void addLimits(JointRows<D>& out, const Make& make) const {
     if (lower == -kFarLimit && upper == kFarLimit) {

@@ -46,7 +46,7 @@ class JointSystem {
  public:
   IndexedVector<JointBlock<D>> blocks;
   IndexedVector<JointRow<D>> rows;
-  std::vector<std::int32_t> rowless;  // joints whose rows are all absent now
+  std::vector<std::int32_t> rowless;  // joints without present rows
 
   std::span<JointRow<D>> of(const JointBlock<D>& block) { return rows.part(block.first, block.count); }
   std::span<const JointRow<D>> of(const JointBlock<D>& block) const { return rows.part(block.first, block.count); }

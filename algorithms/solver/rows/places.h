@@ -17,7 +17,7 @@ struct Places {
   IndexedSpan<Vec<D>> way;
 
   bool empty() const { return start.empty(); }
-  /// Poses of two bodies in a frame whose origin is A's start.
+  /// Poses of two bodies in a frame with A's start as origin.
   std::array<Pose<D>, 2> pair(const Bodies<D>& bodies, std::int32_t a, std::int32_t b) const {
     return {Pose<D>{way[a], bodies.pose[a].q}, Pose<D>{(start[b] - start[a]) + way[b], bodies.pose[b].q}};
   }

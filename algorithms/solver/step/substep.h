@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Shared by solvers that move bodies several times per detection: contacts whose separations follow from the anchors,
-// joints whose rows are made again, warm starting from sub-step to sub-step, restitution at the end of the step.
+// Shared by solvers that move bodies several times per detection: contacts with separations that follow from the
+// anchors, joints with renewed rows, warm starting from sub-step to sub-step, restitution at the end of the step.
 #pragma once
 
 #include <algorithm>
