@@ -73,7 +73,8 @@ def errors(rows):
         grade = f"worse in *{row.figure}*" if row.grade == "worse" else row.grade
         equal = told.setdefault(grade, {})
         equal.setdefault("" if row.grade == "exact" else f" {row.amount}", []).append(row.name)
-    texts = [f"{grade}: " + "; ".join(", ".join(names) + amount for amount, names in equal.items()) for grade, equal in told.items()]
+    texts = [f"{grade}: " + "; ".join(", ".join(names) + amount for amount, names in equal.items())
+             for grade, equal in told.items()]
     return ". ".join(text[0].upper() + text[1:] for text in texts)
 
 
@@ -100,11 +101,12 @@ def block(groups):
     rows = [row for group in groups.values() for problem in group.values() for row in problem["rows"]]
     near = sum(row.error <= 0.01 for row in rows) / len(rows)
     lines = ["<!-- answers -->", "## Summary", "",
-             f"{sum(map(len, groups.values()))} problems have {len({(row.problem, row.figure) for row in rows})} figures, which are "
-             f"measured {len(rows):,} times by {len({row.name for row in rows})} methods and variants. {100 * near:.0f} % of the "
-             "measurements are within 1 %.", "", *summary(rows)]
+             f"{sum(map(len, groups.values()))} problems have {len({(row.problem, row.figure) for row in rows})} figures, which "
+             f"are measured {len(rows):,} times by {len({row.name for row in rows})} methods and variants. {100 * near:.0f} % of "
+             "the measurements are within 1 %.", "", *summary(rows)]
     for group, problems in groups.items():
-        lines += ["", f"## {group}", "", "| problem | formula | setup | largest error of each method |", "| --- | --- | --- | --- |"]
+        lines += ["", f"## {group}", "", "| problem | formula | setup | largest error of each method |",
+                  "| --- | --- | --- | --- |"]
         lines += [f"| {name} | {p['formula']} | {p['setup']} | {errors(p['rows'])} |" for name, p in problems.items()]
     return "\n".join([*lines, "<!-- end -->"])
 
@@ -153,7 +155,7 @@ def main(arguments=None):
     parser.add_argument("--page", metavar="FILE", type=Path, default=PAGE,
                         help="the page to write, between '<!-- answers -->' and '<!-- end -->'")
     parser.add_argument("--measured", metavar="FILE", type=Path, action="append", default=[],
-                        help="output of test_known_answers_f64 or _f32 with LPC_PRINT_ANSWERS=1: corrects the data; may be repeated")
+                        help="output of test_known_answers_f64 or _f32 with LPC_PRINT_ANSWERS=1; corrects the data")
     options = parser.parse_args(arguments)
     try:
         lines = options.data.read_text(encoding="utf-8").splitlines()
