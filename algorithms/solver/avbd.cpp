@@ -20,8 +20,7 @@ using namespace solver;
 //
 // All quantities are velocities u, with which a body moves through the step, and impulses. A spring k becomes h^2 k, a
 // mass, stored as a multiple of the row's effective mass, so that results do not depend on the masses of the scene. A
-// joint has one multiple for its metres and one for its radians, and a point has one for both tangents; separate ones
-// would distinguish the world axes.
+// joint has one multiple for its metres and one for its radians, a point one for both tangents (more depend on axes).
 //
 // Contacts are linearised at the start of the step and joints at the end of the last iteration, as in the authors'
 // demo. The arms of the two then belong to different poses, so bodies that press on each other while they turn on
