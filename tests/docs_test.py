@@ -398,7 +398,7 @@ class Tables(unittest.TestCase):
                 ("BodyDef", "problem/body.h", "shapes.md", "A body"),
                 ("JointDef", "problem/joint.h", "joints.md", "A joint"),
                 ("ForceDef", "problem/force.h", "forces.md", "A force"),
-                ("ContactListener", "world/contact_listener.h", "listeners.md", "Who hears what")]:
+                ("ContactListener", "world/contact_listener.h", "listeners.md", "When each call comes")]:
             rows = tables_of((SOURCE / "docs" / page).read_text(), "## ")[section]
             told = {name for row in rows for name in re.findall(r"`(\w+)", row[0])}
             self.assertEqual(told, members((SOURCE / "framework" / header).read_text(), struct), struct)
