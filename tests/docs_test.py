@@ -36,7 +36,7 @@ ELSEWHERE = {
                               "joints": ["A joint", "The kinds"],
                               "forces": ["A force", "The kinds", "Forces by code"],
                               "listeners": ["The calls", "Contacts without a listener"]}.items() for section in sections},
-    **{("docs/sandbox.md", section): "tests/sandbox/sandbox_test.py" for section in ("", "What is done by hand")},
+    **{("docs/sandbox.md", section): "tests/sandbox/sandbox_test.py" for section in ("", "Sessions as scripts")},
     ("docs/adding_an_algorithm.md", "In ten minutes: a broadphase"): "tests/growth/run.cmake",
     ("docs/adding_an_algorithm.md", "A resolver"): "tests/growth/run.cmake",
     ("docs/adding_an_algorithm.md", "Outside this tree"): "tests/embedding/run.cmake",
