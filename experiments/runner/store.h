@@ -40,7 +40,7 @@ struct StoredTrial {
 };
 
 /// The result store: one SQLite file. A finished trial is one transaction, so a killed process loses no finished trial
-/// and leaves nothing half-written. docs/manual.md describes tables and metric names.
+/// and leaves nothing half-written. docs/reference_results.md describes tables and metric names.
 class Store {
  public:
   /// Opens it, or creates it if `create`. Throws UserError if the file is not a store or has another schema.
@@ -58,7 +58,7 @@ class Store {
     std::map<std::string, double> metrics;  // that are numbers
   };
   std::optional<Row> measured(const std::string& key);
-  /// The last poses of a trial, by body as docs/manual.md describes; empty if not kept.
+  /// The last poses of a trial, by body as docs/reference_results.md describes; empty if not kept.
   std::vector<double> lastPoses(const std::string& key);
   /// The only trial with a key that begins so. Throws UserError if there is none, or more than one.
   StoredTrial find(const std::string& keyBegin);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A sweep file (TOML, experiments/sweeps/*.toml): axes, the product of which is the set of cells. docs/manual.md
-// describes the format.
+// A sweep file (TOML, experiments/sweeps/*.toml): axes, the product of which is the set of cells.
+// docs/reference_sweeps.md describes the format.
 #pragma once
 
 #include <map>
