@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a chart draws of a pair of shapes: outlines of known areas, of every kind that there is.
+// The outlines that a chart draws of a pair of shapes have the known areas, for every kind.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -50,7 +50,7 @@ TEST(Outline, HasTheAreaOfTheShadow) {
   expectCaught("outline: the core alone is drawn", near(areaOf(Shape<2>::box({1, 2})), 8 + 12 + kPi));
 }
 
-// The ground that a ball is near has its edge under the ball, at the height of the plane.
+// The drawn ground near a ball has its edge under the ball, at the height of the plane.
 TEST(Outline, OfAHalfSpaceIsTheGroundUnderTheOther) {
   const json flat = outlines<2>({.a = Shape<2>::sphere(1), .b = Shape<2>::plane(), .X_AB = {{100, -3}, {}}});
   double top = -1e9, left = 1e9, right = -1e9;
