@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// This build's histories against the pinned ones, and a planted last bit that must be found where it was planted. The
-// other builds are made and compared by run.cmake.
+// This build's histories against the pinned ones, and a planted last bit that must be located. run.cmake makes and
+// compares the other builds.
 #include <gtest/gtest.h>
 
 #include <sstream>
