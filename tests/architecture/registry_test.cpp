@@ -31,8 +31,7 @@ TEST(RegistryRules, EveryStageHasACompetitorInBothDimensions) {
 }
 
 // "| stage | a, b, c |" rows between the marks in docs/architecture.md. A new algorithm may be missing from the page
-// until
-// it is accepted (.ci/run is strict); the page may not name an unknown algorithm.
+// until it is accepted (.ci/run is strict); the page may not name an unknown algorithm.
 TEST(RegistryRules, TheArchitecturePageNamesOnlyWhatIsRegistered) {
   const std::string page = read("docs/architecture.md");
   const std::size_t begin = page.find("<!-- registry -->"), end = page.find("<!-- end -->");

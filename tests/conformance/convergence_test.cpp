@@ -105,8 +105,7 @@ TEST(ConvergenceEigenvalues, AreThoseOfTheBooks) {
 }
 
 /// Friction small enough for a unique solution. With De Saxce's correction, the problem is to find impulses x in their
-/// cones with
-/// F(x) = W x + v + mu |u_t| n in the dual cones. By the eigenvalues of W,
+/// cones, with F(x) = W x + v + mu |u_t| n in the dual cones. By the eigenvalues of W,
 /// (F(x) - F(y)) . (x - y) >= (least - mu largest) |x - y|^2; for two solutions the left side is never positive.
 /// A pyramid's |u_t| is up to sqrt(2) times as large.
 template <int D>
@@ -251,7 +250,7 @@ struct Named {
   const char* name;
   const char* ofJoints;  // the same property of joints: a failure declared of one is declared of the other
   void (*property)(const Subject<D>&, Draw&);
-  std::vector<Bug> bugs;  // that it must catch
+  std::vector<Bug> bugs;  // that the property must catch
 };
 
 template <int D>

@@ -24,8 +24,8 @@ ImpactScene<D> tiltedRod(Real half, Real mass, Real angle, const Vec<D>& v, Real
   return s;
 }
 
-// R3 where Newton's law does not promise it: several contacts with friction and different e, or the single contact of a
-// rod that falls obliquely and starts to slide back during the impact (Kane and Levinson 1985).
+// R3 where Newton's law does not promise it. One case has several contacts with friction and different e. The other has
+// the single contact of a rod that falls obliquely and starts to slide back during the impact (Kane and Levinson 1985).
 template <int D>
 void addsNoEnergy(const Step<D>& step, Draw& draw) {
   ImpactScene<D> before;

@@ -112,7 +112,7 @@ template <int D>
 struct Named {
   const char* name;
   void (*property)(const Subject<D>&, Draw&);
-  Bug bug;  // that it must catch, in a pivot
+  Bug bug;  // that the property must catch, in a pivot
 };
 
 template <int D>

@@ -76,7 +76,7 @@ ImpactScene<D> image(const ImpactScene<D>& scene, const std::vector<Pose<D>>& ma
   return s;
 }
 
-// R8
+// R8: in a mirror.
 template <int D>
 void mirrors(const Subject<D>& on, Draw& draw) {
   std::vector<Pose<D>> made;
@@ -110,7 +110,7 @@ Spec heavier(const Spec& spec, Real k) {
   return out;
 }
 
-// R11
+// R11: in another unit of mass.
 template <int D>
 void weighs(const Subject<D>& on, Draw& draw) {
   const auto before = drawFalling(draw, on.kind(), draw.coin());
@@ -155,7 +155,7 @@ struct Named {
   const char* name;
   const char* declared;  // the property that solvers declare failed with a pivot
   std::function<void(const Subject<D>&, Draw&)> property;
-  JointBug bug;  // that it must catch in `of`
+  JointBug bug;  // that the property must catch in `of`
   const char* of;
 };
 

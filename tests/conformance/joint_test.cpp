@@ -141,7 +141,7 @@ template <int D>
 struct Named {
   const char* name;
   std::function<void(const Subject<D>&, Draw&)> property;
-  JointBug bug;    // that it must catch ...
+  JointBug bug;    // that the property must catch ...
   const char* of;  // ... in this kind
 };
 
@@ -435,7 +435,7 @@ JointError errorAfter(const Kind<D>& kind, const std::string& text, Real apart) 
   return {share(after.linear, before.linear), share(after.angular, before.angular)};
 }
 
-// R16: metres and radians.
+// R16: errors in metres and radians shrink.
 template <int D>
 void errorsShrink() {
   for (const std::string& kind : everyKind<D>()) {

@@ -120,8 +120,8 @@ TEST(PairLanes, AnswerMostPairs) {
   }
 }
 
-// Planted bugs in one pair of each batch that lanes would answer: the last bit differs, as by a fused multiply-add; or
-// the answer is the neighbour's, as by a lane stored one off; or its work is not counted.
+// Planted bugs, each in one pair of a batch that lanes would answer. Either the last bit differs, as by a fused
+// multiply-add. Or the answer is the neighbour's, as by a lane stored one off. Or the work is not counted.
 class Spoiled final : public PairQuery<3> {
  public:
   enum Way { lastBit, neighbour, uncounted };

@@ -70,7 +70,7 @@ Shape<D> larger(const Shape<D>& shape, Draw& draw) {
   return Shape<D>::polytope(std::span<const Vec<D>>(points), v.radius + rounding);
 }
 
-// N12
+// N12: a larger shape is not farther away.
 template <int D>
 void supersetIsNearer(PairQuery<D>& method) {
   const auto pair = drawAsked<D>(method);

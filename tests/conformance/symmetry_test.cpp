@@ -163,7 +163,7 @@ template <int D>
 struct Named {
   const char* name;
   void (*property)(Solver<D>&, Draw&);
-  std::vector<Bug> bugs;  // that it must catch
+  std::vector<Bug> bugs;  // that the property must catch
 };
 template <int D>
 std::vector<Named<D>> properties() {

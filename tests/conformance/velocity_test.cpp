@@ -238,7 +238,7 @@ template <int D>
 struct Named {
   const char* name;
   Property<D> property;
-  Bug bug;              // that it must catch
+  Bug bug;              // that the property must catch
   int iterations = 10;  // that a correct solver needs
 };
 

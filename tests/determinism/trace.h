@@ -2,8 +2,8 @@
 // Where two builds diverge: every number of a scene's history as text, step by step and stage by stage, and the first
 // number that differs between the builds.
 //
-// heap_2d 41 contacts 3-7 3fe0000000000000 bfb999999999999a ...
-// scene, step, stage, body or pair, bit patterns
+//   heap_2d 41 contacts 3-7 3fe0000000000000 bfb999999999999a ...
+//   scene, step, stage, body or pair, bit patterns
 #pragma once
 
 #include <iosfwd>

@@ -96,15 +96,14 @@ TEST_F(KnownAnswer, impact_unequal_restitution) {
   }
 }
 
-// Kane and Levinson 1985. A rod of 1 kg and 1 m at 50 degrees, with its lower end to the left of its centre, falls on
-// that end with 1 m/s while it moves to the right with 1/2 m/s; mu = 0.7, e = 1, no gravity. With (x, y) from the
-// centre
-// to the contact, the response (dv_n, dv_t) = G (normal, tangential impulse) at the contact is
-// G = [1/m + x^2/I, -x y/I; -x y/I, 1/m + y^2/I].
+// Kane and Levinson 1985. A rod of 1 kg and 1 m at 50 degrees has its lower end to the left of its centre. It falls on
+// that end with 1 m/s while it moves to the right with 1/2 m/s; mu = 0.7, e = 1, no gravity. Let (x, y) lead from the
+// centre to the contact. Then the response (dv_n, dv_t) = G (normal, tangential impulse) at the contact is
+//   G = [1/m + x^2/I, -x y/I; -x y/I, 1/m + y^2/I].
 // Friction is strong enough to end sliding in each phase, which the test checks. So
-// Newton:   impulse G^-1 ((1 + e) |v_n|, -v_t), after which v_n = e |v_n| and v_t = 0;
-// Poisson:  compression c = G^-1 (|v_n|, -v_t) ends all motion of the contact; restitution is e c_n, and, to
-// keep the contact from sliding, -G_tn / G_tt e c_n.
+//   Newton:   impulse G^-1 ((1 + e) |v_n|, -v_t), after which v_n = e |v_n| and v_t = 0;
+//   Poisson:  compression c = G^-1 (|v_n|, -v_t) ends all motion of the contact; restitution is e c_n, and, to keep the
+//             contact from sliding, -G_tn / G_tt e c_n.
 // The energy grows by (v before + v after) . impulse / 2. By Newton's law the contact slides back before the impact
 // ends, and the friction that stopped it then does work on the rod.
 struct Blow {

@@ -80,8 +80,8 @@ TEST_F(KnownAnswer, welded_cantilever) {
   cantilever<3>(5);
 }
 
-// A motor with half the torque that would hold the rod level lifts it from hanging until its work equals that of the
-// weight: T a = m g l (1 - cos a).
+// A motor has half the torque that would hold the rod level. It lifts the rod from hanging until its work equals that
+// of the weight: T a = m g l (1 - cos a).
 template <int D>
 void stalledMotor() {
   const double share = 0.5, torque = share * kG * 0.5;

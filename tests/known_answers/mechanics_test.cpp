@@ -84,8 +84,8 @@ TEST_F(KnownAnswer, sliding_wedge) {
   }
 }
 
-// A force F on the lower of two boxes, on a smooth floor: the upper one stays on it if and only if F <= mu g (m + M);
-// otherwise it accelerates at mu g.
+// A force F acts on the lower of two boxes, on a smooth floor. The upper one stays on it if and only if F <= mu g (m +
+// M); otherwise it accelerates at mu g.
 TEST_F(KnownAnswer, block_on_block) {
   const double mu = 0.5, limit = mu * kG * 3;  // 1 kg on 2 kg
   for (const char* solver : kSolvers) {

@@ -110,9 +110,9 @@ void rests() {
 }
 TEST_F(KnownAnswer, slope_forces) { rests<2>(), rests<3>(); }
 
-// A ladder at 55 degrees against a smooth wall holds if and only if mu >= cot / 2 at the floor; against a wall as rough
-// as the floor, if and only if mu >= sqrt(1 + tan^2) - tan. With ends of radius r, where friction has an arm, the
-// limits are mu >= c / 2 (s + k), k = r / L, and mu^2 (c + 2 k) + 2 mu (s + k) = c.
+// A ladder at 55 degrees against a smooth wall holds if and only if mu >= cot / 2 at the floor. Against a wall as rough
+// as the floor it holds if and only if mu >= sqrt(1 + tan^2) - tan. Friction has an arm at ends of radius r = k L. Then
+// the limits are mu >= c / 2 (s + k) and mu^2 (c + 2 k) + 2 mu (s + k) = c.
 TEST_F(KnownAnswer, ladder) {
   const double angle = 55 * kDegree, half = 1, radius = 0.02, c = std::cos(angle), k = radius / (2 * half);
   const double s = std::sin(angle) + k, least = (std::sqrt(s * s + c * (c + 2 * k)) - s) / (c + 2 * k);

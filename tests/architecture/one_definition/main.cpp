@@ -3,7 +3,7 @@
 // This program reads object files compiled without optimisation, where one definition gives one code. It names each
 // weak function of LPC with different code in two files.
 //
-// one_definition FOLDER...      exit code 1 when there is one
+//   one_definition FOLDER...      exit code 1 when there is one
 #include <elf.h>
 
 #include <cstring>
