@@ -74,7 +74,7 @@ std::string wordsOf(const std::string& line, const std::string& kind, bool& inEx
   return at == line.npos ? "" : line.substr(at);
 }
 
-TEST(Paths, EveryNamedPathIsThere) {
+TEST(Paths, EveryNamedPathExists) {
   std::vector<fs::path> files = {kRoot / "README.md", kRoot / "CHANGELOG.md", kRoot / "CMakeLists.txt"};
   for (const char* folder : {"framework", "algorithms", "oracles", "experiments", "tests", "reports", "docs"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) files.push_back(entry.path());
@@ -98,7 +98,7 @@ TEST(Paths, EveryNamedPathIsThere) {
   EXPECT_GT(named, 100) << "the files are not read";
 }
 
-TEST(Paths, AMissingOneIsFound) {
+TEST(Paths, AMissingPathIsFound) {
   using Paths = std::vector<std::string>;
   EXPECT_EQ(missing("see `tests/framework/no_such_test.cpp`."), Paths{"tests/framework/no_such_test.cpp"});
   EXPECT_EQ(missing("(framework/world/world.h, no_such.h)"), Paths{"no_such.h"});

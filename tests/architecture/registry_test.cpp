@@ -54,7 +54,7 @@ TEST(RegistryRules, TheArchitecturePageNamesOnlyWhatIsRegistered) {
 }
 
 // | `stage` `name` | source | departs in | why | `setting` | in docs/sources.md.
-TEST(RegistryRules, TheSourcesPageSaysWhatIsRegistered) {
+TEST(RegistryRules, TheSourcesPageMatchesTheRegistry) {
   const std::string page = read("docs/sources.md");
   const std::regex row("\n\\| `([a-z_]+)` `([a-z_]+)` \\| ([^|]+) \\| ([^|]*) \\| [^|]* \\| ?`?([^|`]*)`? \\|");
   int methods = 0, same = 0;
@@ -140,7 +140,7 @@ TEST(RegistryRules, EveryMethodSaysItsEffort) {
   test::expectCaught("registry: effort beside a reason for none", saysItsEffort(both));
 }
 
-TEST(RegistryRules, RolesAreOfNumbersThatCanBeSet) {
+TEST(RegistryRules, ParametersWithRolesAreSettableNumbers) {
   for (const auto& [key, r] : Registry::instance().all()) {
     for (const ParamInfo& p : r.params) {
       EXPECT_NE(p.name, "effort") << r.info.name << ": what stars of sweeps call the first of this role";
@@ -164,7 +164,7 @@ TEST(RegistryRules, RolesAreOfNumbersThatCanBeSet) {
 
 // The friction law of a spec is that of its choices. Each choice of a parameter `friction` is a different law. Every
 // law has a method.
-TEST(RegistryRules, EveryFrictionLawIsSomebodys) {
+TEST(RegistryRules, EveryFrictionLawHasAMethod) {
   std::set<std::string_view> used;
   for (const auto& [key, r] : Registry::instance().all()) {
     used.insert(frictionLawName(frictionLaw(r.info, Spec{r.info.name, {}})));

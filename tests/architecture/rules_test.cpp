@@ -276,7 +276,7 @@ TEST(Rules, IncludeRulesCatchBreaches) {
 }
 
 // A source outside these folders would be in no list of CMake, and would not be compiled.
-TEST(Rules, EverySourceStandsInAFolderThatHasARule) {
+TEST(Rules, EverySourceIsInAFolderWithARule) {
   const auto stands = [](const std::string& file) {
     return std::any_of(kAllowances.begin(), kAllowances.end(), [&](const Allowance& row) {
       const std::string folder = row.folder.ends_with("/.") ? row.folder.substr(0, row.folder.size() - 1) : row.folder;
@@ -297,7 +297,7 @@ TEST(Rules, EverySourceStandsInAFolderThatHasARule) {
   }
 }
 
-TEST(Rules, EveryStageHasItsFolderAndNobodyElse) {
+TEST(Rules, AlgorithmFoldersAreThoseOfStages) {
   std::set<std::string> folders, names;
   for (const auto& entry : fs::directory_iterator(LPC_SOURCE_DIR "/algorithms")) {
     if (entry.is_directory()) folders.insert(entry.path().filename().string());

@@ -206,7 +206,7 @@ TEST(ApproximatePairQuery, FailsACaseByItsSideAlone) {
 }
 
 // NaN and infinity end with QueryStatus::failed.
-TEST(ApproximatePairQuery, WhatIsNoNumberHasFailed) {
+TEST(ApproximatePairQuery, NanAndInfinityFail) {
   const auto mpr = createStage<PairQuery<3>>(Spec{"mpr", {}});
   const Shape<3> box = Shape<3>::box({1, 1, 1}, 0), capsule = Shape<3>::capsule(1, Real(0.5));
   for (const Real bad : {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity()}) {

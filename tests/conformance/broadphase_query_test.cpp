@@ -215,8 +215,8 @@ void checkWornQueries() {
         100);
   }
 }
-TEST(BroadphaseQueries, WornTwoDimensions) { checkWornQueries<2>(); }
-TEST(BroadphaseQueries, WornThreeDimensions) { checkWornQueries<3>(); }
+TEST(BroadphaseQueries, AgedTwoDimensions) { checkWornQueries<2>(); }
+TEST(BroadphaseQueries, AgedThreeDimensions) { checkWornQueries<3>(); }
 
 // --- planted bugs ----------------------------------------------------------------------------------------------------
 
@@ -323,9 +323,9 @@ void expectWornOut(const std::string& name) {
       },
       100);
 }
-TEST(BroadphasePlantedBugs, AsAdded) { expectWornOut<AsAdded>("answers with the boxes that were added"); }
-TEST(BroadphasePlantedBugs, KeepsTheGone) { expectWornOut<KeepsTheGone>("keeps who was removed"); }
-TEST(BroadphasePlantedBugs, LooksBack) { expectRefused<LooksBack>("looks back"); }
+TEST(BroadphasePlantedBugs, AnswersWithAddedBoxes) { expectWornOut<AsAdded>("answers with the boxes that were added"); }
+TEST(BroadphasePlantedBugs, KeepsRemovedProxies) { expectWornOut<KeepsTheGone>("keeps who was removed"); }
+TEST(BroadphasePlantedBugs, RayHitsBehindItsOrigin) { expectRefused<LooksBack>("looks back"); }
 
 }  // namespace broadphase_query_test
 }}}  // namespace lpc::LPC_PRECISION::test

@@ -220,7 +220,7 @@ void checkWhoTells() {
     EXPECT_EQ(levels > 1, isTree) << spec;
   }
 }
-TEST(BroadphaseStructure, WhoTells) {
+TEST(BroadphaseStructure, EveryStructureReportsParts) {
   checkWhoTells<2>();
   checkWhoTells<3>();
 }
@@ -237,16 +237,18 @@ template <template <int> class Bug>
 void expectRefused(const std::string& name) {
   expectFalsified("planted bug: " + name, caseOf<Bug>);
 }
-TEST(BroadphaseStructurePlantedBugs, NoneInTheirBases) {
+TEST(BroadphaseStructurePlantedBugs, CorrectBasesPass) {
   check("cells without a mistake", caseOf<TellsCells>, 20);
   check("a tree without a mistake", caseOf<TellsTree>, 20);
 }
 TEST(BroadphaseStructurePlantedBugs, Truncated) { expectRefused<TellsTruncated>("tells truncated cells"); }
 TEST(BroadphaseStructurePlantedBugs, FirstCell) { expectRefused<TellsFirstCell>("tells the first cell alone"); }
-TEST(BroadphaseStructurePlantedBugs, TheGone) { expectRefused<TellsTheGone>("tells who is gone"); }
+TEST(BroadphaseStructurePlantedBugs, RemovedBoxes) { expectRefused<TellsTheGone>("tells who is gone"); }
 TEST(BroadphaseStructurePlantedBugs, OldParents) { expectRefused<TellsOldParents>("tells parents as built"); }
 TEST(BroadphaseStructurePlantedBugs, ByLevels) { expectRefused<TellsByLevels>("tells by levels"); }
-TEST(BroadphaseStructurePlantedBugs, TellingTouches) { expectRefused<TellingTouches>("telling touches a step"); }
+TEST(BroadphaseStructurePlantedBugs, ReportingChangesTheNextStep) {
+  expectRefused<TellingTouches>("telling touches a step");
+}
 
 }  // namespace broadphase_structure_test
 }}}  // namespace lpc::LPC_PRECISION::test

@@ -85,7 +85,7 @@ TEST(BroadphaseGenerator, DrawsEverything) {
 }
 
 // Cells are sized by the active boxes of the sample, if it has any.
-TEST(BroadphaseSample, IsOfThoseWhoAreAwake) {
+TEST(BroadphaseSample, UsesAwakeBodies) {
   Proxies<2> proxies;
   proxies.resize(1000);
   std::vector<ProxyId> slots;
@@ -135,7 +135,7 @@ TEST(BroadphasePlantedBugs, KeepsFatPairs) { expectRefused<KeepsFatPairs>("keeps
 TEST(BroadphasePlantedBugs, InnerSpheres) { expectRefused<InnerSpheres>("inner spheres", Guarantee::conservative); }
 
 // The correct base of the planted bugs passes, so each bug is caught for its own fault.
-TEST(BroadphasePlantedBugs, NoneInTheirBase) {
+TEST(BroadphasePlantedBugs, CorrectBasePasses) {
   check(
       "twin without a mistake",
       [] {

@@ -326,9 +326,9 @@ TEST(Cache, CarriesFrictionAsAVector) {
   catches<FrictionAsNumbers, 3>("friction as two numbers", carriesFriction<3>);
 }
 
-TEST(Cache, LeavesTheRestAlone) {
-  onEveryCache<2>("Cache.LeavesTheRestAlone", leavesTheRestAlone<2>);
-  onEveryCache<3>("Cache.LeavesTheRestAlone", leavesTheRestAlone<3>);
+TEST(Cache, KeepsFreshGeometry) {
+  onEveryCache<2>("Cache.KeepsFreshGeometry", leavesTheRestAlone<2>);
+  onEveryCache<3>("Cache.KeepsFreshGeometry", leavesTheRestAlone<3>);
   catches<StaleManifold, 2>("stale manifold", leavesTheRestAlone<2>);
   catches<StaleManifold, 3>("stale manifold", leavesTheRestAlone<3>);
 }
@@ -357,9 +357,9 @@ TEST(Cache, GivesAnImpulseOnce) {
   catches<GivesToAllAround, 3>("given to all around", givesAnImpulseOnce<3>);
 }
 
-TEST(Cache, IsOfThisMoment) {
-  onEveryCache<2>("Cache.IsOfThisMoment", isOfThisMoment<2>);
-  onEveryCache<3>("Cache.IsOfThisMoment", isOfThisMoment<3>);
+TEST(Cache, CarriedContactsAreCurrent) {
+  onEveryCache<2>("Cache.CarriedContactsAreCurrent", isOfThisMoment<2>);
+  onEveryCache<3>("Cache.CarriedContactsAreCurrent", isOfThisMoment<3>);
   catches<LosesWhatIsLeftOut, 2>("left out and lost", isOfThisMoment<2>);
   catches<LosesWhatIsLeftOut, 3>("left out and lost", isOfThisMoment<3>);
   catches<StaleSeparations, 2>("separations of before", isOfThisMoment<2>);
@@ -369,7 +369,7 @@ TEST(Cache, IsOfThisMoment) {
 }
 
 // Hardly moved flat shapes are kept. Shapes that moved by a hand's width, and round shapes, are regenerated.
-TEST(Cache, RecyclingRecycles) {
+TEST(Cache, RecyclingKeepsShapesThatHardlyMoved) {
   const auto recycling = createStage<ContactCache<2>>({"recycling", {}});
   std::vector<ShapePair> regenerate;
   Moment<2> s;

@@ -101,8 +101,8 @@ void residualIsZeroAtTheAnswerAlone() {
                slides.left(n, 0.3 * n, false).natural < rounding);
   EXPECT_LT(sticks.left(n, m * sticks.down, false).natural, rounding);
 }
-TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone2) { residualIsZeroAtTheAnswerAlone<2>(); }
-TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone3) { residualIsZeroAtTheAnswerAlone<3>(); }
+TEST(ContactProblem, ResidualIsZeroAtTheSolutionOnly2) { residualIsZeroAtTheAnswerAlone<2>(); }
+TEST(ContactProblem, ResidualIsZeroAtTheSolutionOnly3) { residualIsZeroAtTheAnswerAlone<3>(); }
 
 // A NaN impulse or velocity in any row is no solution.
 template <int D>
@@ -120,8 +120,8 @@ void whatIsNoNumberIsNoAnswer() {
     EXPECT_TRUE(std::isnan(whole.problem.naturalMap(x, u).natural)) << i;
   }
 }
-TEST(ContactProblem, WhatIsNoNumberIsNoAnswer2) { whatIsNoNumberIsNoAnswer<2>(); }
-TEST(ContactProblem, WhatIsNoNumberIsNoAnswer3) { whatIsNoNumberIsNoAnswer<3>(); }
+TEST(ContactProblem, NanIsNoSolution2) { whatIsNoNumberIsNoAnswer<2>(); }
+TEST(ContactProblem, NanIsNoSolution3) { whatIsNoNumberIsNoAnswer<3>(); }
 
 // Methods that see the whole problem leave no residual. direct_lcp is exact in 2D only, where its friction pyramid is
 // the cone.
@@ -136,7 +136,7 @@ void nothingIsLeft(const std::string& spec, Draw& draw) {
     RC_LOG() << left.natural << '\n' << before << after;
   RC_ASSERT(left.natural < (kDouble ? 1e-6 : 1e-3) * double(before.speed()));
 }
-TEST(ContactProblem, NothingIsLeft2) {
+TEST(ContactProblem, ResidualVanishes2) {
   for (const char* spec : {"nncg{iterations=2000}", "direct_lcp{cfm=1e-5}", "admm{iterations=1000}"}) {
     check(
         std::string("2D ") + spec,
@@ -147,7 +147,7 @@ TEST(ContactProblem, NothingIsLeft2) {
         30);
   }
 }
-TEST(ContactProblem, NothingIsLeft3) {
+TEST(ContactProblem, ResidualVanishes3) {
   for (const char* spec : {"nncg{iterations=2000}", "admm{iterations=1000}"}) {
     check(
         std::string("3D ") + spec,
@@ -203,8 +203,8 @@ void everyMatrixMethod() {
   plant("friction is another", [](GivenProblem& p) { p.friction[0] = 0.31; });
   plant("what is wanted is another", [](GivenProblem& p) { p.velocity[0] *= 1.01; });
 }
-TEST(GivenProblem, IsSolvedAsItsBodiesAre2) { everyMatrixMethod<2>(); }
-TEST(GivenProblem, IsSolvedAsItsBodiesAre3) { everyMatrixMethod<3>(); }
+TEST(GivenProblem, SolutionSolvesItsBodies2) { everyMatrixMethod<2>(); }
+TEST(GivenProblem, SolutionSolvesItsBodies3) { everyMatrixMethod<3>(); }
 
 // Without its correction admm solves the convex law: a sliding body lifts off with mu times its speed. With it, the
 // body stays down.
@@ -220,8 +220,8 @@ void convexLifts() {
     EXPECT_LT(Whole<D>::left(before.scene, after, corrected).natural, 1e-6);
   }
 }
-TEST(Admm, WithoutCorrectionWhatSlidesLifts2) { convexLifts<2>(); }
-TEST(Admm, WithoutCorrectionWhatSlidesLifts3) { convexLifts<3>(); }
+TEST(Admm, WithoutCorrectionSlidingBodiesLift2) { convexLifts<2>(); }
+TEST(Admm, WithoutCorrectionSlidingBodiesLift3) { convexLifts<3>(); }
 
 // A plate falls on four posts, or is held by four rods. Each of the four pushes back the whole plate, or its share.
 double kineticAfter(const std::string& splitting, int iterations, bool rods) {
@@ -292,7 +292,7 @@ void noNumberIsNoAnswer() {
     EXPECT_EQ(solved(before.scene, *newton).work[WorkCount::fallbacks], std::uint64_t(D));
   }
 }
-TEST(ProximalNewton, NoNumberIsNoAnswer) { noNumberIsNoAnswer<2>(), noNumberIsNoAnswer<3>(); }
+TEST(ProximalNewton, LeavesNanToSweeps) { noNumberIsNoAnswer<2>(), noNumberIsNoAnswer<3>(); }
 
 // Bodies between others, with friction. Some of a few hundred drawn problems have no solution, or the passes do not
 // converge. The others are solved without residual.
@@ -309,13 +309,13 @@ int solvedOf(int problems) {
   }
   return right;
 }
-TEST(ProximalNewton, SolvesMostOfWhatIsWedged) {
+TEST(ProximalNewton, SolvesMostWedgedProblems) {
   EXPECT_GT(solvedOf<2>(300), 278);
   EXPECT_GT(solvedOf<3>(300), 259);
 }
 
 // s = A s + b, where A is far from a contraction: solved when there is one guess more than unknowns.
-TEST(Anderson, SolvesWhatIsLinear) {
+TEST(Anderson, SolvesLinearProblems) {
   PlainDraw draw(5);
   solver::Anderson anderson;
   for (int run = 0; run < 100; ++run) {
@@ -340,7 +340,7 @@ TEST(Anderson, SolvesWhatIsLinear) {
 }
 
 // Full and banded matrices.
-TEST(Dense, FactorsAnswerAsEigensDo) {
+TEST(Dense, SolutionsEqualThoseOfEigen) {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   PlainDraw draw(11);
   solver::SymmetricFactor symmetric;
@@ -374,7 +374,7 @@ TEST(Dense, FactorsAnswerAsEigensDo) {
 }
 
 // w = M z + q with M = A A^T + a skew part, which has a solution.
-TEST(Lemke, SolvesWhatItSays) {
+TEST(Lemke, SolutionsAreComplementary) {
   PlainDraw draw(7);
   Lemke lemke;
   for (int run = 0; run < 200; ++run) {

@@ -299,7 +299,7 @@ TEST(Contacts, DeclaredFailuresAreTested) {
   }
 }
 
-TEST(Contacts, NowhereIsNoContact) {
+TEST(Contacts, BodiesAtNanHaveNoContacts) {
   nowhereIsNoContact<2>();
   nowhereIsNoContact<3>();
 }

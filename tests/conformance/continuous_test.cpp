@@ -429,13 +429,13 @@ void savedAndLoaded() {
     }
   }
 }
-TEST(Continuous, SavedWorldsGoOn) {
+TEST(Continuous, SavedWorldsContinue) {
   savedAndLoaded<2>();
   savedAndLoaded<3>();
 }
 
 // If a method's query does not support a kind, it refuses the body; the message names the method and the kind.
-TEST(Continuous, RefusesKindsThatItCannotAsk) {
+TEST(Continuous, RefusesUnsupportedKinds) {
   Range<3> w("cast{method=conservative_advancement{query=closed_form}}");
   w.add(Shape<3>::sphere(Real(0.1)), at<3>(0, 0), at<3>(0, 0));
   try {

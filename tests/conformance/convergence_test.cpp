@@ -98,7 +98,7 @@ std::pair<double, double> extremeEigenvalues(std::vector<double> a, std::size_t 
   return {least, most};
 }
 
-TEST(ConvergenceEigenvalues, AreThoseOfTheBooks) {
+TEST(ConvergenceEigenvalues, EqualClosedForms) {
   const auto [least, most] = extremeEigenvalues({2, -1, 0, -1, 2, -1, 0, -1, 2}, 3);
   EXPECT_NEAR(least, 2 - std::sqrt(2.0), 1e-14);
   EXPECT_NEAR(most, 2 + std::sqrt(2.0), 1e-14);

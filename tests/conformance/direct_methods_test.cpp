@@ -73,8 +73,8 @@ void countsAreWhatIsDone() {
   expectCaught("Counts a tower as a dense matrix " + std::to_string(D) + 'D',
                std::abs(ofMatrix(40) / ofMatrix(20) - 2) < 0.3);
 }
-TEST(Counts, AreWhatIsDone2) { countsAreWhatIsDone<2>(); }
-TEST(Counts, AreWhatIsDone3) { countsAreWhatIsDone<3>(); }
+TEST(Counts, EqualTheWorkDone2) { countsAreWhatIsDone<2>(); }
+TEST(Counts, EqualTheWorkDone3) { countsAreWhatIsDone<3>(); }
 
 TEST(Counts, OfDenseFactorsGrowAsTheCube) {
   const auto counts = [](std::size_t n) {
@@ -206,7 +206,7 @@ TEST(Corners, ShareAPlateThatSlides) {
 
 // When active sets cycle, path following solves the problem. Without path following and Lemke's method it is left to
 // sweeps.
-TEST(DirectLcp, PathsSolveWhatActiveSetsDoNot) {
+TEST(DirectLcp, PathFollowingSolvesCyclingActiveSets) {
   PlainDraw draw(3);
   const auto whole = createStage<VelocityResolver<2>>(Spec::parse("direct_lcp{cfm=1e-5}"));
   const auto guesses = createStage<VelocityResolver<2>>(Spec::parse("direct_lcp{cfm=1e-5,max_pivots=0}"));

@@ -170,8 +170,8 @@ void isWhereItWas() {
       exact, off);
   test::expectCaught("far frames: an offset that is not turned by the pose", off <= rounding);
 }
-TEST(FarFrames, APartIsWhereItWas2) { isWhereItWas<2>(); }
-TEST(FarFrames, APartIsWhereItWas3) { isWhereItWas<3>(); }
+TEST(FarFrames, PartsKeepTheirPlace2) { isWhereItWas<2>(); }
+TEST(FarFrames, PartsKeepTheirPlace3) { isWhereItWas<3>(); }
 
 template <int D>
 void nothingElseChanges() {
@@ -218,7 +218,7 @@ void worldsCentre() {
     EXPECT_EQ(world.bodies().mass[i], 1);
   }
 }
-TEST(FarFrames, WorldsCentreWhatTheyAreGiven) { worldsCentre<2>(), worldsCentre<3>(); }
+TEST(FarFrames, WorldsCentreGivenShapes) { worldsCentre<2>(), worldsCentre<3>(); }
 
 }  // namespace
 }}}  // namespace lpc::LPC_PRECISION::far_frames_test

@@ -91,7 +91,7 @@ Climbs climbs(bool round, Spoil spoil) {
   return out;
 }
 
-TEST(HullClimb, EndsWhereALookAtAllDoes) {
+TEST(HullClimb, EqualsAScanOfAllVertices) {
   const auto none = [](Polytope<3>&) {};
   const Climbs hard = climbs(false, none), round = climbs(true, none);
   std::printf("%d of %d climbs on hard hulls and %d of %d on round ones know no end\n", hard.stopped, hard.asked,

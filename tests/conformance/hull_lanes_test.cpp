@@ -47,7 +47,7 @@ std::size_t lastFarthest(const std::vector<Vec<3>>& vertices, const Vec<3>& d) {
   }
   return best;
 }
-TEST(HullLanes, FarthestVertexIsTheScans) {
+TEST(HullLanes, FarthestVertexEqualsTheScan) {
   forEachTarget([](std::int64_t target) { EXPECT_TRUE(findsTheSame(farthestVertex)) << hwy::TargetName(target); });
   expectCaught("of vertices that are equally far the last", findsTheSame(lastFarthest));
 }
@@ -104,7 +104,7 @@ HullSupport askedFromTheOtherEnd(HullPair& hulls, const CorePair<3>& pair, const
   found.point = pair.p + (v - pair.a.hull->vertices[found.a]);
   return found;
 }
-TEST(HullLanes, SupportsOfTwoHullsAreThoseOfVectors) {
+TEST(HullLanes, SupportPointsEqualVectorArithmetic) {
   forEachTarget([](std::int64_t target) { EXPECT_TRUE(supportsAreVectors(asked)) << hwy::TargetName(target); });
   expectCaught("rows of a pair before", supportsAreVectors(askedStale));
   expectCaught("three numbers added in another order", supportsAreVectors(askedFromTheOtherEnd));
@@ -135,7 +135,7 @@ bool gathersTheSame(Gather gather) {
 void gatherInside(const std::vector<Vec<3>>& vertices, const Vec<3>& d, Real band, std::vector<Vec<3>>& out) {
   verticesWithin(vertices, d, band > 0 ? std::nextafter(band, Real(0)) : band, out);
 }
-TEST(HullLanes, VerticesNearTheFarthestAreTheScans) {
+TEST(HullLanes, VerticesNearTheFarthestEqualTheScan) {
   forEachTarget([](std::int64_t target) { EXPECT_TRUE(gathersTheSame(verticesWithin)) << hwy::TargetName(target); });
   expectCaught("those on the border of the band are left out", gathersTheSame(gatherInside));
 }
@@ -168,7 +168,7 @@ bool planesAreTriples(void (*spoil)(FacePlanes&)) {
   }
   return true;
 }
-TEST(HullLanes, PlanesAreThoseOfOneFace) {
+TEST(HullLanes, PlanesEqualThoseOfSingleFaces) {
   forEachTarget(
       [](std::int64_t target) { EXPECT_TRUE(planesAreTriples([](FacePlanes&) {})) << hwy::TargetName(target); });
   expectCaught("a plane that is off by one rounding",
@@ -176,7 +176,7 @@ TEST(HullLanes, PlanesAreThoseOfOneFace) {
 }
 
 // Triples give the same numbers as Eigen's vectors, on which results depend.
-TEST(HullLanes, TripleIsAVector) {
+TEST(HullLanes, TriplesEqualVectors) {
   PlainDraw draw(7);
   int otherOrder = 0;
   for (int n = 0; n < 1000; ++n) {

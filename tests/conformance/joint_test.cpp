@@ -315,8 +315,8 @@ void hinges() {
                countsTurns<D>(wrong(turns, JointBug::jumps), "split_solver"));
   expectCaught("a stop that pulls" + dimension, letsGo<D>(wrong(stop, JointBug::pulls), "split_solver"));
 }
-TEST(JointConformance, HingesTurnAsTold2) { hinges<2>(); }
-TEST(JointConformance, HingesTurnAsTold3) { hinges<3>(); }
+TEST(JointConformance, HingeMotorsAndStopsHold2) { hinges<2>(); }
+TEST(JointConformance, HingeMotorsAndStopsHold3) { hinges<3>(); }
 
 // Hinges declare: if both stops are within reach of a step, only the nearer one holds.
 TEST(JointConformance, AHingeKeepsTheNearerStopAlone) {
@@ -397,7 +397,7 @@ TEST(JointConformance, AGearLosesTurnsOfHalfATurnAStep) {
 }
 
 // An angular error of a body that cannot turn cannot be corrected. The other errors must still be corrected.
-TEST(JointConformance, WhatNobodyCanTurnStarvesNobody) {
+TEST(JointConformance, UncorrectableErrorsDoNotBlockOthers) {
   const auto solver = createStage<Solver<2>>(Spec::parse("split_solver{position=nonlinear}"));
   ImpactScene<2> s;
   s.add(1, Ang<2>::Zero(), {});

@@ -79,7 +79,7 @@ TEST(Metamorphic, WrongImagesAreSeen) {
 }
 
 // To the last bit: the mirror rounds nothing, so no tolerance is needed.
-TEST(Metamorphic, MirroredTwiceIsThePair) {
+TEST(Metamorphic, MirroringTwiceRestoresThePair) {
   const HardPair<3> pair = hardPair<3>(ShapeKind::polytope, ShapeKind::polytope, 11, 2);
   for (std::uint64_t choice = 0; choice < 20; ++choice) {
     HardPair<3> image = pair;

@@ -195,7 +195,7 @@ int answersWithStatusOfLimit(PairQuery<3>& method) {
   }
   return limited;
 }
-TEST(PairQuery, CapIsAStatus) {
+TEST(PairQuery, ReachingALimitIsAStatus) {
   const auto capped = createStage<PairQuery<3>>(Spec::parse("gjk_epa{iterations=1,faces=8}"));
   EXPECT_GT(answersWithStatusOfLimit(*capped), 100);
   SilentLimit<3> silent(*capped);

@@ -215,8 +215,8 @@ void holdTraces() {
     EXPECT_EQ(kinds[TraceKind::expansion] > 0, !ofAxes);
   }
 }
-TEST(PairTrace, IsWhatTheQueryDoes2) { holdTraces<2>(); }
-TEST(PairTrace, IsWhatTheQueryDoes3) { holdTraces<3>(); }
+TEST(PairTrace, EqualsTheQuery2) { holdTraces<2>(); }
+TEST(PairTrace, EqualsTheQuery3) { holdTraces<3>(); }
 
 // Every spoiled trace must be caught, not just some.
 template <int D, class Bug>
@@ -251,7 +251,7 @@ std::string refusal(const char* query, const Shape<2>& a, const Shape<2>& b) {
   }
   return "";
 }
-TEST(PairTrace, WhoCannotSaysWhoCan) {
+TEST(PairTrace, UntracedMethodsNameTracedOnes) {
   const Shape<2> box = Shape<2>::box({1, 1}), ball = Shape<2>::sphere(1), plane = Shape<2>::plane();
   EXPECT_EQ(refusal("mpr", box, box), "'mpr' shows no steps with box against box; valid: by_kind, gjk_epa, sat");
   EXPECT_EQ(refusal("by_kind", ball, ball), "'by_kind' shows no steps with sphere against sphere; valid: gjk_epa, sat");
@@ -269,7 +269,7 @@ TEST(PairTrace, AnyOrderOfKinds) {
   EXPECT_EQ(describe(one), describe(other));
 }
 
-TEST(PairTrace, ThePageShowsWhatIsSaid) {
+TEST(PairTrace, ThePageShowsTheTrace) {
   if (sizeof(Real) == 4) return;  // different digits
   std::ifstream in(LPC_SOURCE_DIR "/docs/pair_queries.md");
   const std::string page((std::istreambuf_iterator<char>(in)), {});

@@ -241,7 +241,7 @@ void removesItsShare() {
   // Planted bug: the share of the whole depth, including the slop.
   EXPECT_GT(std::abs(depthAfterAStep<D>("linear", 0.5, kDepth) - 0.5 * kDepth), 0.1 * kSlop);
 }
-TEST(PositionConformance, FactorIsTheShareThatGoes) { removesItsShare<2>(), removesItsShare<3>(); }
+TEST(PositionConformance, FactorIsTheShareRemoved) { removesItsShare<2>(), removesItsShare<3>(); }
 
 TEST(PositionConformance, NonlinearsSearchesAgree) {
   const auto scan = createStage<Solver<3>>(Spec::parse("split_solver{position=nonlinear{search=scan}}"));

@@ -192,7 +192,7 @@ const NamedRule kFarFromMiddle{"far from the middle", [](const Vec<3>& n, std::v
                                  points.resize(4, points[0]);
                                }};
 
-TEST(Reduction, EveryRuleKeepsFourOfThem) {
+TEST(Reduction, EveryRuleKeepsFourPoints) {
   for (const NamedRule& rule : rules()) {
     check(
         "keeps four of them " + rule.name, [&] { keepsFourOfThem(rule); }, 1000);

@@ -303,8 +303,8 @@ void everyKernel() {
                   equal(velocity("catto{iterations=7}"), wideCone<D, accumulated<D>>, 7), 200);
   expectFalsified("sub-steps with a wide cone" + dimension, equal(soft(), wideCone<D, softly<D>>, 3), 200);
 }
-TEST(Rows, ContactKernelsAreEqualToThem2) { everyKernel<2>(); }
-TEST(Rows, ContactKernelsAreEqualToThem3) { everyKernel<3>(); }
+TEST(Rows, ContactKernelsEqualRows2) { everyKernel<2>(); }
+TEST(Rows, ContactKernelsEqualRows3) { everyKernel<3>(); }
 
 }  // namespace rows_test
 }}}  // namespace lpc::LPC_PRECISION::test

@@ -107,7 +107,7 @@ void wakesAreCounted() {
     }
   }
 }
-TEST(Sleep, WhoWakesWhomIsCounted) { wakesAreCounted<2>(), wakesAreCounted<3>(); }
+TEST(Sleep, VisitsOfWakingAreCounted) { wakesAreCounted<2>(), wakesAreCounted<3>(); }
 
 // --- split_average --------------------------------------------------------------------------------------------------
 
@@ -182,7 +182,7 @@ void supports() {
     EXPECT_EQ(splitAverageSleeps<D>(s, body), -1);
   }
 }
-TEST(SplitAverage, SleepsOnlyWhereCarried) { supports<2>(), supports<3>(); }
+TEST(SplitAverage, SleepsOnlyOnASupport) { supports<2>(), supports<3>(); }
 
 template <int D>
 void joints() {
@@ -222,7 +222,7 @@ void gentle() {
     EXPECT_EQ(s.awake(behind), mass > Real(0.5)) << "a pea wakes whom it hits and nobody behind";
   }
 }
-TEST(SplitAverage, BlowsWakeAsFarAsTheyReach) { gentle<2>(), gentle<3>(); }
+TEST(SplitAverage, ImpactsWakeAsFarAsTheyReach) { gentle<2>(), gentle<3>(); }
 
 // A body that slides below a sleeper wakes it and the bodies on it. A body beside or above it does not.
 template <int D>
@@ -269,7 +269,7 @@ void slides() {
     })) << "turning";
   }
 }
-TEST(SplitAverage, WakesWhatStandsOnWhatSlides) { slides<2>(), slides<3>(); }
+TEST(SplitAverage, SlidingSupportsWakeTheBodiesOnThem) { slides<2>(), slides<3>(); }
 
 // --- millington -----------------------------------------------------------------------------------------------------
 

@@ -136,8 +136,8 @@ void toleranceIsWhatIsLeft() {
   EXPECT_EQ(same.tooShort + same.tooLong, 0);
   EXPECT_EQ(same.supports, exact.supports);
 }
-TEST(StoppingRules, ToleranceIsWhatIsLeft2) { toleranceIsWhatIsLeft<2>(); }
-TEST(StoppingRules, ToleranceIsWhatIsLeft3) { toleranceIsWhatIsLeft<3>(); }
+TEST(StoppingRules, ErrorIsWithinTheTolerance2) { toleranceIsWhatIsLeft<2>(); }
+TEST(StoppingRules, ErrorIsWithinTheTolerance3) { toleranceIsWhatIsLeft<3>(); }
 
 // The bound of the last direction is no better than the best one, so waiting for it takes more support points.
 TEST(StoppingRules, LastGapIsNoSmaller) {

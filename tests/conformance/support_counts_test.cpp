@@ -193,8 +193,8 @@ void looserAsksNoMore() {
     }
   }
 }
-TEST(SupportCounts, LooserAsksNoMore2) { looserAsksNoMore<2>(); }
-TEST(SupportCounts, LooserAsksNoMore3) { looserAsksNoMore<3>(); }
+TEST(SupportCounts, LooserTolerancesNeedNoMore2) { looserAsksNoMore<2>(); }
+TEST(SupportCounts, LooserTolerancesNeedNoMore3) { looserAsksNoMore<3>(); }
 
 }  // namespace support_counts_test
 }}}  // namespace lpc::LPC_PRECISION::test

@@ -348,8 +348,8 @@ void truth() {
     EXPECT_LE(seen.limits, seen.pairs / 50);
   });
 }
-TEST(TimeOfImpact, IsThatOfTheReferee2) { truth<2>(); }
-TEST(TimeOfImpact, IsThatOfTheReferee3) { truth<3>(); }
+TEST(TimeOfImpact, AgreesWithTheReferee2) { truth<2>(); }
+TEST(TimeOfImpact, AgreesWithTheReferee3) { truth<3>(); }
 
 template <int D>
 void refereeSees() {
@@ -408,7 +408,7 @@ void closeMisses() {
 TEST(TimeOfImpact, CloseMissesAreDecided) { closeMisses<2>(), closeMisses<3>(); }
 
 // NaN and infinity give a status at once. A motion of zero duration is a query at its start.
-TEST(TimeOfImpact, WhatIsNoMotionFails) {
+TEST(TimeOfImpact, NanAndInfiniteMotionsFail) {
   forEach<3>([](const AlgorithmInfo&, TimeOfImpact<3>& method) {
     const Shape<3> ball = Shape<3>::sphere(1);
     const auto apart = [&] {

@@ -15,7 +15,7 @@ LPC_REGISTER(ContactGenerator, UlpContacts, 2, 3);
 LPC_REGISTER(VelocityResolver, UlpVelocity, 2, 3);
 LPC_REGISTER(PositionResolver, UlpPosition, 2, 3);
 
-TEST(PinnedHashes, OfThisBuild) {
+TEST(PinnedHashes, EqualThoseOfThisBuild) {
   EXPECT_EQ(hashLines(), pinnedLines(LPC_SOURCE_DIR "/tests/determinism/pinned_hashes.txt"))
       << "is the change meant? Then read the top of pinned_hashes.txt";
 }

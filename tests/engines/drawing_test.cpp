@@ -35,11 +35,11 @@ bool tellsWhatEnginesTell(const Start<D>& start) {
 template <int D>
 void enginesAreDrawn() {
   everyEngine<D>("drawn", tellsWhatEnginesTell<D>);
-  expectCaught("EngineDrawing.TellsWhatEnginesTell: our own world, which tells contacts " + std::to_string(D) + 'D',
+  expectCaught("EngineDrawing.ShowsWhatEnginesReport: our own world, which tells contacts " + std::to_string(D) + 'D',
                tellsWhatEnginesTell<D>(ownWorld<D>()));
 }
-TEST(EngineDrawing, TellsWhatEnginesTell2) { enginesAreDrawn<2>(); }
-TEST(EngineDrawing, TellsWhatEnginesTell3) { enginesAreDrawn<3>(); }
+TEST(EngineDrawing, ShowsWhatEnginesReport2) { enginesAreDrawn<2>(); }
+TEST(EngineDrawing, ShowsWhatEnginesReport3) { enginesAreDrawn<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::engine_drawing_test

@@ -215,7 +215,7 @@ bool swings(const Start<D>& start) {
 
 // --- the engines -----------------------------------------------------------------------------------------------------
 
-TEST(Engines, OneIsThere) {
+TEST(Engines, AtLeastOneIsBuilt) {
   EXPECT_FALSE(Registry::instance().list(StageKind::engine, 2).empty());
   EXPECT_FALSE(Registry::instance().list(StageKind::engine, 3).empty());
   EXPECT_FALSE(engines<2>().empty() && engines<3>().empty()) << "none has its library";
@@ -325,7 +325,7 @@ void directs() {
     EXPECT_TRUE(std::isnan(invariants<D>(*first).maxPenetration)) << "not told is not 0";
   }
 }
-TEST(Engines, DirectorAndRecorderSpeakToThem) { directs<2>(), directs<3>(); }
+TEST(Engines, DirectorAndRecorderWorkWithThem) { directs<2>(), directs<3>(); }
 
 // A push on every slot, whether it holds a body or not.
 template <int D>
@@ -355,7 +355,7 @@ void refuses(const std::string& name, const BodyDef<D>& def, const std::string& 
     s->step(kDt);
   }
 }
-TEST(Engines, WhatTheyLackIsRefusedAndLeavesNoTrace) {
+TEST(Engines, UnsupportedBodiesAreRefusedWithoutTrace) {
   refuses<2>("box2d", body<2>(Shape<2>::capsule(1, Real(0.5)), at<2>(0, 5)), "box2d: no shape is a capsule");
   std::vector<Vec<2>> corners;
   for (int i = 0; i < 9; ++i) corners.push_back({Real(std::cos(0.69 * i)), Real(std::sin(0.69 * i))});

@@ -318,7 +318,7 @@ TEST(EngineJoints, BreakAtTheirForceAndTorque) {
   everywhere("breaks", breaksAll<2>, breaksAll<3>);
   everyEngine<2>("breaks", breaksDistances);
 }
-TEST(EngineJoints, AreNotThereWhereAWorldHasNone) { everywhere("switchesOff", switchesAllOff<2>, switchesAllOff<3>); }
+TEST(EngineJoints, AreOffWhenTheFeatureIsOff) { everywhere("switchesOff", switchesAllOff<2>, switchesAllOff<3>); }
 TEST(EngineJoints, LetTheirBodiesPassOrCollide) {
   everywhere("passes", passes<2>, passes<3>);
   everywhere("partsWhatTouched", partsWhatTouched<2>, partsWhatTouched<3>);
@@ -398,7 +398,7 @@ void refuses(const std::string& name, const JointDef<D>& def, const std::string&
     s->remove(mine.bodyB);
   }
 }
-TEST(EngineJoints, WhatTheyLackIsRefusedAndLeavesNoTrace) {
+TEST(EngineJoints, UnsupportedJointsAreRefusedWithoutTrace) {
   const auto far = [](const std::string& kind, auto place) {
     auto def = joint(kind, Handle{}, Handle{}, place);
     def.X_WJb = decltype(def.X_WJ){};

@@ -179,7 +179,7 @@ TEST(EngineScripts, ForcesActWhereTheyAreApplied) {
   everywhere("forcesAddUp", forcesAddUp<2>, forcesAddUp<3>);
 }
 TEST(EngineScripts, VelocitiesAreSet) { everywhere("moves", moves<2>, moves<3>); }
-TEST(EngineScripts, BlowsChangeVelocities) { everywhere("blows", blows<2>, blows<3>); }
+TEST(EngineScripts, ImpulsesChangeVelocities) { everywhere("blows", blows<2>, blows<3>); }
 TEST(EngineScripts, LiftsCarry) {
   everywhere("carries", carries<2>, carries<3>);
   everywhere("placesGently", placesGently<2>, placesGently<3>);

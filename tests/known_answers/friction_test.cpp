@@ -104,7 +104,7 @@ TEST_F(KnownAnswer, slope_slide_acceleration) { slides<2>(), slides<3>(); }
 // A body sliding at v at an angle to the tangents stops straight ahead after v^2 / (2 mu g). Under a friction pyramid
 // each component stops on its own after v_i^2 / (2 mu g): at 45 degrees too early by sqrt(2), at other angles also off
 // the line. The body cannot turn, so it does not tip. A step of dt shortens each distance by v dt / 2.
-TEST(Friction, APyramidTurnsWhatSlidesAndAConeDoesNot) {
+TEST(Friction, APyramidDeflectsSlidingBodiesAConeDoesNot) {
   constexpr double kSpeed = 4, kMu = 0.3, kFull = kSpeed * kSpeed / (2 * kMu * kG);
   for (const double heading : {0., 30., 45.}) {
     const double c = std::cos(heading * kDegree), s = std::sin(heading * kDegree);

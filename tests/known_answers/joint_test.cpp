@@ -16,7 +16,7 @@ const std::vector<std::string> kSolvers = [] {
   return solvers;
 }();
 
-TEST(Pendulum, TheEllipticIntegralItself) {  // 4 sqrt(l/g) K: the figures of a point pendulum of 1 m
+TEST(Pendulum, EllipticIntegralIsRight) {  // 4 sqrt(l/g) K: the figures of a point pendulum of 1 m
   EXPECT_NEAR(4 * std::sqrt(1 / kG) * ellipticK(std::pow(std::sin(kPi / 36), 2)), 2.009892627298601, 1e-12);
   EXPECT_NEAR(4 * std::sqrt(1 / kG) * ellipticK(0.5), 2.3678419475762373, 1e-12);
 }

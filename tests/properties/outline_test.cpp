@@ -51,7 +51,7 @@ TEST(Outline, HasTheAreaOfTheShadow) {
 }
 
 // The drawn ground near a ball has its edge under the ball, at the height of the plane.
-TEST(Outline, OfAHalfSpaceIsTheGroundUnderTheOther) {
+TEST(Outline, HalfSpacesAreDrawnUnderTheOtherShape) {
   const json flat = outlines<2>({.a = Shape<2>::sphere(1), .b = Shape<2>::plane(), .X_AB = {{100, -3}, {}}});
   double top = -1e9, left = 1e9, right = -1e9;
   for (const json& p : flat["outlineB"]) {
@@ -82,8 +82,8 @@ void everyKindHasOne() {
   }
   EXPECT_GE(kinds, D == 2 ? 7 : 9);
 }
-TEST(Outline, EveryKindHasOne2) { everyKindHasOne<2>(); }
-TEST(Outline, EveryKindHasOne3) { everyKindHasOne<3>(); }
+TEST(Outline, EveryKindHasAnOutline2) { everyKindHasOne<2>(); }
+TEST(Outline, EveryKindHasAnOutline3) { everyKindHasOne<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::outline_test

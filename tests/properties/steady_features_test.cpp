@@ -53,7 +53,7 @@ class SecondCall final : public ContactGenerator<3> {
   std::unique_ptr<ContactGenerator<3>> m_right = createStage<ContactGenerator<3>>({"sat_clip", {}});
   int m_calls = 0;
 };
-TEST(SteadyFeatures, AManifoldThatAMotionLosesOrDoublesIsWrong) {
+TEST(SteadyFeatures, LostOrDoubledManifoldsAreWrong) {
   const LedgerEntry lost = askPlanted<SecondCall<0>, 3>(5), doubled = askPlanted<SecondCall<2>, 3>(5);
   EXPECT_EQ(lost[Tally::wrongSide], 5);
   EXPECT_EQ(doubled[Tally::wrong], 5);
@@ -61,7 +61,7 @@ TEST(SteadyFeatures, AManifoldThatAMotionLosesOrDoublesIsWrong) {
 
 // These cases are kept although no method was mended. A corner was at a threshold, or two choices of four points were
 // equally good. They counted as wrong until the check also queried neighbouring places.
-TEST(SteadyFeatures, WhatChangesInOnePlaceAloneIsATie) {
+TEST(SteadyFeatures, ChangesInASinglePlaceAreTies) {
   int asked = 0;
   for (const Case& c : readCases(std::string(LPC_SOURCE_DIR) + "/tests/regressions/found_cases.json")) {
     if (c.finding->precision != kPrecision || c.finding->failure != "wrong_features") continue;

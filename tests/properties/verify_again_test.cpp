@@ -27,7 +27,7 @@ class Counting final : public PairQuery<D> {
 };
 
 // For a single pair, the simplest failure and that of the largest error are the same text.
-TEST(Verify, AKeptFailureIsAskedAgainOnce) {
+TEST(Verify, KeptFailuresAreRepeatedOnce) {
   static const Registrar<PairQuery, Counting, 2> registrar(__FILE__);
   const Verified verified = verify({.dimension = 2,
                                     .kindA = ShapeKind::box,

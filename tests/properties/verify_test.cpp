@@ -121,7 +121,7 @@ void everythingIsDrawn() {
 }
 TEST(VerifyInputs, EveryFamilyAndRegimeIsDrawn) { everythingIsDrawn<2>(), everythingIsDrawn<3>(); }
 
-TEST(VerifyInputs, PairsAreTheSameWhereverTheyAreDrawn) {
+TEST(VerifyInputs, PairsDependOnSeedAndNumberOnly) {
   const auto one = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 17);
   const auto other = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 18);
   const auto again = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 17);
@@ -181,7 +181,7 @@ class Recorder final : public ContactGenerator<D> {
     }
   }
 };
-TEST(Verify, ContactsAreAskedTheSameHoweverTheyAreCut) {
+TEST(Verify, ContactInputsDoNotDependOnBlocks) {
   const auto recorder = planted<ContactGenerator<3>, Recorder<3>>();
   const auto ask = [&](std::vector<std::pair<int, int>> parts) {
     Verified ignored;
@@ -232,7 +232,7 @@ class Fails final : public PairQuery<D> {
  private:
   int m_asked = 0;
 };
-TEST(Verify, WhatIsNoAnswerIsBookedAsSuch) {
+TEST(Verify, MissingAnswersAreRecorded) {
   const Verified verified = verifyQuery<2>(planted<PairQuery<2>, Fails<2>>(), 40);
   const LedgerEntry all = total(verified);
   EXPECT_EQ(all[Tally::refused], all[Tally::asked] / 4);
@@ -260,7 +260,7 @@ class Troubled final : public Witness<3> {
  private:
   std::vector<Ending> m_endings;
 };
-TEST(Verify, EndingsOfWitnessesAreBooked) {
+TEST(Verify, EndingsOfWitnessesAreRecorded) {
   AlgorithmInfo info;
   info.role = AlgorithmRole::witness;
   const auto method = planted<PairQuery<3>>([] { return std::make_unique<Troubled>(); }, info);
@@ -273,7 +273,7 @@ TEST(Verify, EndingsOfWitnessesAreBooked) {
 }
 
 // The inputs of a lost worker are recorded with its end; they are not repeated.
-TEST(Verify, LostWorkersAreBooked) {
+TEST(Verify, LostWorkersAreRecorded) {
   VerifyTask task{.kindA = ShapeKind::box, .kindB = ShapeKind::box, .range = {}, .methods = {"sat"}};
   task.range = {.seed = 1, .first = 7, .count = 1, .ended = Tally::crashed};
   const Verified verified = verify(task);
@@ -367,7 +367,7 @@ class Forgetful final : public PairQuery<D> {
     }
   }
 };
-TEST(Verify, WhatDoesNotFailAgainIsTold) {
+TEST(Verify, FailuresThatDoNotRepeatAreMarked) {
   static const Registrar<PairQuery, Forgetful, 2> registrar(__FILE__);
   const Verified verified = verify({.dimension = 2,
                                     .kindA = ShapeKind::sphere,
@@ -491,7 +491,7 @@ TEST(Verify, WrongContactGeneratorsAreFound) {
   generatorIsFound<FeaturesFromDepth>("resting_faces");
 }
 
-TEST(Verify, WrongDimensionIsTheUsersMistake) {
+TEST(Verify, WrongDimensionIsAUserError) {
   EXPECT_THROW(verify({.dimension = 4, .range = {}, .methods = {"sat"}}), UserError);
 }
 

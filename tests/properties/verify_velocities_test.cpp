@@ -105,7 +105,7 @@ class Elsewhere final : public VelocityResolver<3> {
     in.bodies.motion.back().v[0] += Real(0.01);
   }
 };
-TEST(VerifyVelocities, LooksAtVelocitiesNotAtImpulses) {
+TEST(VerifyVelocities, JudgesVelocitiesNotImpulses) {
   const Method<3> planted = witness<3>([] { return std::make_unique<Elsewhere>(); });
   test::expectCaught("VerifyVelocities right impulses and another velocity",
                      rowOf<3>(asked<3>({planted}, kProblems), "planted")[Tally::wrong] < kProblems / 2);
@@ -139,8 +139,8 @@ void alike() {
   for (std::size_t k = 2; k < methods.size(); ++k) methods[k].create = methods[1].create;
   test::expectCaught("VerifyVelocities a reference of those that are asked", differing<D>(methods) == 0);
 }
-TEST(VerifyVelocities, VerdictIsThatOfAMethodAlone2) { alike<2>(); }
-TEST(VerifyVelocities, VerdictIsThatOfAMethodAlone3) { alike<3>(); }
+TEST(VerifyVelocities, VerdictsAreIndependentOfOtherMethods2) { alike<2>(); }
+TEST(VerifyVelocities, VerdictsAreIndependentOfOtherMethods3) { alike<3>(); }
 
 // The problem of a number is reproducible, and has rows to solve.
 TEST(VerifyVelocities, DrawsTheSameAgain) {

@@ -80,7 +80,7 @@ void expectBooked(Planted& witness, int count, const std::map<int, Ending>& expe
 }
 
 // Also around the ends of blocks of 1,000, and twice in a row.
-TEST(WitnessProcess, EachEndingIsBookedToItsPair) {
+TEST(WitnessProcess, EachEndingIsRecordedForItsPair) {
   Planted witness;
   witness.faults = {{0, Fault::aborts},
                     {1, Fault::throws},
@@ -219,7 +219,7 @@ class Placed final : public IsolatedWitness<3> {
   PairAnswer<3> m_answer;
 };
 
-TEST(WitnessProcess, AWorldsFrameIsAnother) {
+TEST(WitnessProcess, WorldFrameDiffersFromOwnFrame) {
   const auto pairs = pairsInARow(3);
   std::vector<PairAnswer<3>> own(3), world(3);
   Placed(PairFrame::own).ask(pairs, own);
@@ -283,7 +283,7 @@ TEST(WitnessProcess, OneProcessLivesAsLongAsItsWitness) {
 }
 
 // A process killed while idle: no pair is at fault.
-TEST(WitnessProcess, AnIdleDeathIsBookedToNobody) {
+TEST(WitnessProcess, DyingIdleIsNoFaultOfAPair) {
   Named witness;
   const pid_t first = witness.process();
   kill(first, SIGKILL);
@@ -328,7 +328,7 @@ TEST(WitnessProcess, ItDiesWithItsParent) {
   while (stateOf(process) != 0 && stateOf(process) != 'Z') std::this_thread::yield();
 }
 
-TEST(WitnessProcess, WhatItPrintsGoesNowhere) {
+TEST(WitnessProcess, OutputIsDiscarded) {
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   Planted witness;

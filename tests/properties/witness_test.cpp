@@ -49,7 +49,7 @@ std::vector<NameAndDimension> everyWitness() {
   for (const auto& e : witnesses<3>()) out.emplace_back(e.name, 3);
   return out;
 }
-TEST(Witnesses, AreThereInBothDimensions) {
+TEST(Witnesses, ExistInBothDimensions) {
   EXPECT_FALSE(witnesses<2>().empty());
   EXPECT_FALSE(witnesses<3>().empty());
 }

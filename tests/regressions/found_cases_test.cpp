@@ -23,7 +23,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return n;
 }
 
-TEST(FoundCases, MendedOnesStayRight) {
+TEST(FoundCases, MendedCasesStayRight) {
   std::ifstream file(kFile);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   std::size_t asked = 0;
@@ -82,7 +82,7 @@ TEST(FoundCases, OnlyAFindingMayLackAnExpectedValue) {
   }
 }
 
-TEST(FoundCases, CountIsThatOfTheList) {
+TEST(FoundCases, CountEqualsTheLengthOfTheList) {
   std::string text = boxes("contacts", "1", "");
   text.insert(1, R"("count": 1, )");
   EXPECT_EQ(complaint(text), "");
@@ -102,7 +102,7 @@ std::string removed(int slot) { return R"({"removed": )" + std::to_string(slot) 
 std::string moved(int slot) { return R"({"moved": )" + std::to_string(slot) + R"(, "lo": [0, 0], "hi": [1, 1]})"; }
 
 // Only what ProxyChanges allows: a slot may be freed, reused and moved in one step.
-TEST(FoundCases, ScriptsAreWhatAWorldCouldTell) {
+TEST(FoundCases, ScriptsObeyProxyChanges) {
   const std::string first = "[" + added(0) + "], ";
   EXPECT_EQ(complaint(script("2", first + "[" + moved(0) + "]")), "");
   EXPECT_EQ(complaint(script("2", first + "[" + removed(0) + ", " + added(0) + ", " + moved(0) + "]")), "");
@@ -126,7 +126,7 @@ TEST(FoundCases, ScriptsAreWhatAWorldCouldTell) {
 }
 
 // The check compares all pairs of slots in every step, so cases that would take too long are refused.
-TEST(FoundCases, ScriptsAreOfASizeThatCanBeJudged) {
+TEST(FoundCases, OversizedScriptsAreRefused) {
   for (const char* const slots : {"0", "2001", "1000000"}) {
     EXPECT_EQ(complaint(script(slots, "")),
               std::string("f.json: case 'c': field 'slots' holds ") + slots + "; valid: a whole number from 1 to 2000");
@@ -142,7 +142,7 @@ TEST(FoundCases, ScriptsAreOfASizeThatCanBeJudged) {
 Case parsed(const std::string& text) { return parseCases(text, "f.json").front(); }
 
 // A hull that is flat in this precision may be valid in another, in which the methods to query were chosen.
-TEST(FoundCases, ShapesThatAreRefusedAreAskedNobody) {
+TEST(FoundCases, InvalidShapesAreRefused) {
   const std::string flat = R"({"type": "convex", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]})";
   for (const std::string& method : {std::string("sat"), std::string("gjk_epa")}) {
     const Case c = parsed(listed(R"("dim": 3, "query": "signed_distance", "shapeA": )" + flat +
@@ -163,7 +163,7 @@ TEST(FoundCases, ShapesThatAreRefusedAreAskedNobody) {
 }
 
 // A circle in a circular ellipse with the same centre: every normal is equally good, so the referee cannot decide.
-TEST(FoundCases, WhatTheRefereeCannotSayIsNobodysFault) {
+TEST(FoundCases, UndecidedCasesAreNoFault) {
   for (const bool found : {false, true}) {
     const Case c = parsed(listed(R"("dim": 2, "query": "contacts", "shapeA": {"type": "ellipsoid", "radii": [1, 1]},
         "poseA": {"t": [0, 0]}, "shapeB": {"type": "sphere", "radius": 0.5}, "poseB": {"t": [0, 0]},
@@ -180,7 +180,7 @@ TEST(FoundCases, WhatTheRefereeCannotSayIsNobodysFault) {
 }
 
 // A method that no longer exists was not mended.
-TEST(FoundCases, AMethodThatIsNotThereIsTheUsersMistake) {
+TEST(FoundCases, UnknownMethodsAreAUserError) {
   const Case c = parsed(boxes("signed_distance", "1", ", " + finding("pair_query", "gjk_ep{iterations=20}")));
   try {
     runCases({c});
