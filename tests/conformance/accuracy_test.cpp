@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The largest error of every competing pair query, by pair of kinds, must equal the documented one in accuracy.txt
-// beside this file. A larger error fails. So does an error ten times smaller than documented.
+// The largest error of every competing pair query, by pair of kinds, must match the bound in accuracy.txt beside this
+// file. A larger error fails. So does an error ten times smaller than documented.
 #include <gtest/gtest.h>
 
 #include <algorithm>

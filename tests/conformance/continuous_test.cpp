@@ -63,8 +63,7 @@ std::vector<Shape<D>> bullets() {
   return out;
 }
 
-// --- properties of every method; each returns whether it holds, so that planted bugs can fail
-// --------------------------
+// --- properties of every method; each returns whether it holds, so that planted bugs can fail ------------------------
 
 // No body passes through a wall of any thickness from any place in front of it, also when it turns about the place of
 // impact.
@@ -352,8 +351,7 @@ void twinsFail() {
 TEST(Continuous, TwinsFail2) { twinsFail<2>(); }
 TEST(Continuous, TwinsFail3) { twinsFail<3>(); }
 
-// --- duties of the world, whatever the method
-// --------------------------------------------------------------------------
+// --- duties of the world, whatever the method ------------------------------------------------------------------------
 
 template <int D>
 class Vetoes final : public ContactListener<D> {

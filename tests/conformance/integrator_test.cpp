@@ -81,8 +81,7 @@ ImpactScene<3> top(Real dt) {
   return s;
 }
 
-// --- properties: each returns whether it holds, so that declared failures and planted bugs can fail
-// -----------------------
+// --- properties: each returns whether it holds, so that declared failures and planted bugs can fail ------------------
 
 template <int D>
 bool oscillatorBounded(Integrator<D>& integrator) {  // no growth

@@ -132,7 +132,7 @@ void testAll() {
         const std::string name =
             std::string(p.name) + " " + spec + " " + entry->info.name + " " + std::to_string(D) + "D";
         SCOPED_TRACE(name);
-        bool known = false;  // a failure declared of a resolver is observed with a rod
+        bool known = false;  // a declared failure must be observed with a rod
         for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
         if (!known) {
           check(name, drawn(p, on), kRuns);

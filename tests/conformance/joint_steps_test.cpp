@@ -153,7 +153,7 @@ void leavesNoSpeed(const Subject<D>& on, Draw& draw) {
 template <int D>
 struct Named {
   const char* name;
-  const char* declared;  // the property that solvers declare failed with a pivot
+  const char* declared;  // the failure that a solver declares with a pivot
   std::function<void(const Subject<D>&, Draw&)> property;
   JointBug bug;  // that the property must catch in `of`
   const char* of;

@@ -181,7 +181,7 @@ void testAll() {
           RapidCheckDraw draw;
           p.property(on, draw);
         };
-        // A failure declared of a resolver is observed with a pivot.
+        // A failure that a resolver declares must be observed with a pivot.
         const bool known = declares(*entry, {entry->info.name, {}}, p.name);
         if (!known) {
           check(name, run, kRuns);

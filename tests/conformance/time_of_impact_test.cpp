@@ -282,7 +282,7 @@ void bugsAreCaught() {
 TEST(TimeOfImpact, PlantedBugs2) { bugsAreCaught<2>(); }
 TEST(TimeOfImpact, PlantedBugs3) { bugsAreCaught<3>(); }
 
-// --- against the referee --------------------------------------------------------------------------------------------
+// --- against the referee ---------------------------------------------------------------------------------------------
 
 struct Judged {
   int pairs = 0, hits = 0, limits = 0, undecided = 0;
@@ -301,7 +301,7 @@ const std::vector<Case<D>>& cases() {
   static const std::vector<Case<D>> all = [] {
     std::vector<Case<D>> out;
     PlainDraw draw(seedOf("times of impact before the referee"));
-    const int least = D == 2 ? 2000 : 500;  // with a quarter of them in 2D, no pair would show that a plane turns, too
+    const int least = D == 2 ? 2000 : 500;  // 500 pairs in 2D would not catch the planted bug of planes
     for (int n = std::max(caseCount(2000), least); n > 0; --n) {
       const Drawn<D> drawn = drawMoving<D>(draw);
       out.push_back({drawn, impactBracket(drawn.pair(), Real(1))});

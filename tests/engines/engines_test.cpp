@@ -13,8 +13,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
-// --- checks: hold for a correct adapter
-// --------------------------------------------------------------------------------
+// --- checks: hold for a correct adapter ------------------------------------------------------------------------------
 
 template <int D>
 bool falls(const Start<D>& start) {

@@ -151,8 +151,7 @@ TEST_F(KnownAnswer, pyramid_weight) {
   }
 }
 
-// --- convergence: one sweep after another, cold, on a column after one step of gravity
-// --------------------------------
+// --- convergence: one sweep after another, cold, on a column after one step of gravity -------------------------------
 
 // Bodies of the given masses, bottom first, that move only up and down.
 ImpactScene<2> column(const std::vector<double>& masses) {

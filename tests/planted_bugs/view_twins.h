@@ -8,8 +8,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-// --- cameras: each hides a method of a correct camera
-// ------------------------------------------------------------------
+// --- cameras: each hides a method of a correct camera ----------------------------------------------------------------
 
 template <int D>
 struct UpIsDown : ViewCamera<D> {
@@ -54,8 +53,7 @@ struct MeshTwin {
 };
 inline constexpr MeshTwin kMeshTwins[] = {{"a triangle turned inside out", 0}, {"half of the triangles", 1}};
 
-// --- canvases: drawing through them gives wrong output
-// -----------------------------------------------------------------
+// --- canvases: drawing through them gives wrong output ---------------------------------------------------------------
 
 template <int D>
 class CanvasTwin : public DebugDraw<D> {
