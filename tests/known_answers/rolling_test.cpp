@@ -42,7 +42,7 @@ struct Roll {
     def.angularVelocity = Ang<D>::Unit(kAngDim<D> - 1) * Real(-kSpeed / kRadius);
     ball = world.add(def);
   }
-  double speed() const { return std::abs(double(world.motion(ball).v[0])); }  // some balls first fall by g dt
+  double speed() const { return std::abs(double(world.motion(ball).v[0])); }  // x only: some balls fall by g dt
   double weight() const { return kG * double(world.bodies().mass[static_cast<std::size_t>(ball.slot)]); }
 };
 
