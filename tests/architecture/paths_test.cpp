@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Every path of this project that a page or a comment names is there.
+// Every path of this project that a page or a comment names must exist.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 const fs::path kRoot = LPC_SOURCE_DIR;
 
-// Made by commands, so in no fresh tree.
+// Made by commands, so absent from a fresh checkout.
 bool isMade(const std::string& path) { return path.starts_with("reports/out") || path.starts_with("docs/html"); }
 
 // File names of the project, without folders.
@@ -30,7 +30,7 @@ const std::set<std::string>& names() {
   return all;
 }
 
-// Files that a page tells its reader to write: "```cpp algorithms/velocity/mine.cpp".
+// Files that a page tells its reader to create: "```cpp algorithms/velocity/mine.cpp".
 const std::set<std::string>& written() {
   static const std::set<std::string> all = [] {
     std::set<std::string> out;
@@ -45,7 +45,7 @@ const std::set<std::string>& written() {
   return all;
 }
 
-// The paths in a text that are not there: "tests/no_such_test.cpp", and of a source without its folder, "no_such.h".
+// The paths of a text that do not exist: "tests/no_such_test.cpp", or for a source without a folder, "no_such.h".
 std::vector<std::string> missing(const std::string& text) {
   static const std::regex path(
       "(^|[^A-Za-z0-9_./>-])(((?:framework|algorithms|oracles|experiments|tests|reports|docs)/[A-Za-z0-9_./"
@@ -62,7 +62,7 @@ std::vector<std::string> missing(const std::string& text) {
   return out;
 }
 
-// What a file says in words: a page without its examples (what they name may be a reader's own), a source's comments.
+// The prose of a file: a page without its examples (they may name the reader's own files), or a source's comments.
 std::string wordsOf(const std::string& line, const std::string& kind, bool& inExample) {
   if (kind == ".md") {
     const bool fence = line.find("```") != line.npos;
@@ -74,7 +74,7 @@ std::string wordsOf(const std::string& line, const std::string& kind, bool& inEx
   return at == line.npos ? "" : line.substr(at);
 }
 
-TEST(Paths, EveryNamedPathIsThere) {
+TEST(Paths, EveryNamedPathExists) {
   std::vector<fs::path> files = {kRoot / "README.md", kRoot / "CHANGELOG.md", kRoot / "CMakeLists.txt"};
   for (const char* folder : {"framework", "algorithms", "oracles", "experiments", "tests", "reports", "docs"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) files.push_back(entry.path());
@@ -84,7 +84,7 @@ TEST(Paths, EveryNamedPathIsThere) {
   for (const fs::path& file : files) {
     const std::string shown = fs::relative(file, kRoot).generic_string(), kind = file.extension().string();
     if (!kinds.contains(kind) || isMade(shown) || shown.starts_with("tests/growth/")) continue;
-    if (file.filename() == "paths_test.cpp") continue;  // its own examples
+    if (file.filename() == "paths_test.cpp") continue;  // contains made-up paths
     std::ifstream in(file);
     bool inExample = false;
     int number = 0;
@@ -98,7 +98,7 @@ TEST(Paths, EveryNamedPathIsThere) {
   EXPECT_GT(named, 100) << "the files are not read";
 }
 
-TEST(Paths, AMissingOneIsFound) {
+TEST(Paths, AMissingPathIsFound) {
   using Paths = std::vector<std::string>;
   EXPECT_EQ(missing("see `tests/framework/no_such_test.cpp`."), Paths{"tests/framework/no_such_test.cpp"});
   EXPECT_EQ(missing("(framework/world/world.h, no_such.h)"), Paths{"no_such.h"});

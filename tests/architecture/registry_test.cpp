@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is registered is what the documents say, and what reports will be able to show.
+// The registry against the documents, and against the needs of reports.
 #include "framework/stage/registry.h"
 
 #include <gtest/gtest.h>
@@ -30,8 +30,8 @@ TEST(RegistryRules, EveryStageHasACompetitorInBothDimensions) {
   }
 }
 
-// "| stage | a, b, c |" rows between the marks in docs/architecture.md.
-// A new algorithm may be missing until it is taken (.ci/run is strict); a name that means nothing may not be there.
+// "| stage | a, b, c |" rows between the marks in docs/architecture.md. A new algorithm may be missing from the page
+// until it is accepted (.ci/run is strict); the page may not name an unknown algorithm.
 TEST(RegistryRules, TheArchitecturePageNamesOnlyWhatIsRegistered) {
   const std::string page = read("docs/architecture.md");
   const std::size_t begin = page.find("<!-- registry -->"), end = page.find("<!-- end -->");
@@ -54,7 +54,7 @@ TEST(RegistryRules, TheArchitecturePageNamesOnlyWhatIsRegistered) {
 }
 
 // | `stage` `name` | source | departs in | why | `setting` | in docs/sources.md.
-TEST(RegistryRules, TheSourcesPageSaysWhatIsRegistered) {
+TEST(RegistryRules, TheSourcesPageMatchesTheRegistry) {
   const std::string page = read("docs/sources.md");
   const std::regex row("\n\\| `([a-z_]+)` `([a-z_]+)` \\| ([^|]+) \\| ([^|]*) \\| [^|]* \\| ?`?([^|`]*)`? \\|");
   int methods = 0, same = 0;
@@ -112,7 +112,7 @@ TEST(RegistryRules, EveryAlgorithmDescribesItself) {
   }
 }
 
-/// What solves contacts has a parameter of effort, or takes it in its parts, or says why there is none.
+/// A method that solves contacts has a parameter of effort, or one in its parts, or a reason for having none.
 bool saysItsEffort(const Registered& r) {
   if (r.stage != StageKind::solver && r.stage != StageKind::velocity && r.stage != StageKind::position) return true;
   const bool ofParts = std::any_of(r.params.begin(), r.params.end(), [](const ParamInfo& p) { return p.stage; });
@@ -127,7 +127,7 @@ TEST(RegistryRules, EveryMethodSaysItsEffort) {
   }
   EXPECT_GT(with, 2 * without);
   EXPECT_GT(without, 0);
-  // Planted: a method that iterates and does not say so, and one that says that it does not.
+  // Planted bugs: a method that iterates without declaring it, and one that declares that it does not.
   for (Registered r : {Registry::instance().find(StageKind::velocity, 2, "catto"),
                        Registry::instance().find(StageKind::solver, 3, "xpbd")}) {
     for (ParamInfo& p : r.params) p.role = ParamRole::manner;
@@ -140,7 +140,7 @@ TEST(RegistryRules, EveryMethodSaysItsEffort) {
   test::expectCaught("registry: effort beside a reason for none", saysItsEffort(both));
 }
 
-TEST(RegistryRules, RolesAreOfNumbersThatCanBeSet) {
+TEST(RegistryRules, ParametersWithRolesAreSettableNumbers) {
   for (const auto& [key, r] : Registry::instance().all()) {
     for (const ParamInfo& p : r.params) {
       EXPECT_NE(p.name, "effort") << r.info.name << ": what stars of sweeps call the first of this role";
@@ -162,9 +162,9 @@ TEST(RegistryRules, RolesAreOfNumbersThatCanBeSet) {
   EXPECT_FALSE(effortIn(StageKind::solver, 2, solver).parameter) << "iterations of its position resolver are not its";
 }
 
-// A spec's law is that of what it chooses, each choice called `friction` is another one, and no law is without a
-// method.
-TEST(RegistryRules, EveryFrictionLawIsSomebodys) {
+// The friction law of a spec is that of its choices. Each choice of a parameter `friction` is a different law. Every
+// law has a method.
+TEST(RegistryRules, EveryFrictionLawHasAMethod) {
   std::set<std::string_view> used;
   for (const auto& [key, r] : Registry::instance().all()) {
     used.insert(frictionLawName(frictionLaw(r.info, Spec{r.info.name, {}})));
@@ -186,7 +186,7 @@ TEST(RegistryRules, EveryFrictionLawIsSomebodys) {
   }
 }
 
-// What is written in all tests, line breaks and indents made one blank.
+// The text of all tests, with line breaks and indents reduced to single blanks.
 std::string testSources() {
   std::string all;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(LPC_SOURCE_DIR "/tests")) {
@@ -198,7 +198,7 @@ std::string testSources() {
   return all;
 }
 
-/// Is this the name of a test, or of a property in a list of properties that a test runs?
+/// Is this the name of a test, or of a property in a list that a test runs?
 bool namesATest(const std::string& name, const std::string& sources) {
   const std::size_t dot = name.find('.');
   const std::string test =

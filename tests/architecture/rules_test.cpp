@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The rules of the house, read off the sources: who includes whom, how long a file is, what must not be used.
+// The rules of the project, checked on the sources: allowed includes, length of files, forbidden words.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,21 +44,21 @@ const std::vector<Source>& sources() {
 bool isCode(const Source& s) { return s.path.ends_with(".cpp") || s.path.ends_with(".h"); }
 bool in(const Source& s, const std::string& folder) { return s.path.starts_with(folder + "/"); }
 
-// Beginnings of what the files under a folder may include, beside the standard library; of "folder/." those that stand
-// in the folder itself. Rows add up.
+// Prefixes of what files under a folder may include, beside the standard library. A row "folder/." holds for the files
+// directly in the folder. Rows add up.
 struct Allowance {
   std::string folder;
   std::vector<std::string> everywhere, inSources;
 };
 const std::vector<std::string> kPosix = {"dlfcn.h", "fcntl.h",     "poll.h", "sched.h",
                                          "sys/",    "semaphore.h", "time.h", "unistd.h"};
-// What glibc's allocator says of a block: a program may count its memory.
+// glibc's information about an allocated block: a program may count its memory.
 const std::vector<std::string> kAllocator = {"malloc.h"};
 const std::vector<Allowance> kAllowances = {
     {"framework/", {"Eigen/", "framework/math/"}, {}},
     {"framework/math/", {}, {}},
     {"framework/shape/", {"framework/shape/"}, {"libqhull_r/"}},
-    // A contract names the records that it is given, and the kind of a joint or a force is a contract.
+    // Contracts name the records that they get, and the kind of a joint or a force is a contract.
     {"framework/stage/", {"framework/shape/", "framework/stage/", "framework/problem/"}, {}},
     {"framework/problem/", {"framework/shape/", "framework/stage/", "framework/problem/"}, {}},
     {"framework/world/",
@@ -67,7 +67,7 @@ const std::vector<Allowance> kAllowances = {
     {"framework/scene/", {"framework/world/", "framework/scene/"}, {}},
     {"framework/draw/", {"framework/shape/", "framework/stage/", "framework/problem/", "framework/world/"}, {}},
     {"framework/draw/", {"framework/draw/"}, {}},
-    // A method knows no world; beside these it has the kernel headers of its own group.
+    // Methods do not know the world. Beside these prefixes they may include the kernel headers of their own group.
     {"algorithms/",
      {"framework/math/", "framework/shape/", "framework/stage/", "framework/problem/", "Eigen/", "hwy/"},
      {}},
@@ -104,7 +104,7 @@ const std::vector<Allowance> kAllowances = {
     {"tests/", {""}, {}},
 };
 
-// What is wrong with including `target` from `file`; empty when nothing is.
+// Why `file` may not include `target`; empty if it may.
 std::string includeFault(const std::string& file, const std::string& target) {
   if (target.ends_with(".cpp")) return "a .cpp is included by nobody";
   if (file.starts_with("algorithms/")) {
@@ -133,13 +133,13 @@ std::string includeTarget(const std::string& line) {
   return std::regex_match(line, m, include) ? m[1].str() : "";
 }
 
-// Of a line in UTF-8: bytes that begin a character.
+// Columns of a line in UTF-8: bytes that begin a character.
 std::size_t columns(const std::string& line) {
   return static_cast<std::size_t>(
       std::count_if(line.begin(), line.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-// Words that would make a result depend on the machine, the compiler or the address of an object.
+// A word that would make a result depend on the machine, the compiler or an address.
 std::string denied(const std::string& line) {
   static const std::regex words(
       "\\b(MulAdd|MulSub|NegMulAdd|NegMul|SumOfLanes|ReduceSum|Approximate\\w*|std::fma|std::hypot|s?rand\\(\\)|"
@@ -149,7 +149,7 @@ std::string denied(const std::string& line) {
   return std::regex_search(code, m, words) ? m.str() : "";
 }
 
-// Tolerances of these kernels have a name and a meaning, in the group's own file.
+// Kernels with named and explained tolerances, in the group's own file.
 bool namesItsTolerances(const Source& s) {
   static const std::set<std::string> files = {"framework/shape/compound.cpp", "framework/shape/polytope.cpp",
                                               "framework/world/saved_state.cpp", "framework/shape/support_gap.h",
@@ -158,8 +158,8 @@ bool namesItsTolerances(const Source& s) {
   return in(s, "algorithms/pair_query") || in(s, "algorithms/contacts") || files.contains(s.path);
 }
 
-// A small or nearly whole number, a multiple of a rounding, or a cap of iterations. A half is geometry, and the range
-// of a parameter is no tolerance.
+// A bare tolerance: a number that is small or close to an integer, a multiple of a rounding, or a cap on iterations. A
+// half is geometry, and the range of a parameter is no tolerance.
 std::string bareTolerance(const std::string& line) {
   static const std::regex words(
       "[0-9.]+[eE][-+]?[0-9]+|\\.(?![05]0*f?\\b)[0-9]+f?\\b|"
@@ -171,7 +171,8 @@ std::string bareTolerance(const std::string& line) {
   return !std::regex_match(code, parameter) && std::regex_search(code, m, words) ? m.str() : "";
 }
 
-// What the comment over the constants of a tolerances.h lacks: unit, meaning and danger. One comment may serve several.
+// What is missing in the comment above a constant of a tolerances.h: unit, meaning or danger. One comment may serve
+// several constants.
 std::vector<std::string> unexplained(const std::vector<std::string>& lines) {
   static const std::regex constant("inline const(?:expr)? [\\w:]+ (k[A-Z]\\w*).*");
   std::vector<std::string> faults;
@@ -190,7 +191,7 @@ std::vector<std::string> unexplained(const std::vector<std::string>& lines) {
     } else if (line.empty()) {
       comment.clear();
     } else if (line.find(" k") != line.npos && line.starts_with("inline")) {
-      faults.push_back(line);  // of a form that this rule does not know
+      faults.push_back(line);  // a form that this rule cannot parse
     }
   }
   return faults;
@@ -209,8 +210,8 @@ TEST(Rules, Includes) {
   }
 }
 
-// A sweep is planned in double precision, and writes every parameter into a trial of single precision, too. A default
-// that depends on the precision would never reach it: such a parameter has a value that means "by precision".
+// A sweep is planned in double precision, and writes every parameter into trials of single precision, too. They would
+// get the wrong default if it depended on the precision. Such a parameter has a value that means "by precision".
 TEST(Rules, NoDefaultDependsOnThePrecision) {
   const std::regex member(" +(Real|int|double) .*= .*(sizeof\\(Real\\)|kDouble).*");
   EXPECT_TRUE(std::regex_match("    Real cfm = sizeof(Real) == 8 ? Real(1e-7) : Real(1e-3);", member));
@@ -229,7 +230,7 @@ TEST(Rules, IncludeRulesCatchBreaches) {
       {"framework/stage/spec.cpp", "oracles/verify/verify.h"},
       {"framework/stage/spec.cpp", "fmt/format.h"},
       {"framework/stage/spec.cpp", "unistd.h"},
-      {"framework/stage/spec.cpp", "boost/container/flat_map.hpp"},  // of nobody's list
+      {"framework/stage/spec.cpp", "boost/container/flat_map.hpp"},  // in no list
       {"framework/stage/spec.cpp", "spec.h"},                        // paths start at the root
       {"framework/math/space.h", "framework/shape/shape.h"},
       {"framework/shape/shape.cpp", "framework/problem/body.h"},
@@ -250,7 +251,7 @@ TEST(Rules, IncludeRulesCatchBreaches) {
       {"oracles/witnesses/fcl.cpp", "algorithms/pair_query/core/touching.h"},
       {"oracles/witnesses/fcl.cpp", "experiments/trial/trial.h"},
       {"oracles/witnesses/witness.h", "box2d/box2d.h"},
-      {"oracles/referee/referee.h", "oracles/witnesses/witness.h"},  // a judge hears of no witness
+      {"oracles/referee/referee.h", "oracles/witnesses/witness.h"},  // the referee does not depend on witnesses
       {"oracles/corpus/cases.cpp", "oracles/verify/verify.h"},
       {"oracles/witnesses/fcl.cpp", "oracles/corpus/hard_pairs.h"},
       {"oracles/engines/box2d.cpp", "oracles/witnesses/witness.h"},
@@ -274,8 +275,8 @@ TEST(Rules, IncludeRulesCatchBreaches) {
   EXPECT_EQ(includeFault("algorithms/contacts/query_clip.cpp", "algorithms/pair_query/core/touching.h"), "");
 }
 
-// A source beside the folders would be in no list of CMake's, and compiled by none.
-TEST(Rules, EverySourceStandsInAFolderThatHasARule) {
+// A source outside these folders would be in no list of CMake, and would not be compiled.
+TEST(Rules, EverySourceIsInAFolderWithARule) {
   const auto stands = [](const std::string& file) {
     return std::any_of(kAllowances.begin(), kAllowances.end(), [&](const Allowance& row) {
       const std::string folder = row.folder.ends_with("/.") ? row.folder.substr(0, row.folder.size() - 1) : row.folder;
@@ -296,7 +297,7 @@ TEST(Rules, EverySourceStandsInAFolderThatHasARule) {
   }
 }
 
-TEST(Rules, EveryStageHasItsFolderAndNobodyElse) {
+TEST(Rules, AlgorithmFoldersAreThoseOfStages) {
   std::set<std::string> folders, names;
   for (const auto& entry : fs::directory_iterator(LPC_SOURCE_DIR "/algorithms")) {
     if (entry.is_directory()) folders.insert(entry.path().filename().string());

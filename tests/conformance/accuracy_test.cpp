@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// How far every competing pair query is off at most, by pair of kinds, as accuracy.txt beside this file says: a larger
-// error fails, and so does one that is ten times smaller than documented.
+// The largest error of every competing pair query, by pair of kinds, must match the bound in accuracy.txt beside this
+// file. A larger error fails. So does an error ten times smaller than documented.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,24 +28,24 @@ struct Row {
 };
 using Table = std::map<Row, double>;  // largest error / s
 
-/// What was seen, and what is wrong with it whatever is documented.
+/// Measured errors, and faults that hold whatever is documented.
 struct Measured {
   Table errors;
   std::vector<std::string> faults = {};
 };
 
-// Two rows per decade, and a tenth more than was seen, so that nothing lies on the edge of its row.
+// Two rows per decade, with a margin of a tenth, so that no error lies on the edge of its row.
 double documentedFor(double error) {
   if (!(error > 0)) return 0;
   for (int decade = -20;; ++decade) {
-    for (const char* digit : {"1e", "3e"}) {  // as the table is read
+    for (const char* digit : {"1e", "3e"}) {  // as the table is parsed
       const double bound = std::strtod((digit + std::to_string(decade)).c_str(), nullptr);
       if (bound >= 1.1 * error) return bound;
     }
   }
 }
 
-/// Rows of this precision, as they are in the files; all rows by precision.
+/// The rows of both files, by precision.
 std::map<std::string, Table> tables() {
   std::map<std::string, Table> out;
   for (const char* name : {"accuracy.txt", "accuracy_approximate.txt"}) {
@@ -70,9 +70,9 @@ const Table& table() {
 
 bool isCurved(ShapeKind kind) { return coreClass(kind) == CoreClass::curved; }
 
-// What is owed: of an exact method 1e-12 (f32: 1e-5), or ten times the referee's width where that is more, as on some
-// deep curved pairs, which count for that alone; there one that says that it ended at its limit owes the side, as an
-// approximate one does everywhere.
+// Required of an exact method: 1e-12 (f32: 1e-5), or ten times the referee's width if that is larger, as on some deep
+// curved pairs. Such pairs do not count for the largest error. There, a method that reports that it reached its limit
+// must only give the right side. An approximate method must only give the right side everywhere.
 template <int D>
 void measure(const Candidate<PairQuery<D>>& m, ShapeKind a, ShapeKind b, const std::vector<HardPair<D>>& pairs,
              const std::vector<PairTruth<D>>& truths, Measured& out) {
@@ -112,7 +112,7 @@ std::vector<Candidate<PairQuery<D>>> competitors() {
 
 template <int D>
 void measure(ShapeKind a, ShapeKind b, const std::vector<Candidate<PairQuery<D>>>& methods, Measured& out) {
-  // The referee takes a hundred times as long over curved pairs.
+  // On curved pairs the referee takes a hundred times as long.
   const int count = isCurved(a) || isCurved(b) ? 60 : 400;
   std::vector<HardPair<D>> pairs;
   std::vector<PairTruth<D>> truths;
@@ -143,8 +143,7 @@ std::string number(double x) {
   return x > 0 ? text : "0";
 }
 
-/// What is wrong with the table. A method, or a kind, of which it says nothing at all is new: that is one file, and its
-/// lines are printed for whoever wants it documented.
+/// Faults of the table. A method or kind without any row is new: its lines are printed, ready to be added to the table.
 std::vector<std::string> faults(const Table& rows, const Table& measured, int dimension) {
   const auto known = [&](const auto& is) {
     return std::any_of(rows.begin(), rows.end(),
@@ -196,7 +195,7 @@ void isAsDocumented() {
 TEST(Accuracy, IsAsDocumentedFromBothSides2) { isAsDocumented<2>(); }
 TEST(Accuracy, IsAsDocumentedFromBothSides3) { isAsDocumented<3>(); }
 
-/// Right but for so much of the size of A.
+/// Exact, but for an error relative to the size of A.
 template <int D>
 class OffByMore final : public wrong_queries::SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -222,7 +221,7 @@ void bugsAreCaught() {
   measure<D>(ShapeKind::box, ShapeKind::box, competitors<D>(), right);
   Table rows;
   for (const auto& [row, error] : right.errors) {
-    if (table().contains(row)) rows[row] = table().at(row);  // else of a method that is new
+    if (table().contains(row)) rows[row] = table().at(row);  // otherwise the method is new
   }
   EXPECT_EQ(lines(faults(rows, right.errors, D)), "");
   for (const auto& [row, bound] : rows) {
@@ -236,7 +235,7 @@ void bugsAreCaught() {
     Table seen = right.errors;
     seen[{D, row.method, "box", "sphere"}] = 1;
     expectCaught("accuracy: a row forgotten" + in, faults(without, seen, D).empty());
-    // A method of which there is no row at all is new.
+    // A method without any row is new.
     Table unknown = rows;
     unknown.erase(row);
     EXPECT_EQ(lines(faults(unknown, right.errors, D)), "");
@@ -244,7 +243,7 @@ void bugsAreCaught() {
 }
 TEST(Accuracy, PlantedBugsAreCaught) { bugsAreCaught<2>(), bugsAreCaught<3>(); }
 
-// The table of docs/verification.md: of each method the largest of its rows, by what the cores are.
+// The table of docs/verification.md: for each method the largest of its rows, by class of cores.
 TEST(Accuracy, PageShowsTheTable) {
   std::map<std::string, std::map<std::string, double>> largest;  // method, column
   for (const auto& [precision, rows] : tables()) {
@@ -272,7 +271,7 @@ TEST(Accuracy, PageShowsTheTable) {
   EXPECT_EQ(shown, expected);
 }
 
-// The table anew: see its top.
+// Prints the table anew; see the comment at the top of accuracy.txt.
 template <int D>
 void print() {
   for (const auto& [row, error] : ours<D>().errors) {

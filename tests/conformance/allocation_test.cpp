@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// No stage allocates once it is warm: what it needs again it keeps. Counted by replacing the allocator of this program.
+// No stage allocates once it is warm: it keeps the memory that it needs again. Allocations are counted by replacing the
+// allocator of this program.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -30,10 +31,10 @@ void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); 
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
-// Here, and inside the library, too.
+// Allocations here and inside the library are counted.
 TEST(Allocations, AreCounted) {
   long before = allocations;
-  int* volatile one = new int(1);  // volatile: or it might be left out
+  int* volatile one = new int(1);  // volatile: otherwise the compiler may omit it
   delete one;
   const std::vector<int> v(10);
   EXPECT_EQ(allocations - before, 2);
@@ -42,7 +43,7 @@ TEST(Allocations, AreCounted) {
   EXPECT_GT(allocations - before, 5);
 }
 
-// Boxes that wander to and fro, so that every frame is another one and no crowd grows for ever.
+// Boxes that oscillate: every frame differs, but no set of overlaps grows without bound.
 template <int D>
 long allocationsOfWarmFrames(Broadphase<D>& broadphase) {
   constexpr int kBoxes = 300;
@@ -94,7 +95,7 @@ void checkBroadphases() {
 TEST(Allocations, Broadphases2) { checkBroadphases<2>(); }
 TEST(Allocations, Broadphases3) { checkBroadphases<3>(); }
 
-// Planted bug: a list of candidates that is made anew in each frame.
+// Planted bug: a list of candidates that is allocated anew in each frame.
 class ForgetsItsMemory final : public Broadphase<2> {
  public:
   void findPairs(const Proxies<2>& proxies, std::vector<ProxyPair>&, WorkDone&) override {
@@ -108,7 +109,7 @@ TEST(Allocations, PlantedBugIsCaught) {
   EXPECT_EQ(allocationsOfWarmFrames<2>(bug), 20);
 }
 
-// Level at y = 0. The inner edge lies beside the bodies, so that who creeps comes to no new contacts.
+// Level at y = 0. The inner edge lies beside the bodies, so that creeping bodies make no new contacts.
 template <int D>
 Shape<D> twoParts() {
   if constexpr (D == 2) {
@@ -119,7 +120,7 @@ Shape<D> twoParts() {
   }
 }
 
-// A pile at rest on a box and a surface, of boxes and of boxes put together from halves, with all stages at work.
+// A pile at rest on a box and a surface. It consists of boxes and of boxes composed of halves; all stages are at work.
 template <int D>
 long allocationsOfWarmSteps(const Pipeline& pipeline, const std::vector<std::string>& forces = {}) {
   WorldSettings<D> settings;
@@ -149,7 +150,7 @@ long allocationsOfWarmSteps(const Pipeline& pipeline, const std::vector<std::str
     at[0] = Real(1.2) * static_cast<Real>(k % 2), at[1] = Real(0.5) + static_cast<Real>(k / 2);
     add(BodyType::dynamic, at, k % 2 == 0 ? whole : twoHalves);
   }
-  // Long enough for a box on single points to have rocked to and fro: each new contact is a place more.
+  // Long enough for a box on single points to have rocked both ways: each new contact needs memory.
   for (int k = 0; k < 120; ++k) world.step(Real(1) / 60);
   const long before = allocations;
   for (int k = 0; k < 10; ++k) world.step(Real(1) / 60);
@@ -165,7 +166,7 @@ void checkWorlds() {
 TEST(Allocations, Worlds2) { checkWorlds<2>(); }
 TEST(Allocations, Worlds3) { checkWorlds<3>(); }
 
-// Planted bug: a list that is made anew each time that it is asked.
+// Planted bug: a list that is allocated anew at each call.
 template <int D>
 class Forgets final : public ForceKind<D> {
  public:
@@ -179,7 +180,7 @@ class Forgets final : public ForceKind<D> {
   }
 };
 
-// Kinds that act on all, of whom none disturbs the pile.
+// Kinds of force that act on all bodies without disturbing the pile.
 template <int D>
 void checkForces() {
   const Pipeline usual;

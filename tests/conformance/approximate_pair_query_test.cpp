@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What an approximate pair query owes all the same: the side, and a depth that suffices. And what `lpc verify` makes of
-// the rest.
+// An approximate pair query must still give the right side, and a depth that separates the shapes. Also: how `lpc
+// verify` counts its other errors.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -18,12 +18,12 @@ using namespace wrong_queries;
 
 struct Seen {
   int pairs = 0, overlaps = 0, wrongSides = 0, tooShallow = 0, notMinimal = 0;
-  double deepest = 1;  // of the depths, how many times the least one
+  double deepest = 1;  // largest ratio of a depth to the least depth
 };
 
 enum class Of { boxes, ellipsoids };
 
-// Of 0.5 to 1.5 m, turned at random, at 0 to 1.5 m from each other along each axis.
+// Shapes of 0.5 to 1.5 m, turned at random, 0 to 1.5 m apart along each axis.
 template <int D>
 Seen onPairs(PairQuery<D>& method, int count, Of of = Of::boxes) {
   const auto right = createStage<PairQuery<D>>(Spec{"gjk_epa", {}});
@@ -84,7 +84,7 @@ void boxes() {
 TEST(ApproximatePairQuery, SideAndDepthOfBoxes2) { boxes<2>(); }
 TEST(ApproximatePairQuery, SideAndDepthOfBoxes3) { boxes<3>(); }
 
-// A tolerance is of the depth: the side is owed whatever it is.
+// The tolerance concerns the depth: the side must be right at any tolerance.
 template <int D>
 void looselyOnEllipsoids() {
   for (const char* spec : {"mpr", "mpr{tolerance=0.01}", "mpr{tolerance=0.1}"}) {
@@ -98,8 +98,7 @@ void looselyOnEllipsoids() {
 }
 TEST(ApproximatePairQuery, SideOfEllipsoidsWhateverTheTolerance) { looselyOnEllipsoids<2>(), looselyOnEllipsoids<3>(); }
 
-// Boxes that lie on one another, in each other by less than both margins: their faces tell the depth, and nobody
-// expands.
+// Boxes that penetrate by less than both margins. The faces of their cores give the depth, without an expansion.
 std::uint64_t facesOnContacts(const std::string& spec) {
   const auto method = createStage<PairQuery<3>>(Spec::parse(spec));
   PlainDraw draw(seedOf("margins on contacts"));
@@ -123,7 +122,7 @@ TEST(ApproximatePairQuery, MarginsSpareExpansions) {
   expectCaught("approximate: a margin that is not there", facesOnContacts("core_margin{margin=0.01}") == 0);
 }
 
-// It fails a verification by its side or by giving no answer; its distances are booked as wrong, and forgiven.
+// A verification fails by a wrong side or a missing answer only. Wrong distances are recorded, but are no fault.
 TEST(ApproximatePairQuery, FailsAVerificationByItsSideAlone) {
   LedgerKey key = subjectOf(StageKind::pairQuery, 3, "mpr{tolerance=1e-9}");
   LedgerEntry entry;
@@ -151,7 +150,7 @@ TEST(ApproximatePairQuery, FailsAVerificationByItsSideAlone) {
   EXPECT_EQ(faults, 0);
 }
 
-// How many answers of mpr about hard pairs that are apart are wrong, and how many by a value.
+// Answers of mpr about hard pairs that are apart: how many are wrong, and how many of them have an error of the value.
 struct JudgedApart {
   int asked = 0, wrong = 0, values = 0, wrongSides = 0;
 };
@@ -174,7 +173,7 @@ JudgedApart judgedApart(ShapeKind a, ShapeKind b, bool claimsGap, bool turned = 
   return out;
 }
 
-// A lower bound of the distance of shapes that are apart is no wrong distance of a method that claims none.
+// A method that claims no distance may give a lower bound of it for separated shapes.
 TEST(ApproximatePairQuery, IsJudgedByWhatItClaims) {
   const auto mpr = createStage<PairQuery<3>>(Spec{"mpr", {}});
   for (const ShapeKind b : {ShapeKind::box, ShapeKind::ellipsoid}) {
@@ -198,7 +197,7 @@ TEST(ApproximatePairQuery, FailsACaseByItsSideAlone) {
   EXPECT_TRUE(isOurFault(row));
   row.sideAlone = true;
   EXPECT_FALSE(isOurFault(row));
-  for (const char* side : {"side", "wrong_side"}) {  // of a published case, of a found one
+  for (const char* side : {"side", "wrong_side"}) {  // of a published case; of a found case
     row.reason = side;
     EXPECT_TRUE(isOurFault(row));
   }
@@ -206,8 +205,8 @@ TEST(ApproximatePairQuery, FailsACaseByItsSideAlone) {
   EXPECT_TRUE(isOurFault(row));
 }
 
-// NaN and infinity end, and are no answer.
-TEST(ApproximatePairQuery, WhatIsNoNumberHasFailed) {
+// NaN and infinity end with QueryStatus::failed.
+TEST(ApproximatePairQuery, NanAndInfinityFail) {
   const auto mpr = createStage<PairQuery<3>>(Spec{"mpr", {}});
   const Shape<3> box = Shape<3>::box({1, 1, 1}, 0), capsule = Shape<3>::capsule(1, Real(0.5));
   for (const Real bad : {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity()}) {

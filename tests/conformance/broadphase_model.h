@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A crowd of boxes driven by a list of commands, kept once as a broadphase sees it (Proxies and lists of changes, as
-// the world makes them) and once as plain records, from which the right pairs follow by brute force.
+// A crowd of boxes driven by a list of commands. It is kept twice: as a broadphase sees it (Proxies and lists of
+// changes, as the world makes them), and as plain records. Brute force on the records gives the right pairs.
 #pragma once
 
 #include <algorithm>
@@ -20,15 +20,15 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Where boxes are put: one family for a whole sequence, or another one for each box. The inputs on which published
+/// Where boxes are placed: one family for a whole sequence, or another for each box. On these inputs published
 /// broadphases were seen to fail.
 enum class BoxFamily { scattered, touching, identical, huge, farOut, thin, centerLine, extreme, mixed };
 inline constexpr int kBoxFamilies = 9;
 
-/// Inside a property, each with the same chance.
+/// Call inside a property. Each family has the same chance.
 inline BoxFamily anyFamily() { return static_cast<BoxFamily>(RapidCheckDraw().below(kBoxFamilies)); }
 
-/// `bits` says what to do it with: any value is valid, so that a list of commands without some of them is valid, too.
+/// `bits` selects the details. Any value is valid, so that a list stays valid when shrinking removes commands.
 struct Command {
   enum Kind : std::uint8_t { add, remove, move, teleport, refilter, sleepOrWake, lose, update, spawnMany, clear };
   Kind kind;
@@ -40,8 +40,8 @@ inline std::ostream& operator<<(std::ostream& out, const Command& c) {
   return out << names[c.kind] << '(' << c.bits << ')';
 }
 
-/// Inside a property. The length is uniform up to 80 times the size of the case, at most 4000; shrinks by leaving
-/// commands out.
+/// Call inside a property. The length is uniform up to 80 times the size of the case, at most 4000. It shrinks by
+/// removing commands.
 std::vector<Command> drawCommands();
 
 template <int D>
@@ -54,7 +54,7 @@ Aabb<D> drawBox(Random& random, BoxFamily family) {
   for (int d = 0; d < D; ++d) {
     Real at = static_cast<Real>(random.uniform(-12, 12)), size = static_cast<Real>(random.uniform(0.1, 3));
     switch (family) {
-      case BoxFamily::touching:  // whole numbers: most neighbours touch exactly, and many sizes are 0
+      case BoxFamily::touching:  // integers: most neighbours touch exactly, and many sizes are 0
         at = whole(-6, 6), size = whole(0, 3);
         break;
       case BoxFamily::identical:
@@ -69,7 +69,7 @@ Aabb<D> drawBox(Random& random, BoxFamily family) {
       case BoxFamily::thin:
         size = random.below(D) == 0 ? Real(15) : whole(0, 1) * Real(1e-3);
         break;
-      case BoxFamily::centerLine:  // all cross the line through the origin along the last axis
+      case BoxFamily::centerLine:  // all boxes cross the line through the origin along the last axis
         if (d < D - 1)
           size = static_cast<Real>(random.uniform(0.1, 2)), at = -size * static_cast<Real>(random.uniform());
         if (d == D - 1) at *= 10;
@@ -106,7 +106,7 @@ class BoxCrowd {
     }
   }
 
-  /// What the world does before a step or a query.
+  /// As the world before a step or a query.
   void update(Broadphase<D>& broadphase) {
     std::vector<ProxyId> added, removed, moved;
     for (std::size_t i = 0; i < m_records.size(); ++i) {
@@ -116,7 +116,7 @@ class BoxCrowd {
       const bool same = wasUsed && isUsed && m_told[i].tenant == r.tenant;
       if (wasUsed && !same) removed.push_back(slot);
       if (isUsed && !same) added.push_back(slot);
-      // As the world does it: everything active counts as moved.
+      // As in the world: every active proxy counts as moved.
       if (isUsed && (r.active || (same && m_told[i].active))) moved.push_back(slot);
       if (same && !r.active && (m_told[i].box.lo != r.box.lo || m_told[i].box.hi != r.box.hi)) {
         if (!m_told[i].active) moved.push_back(slot);
@@ -150,14 +150,14 @@ class BoxCrowd {
   }
 
  private:
-  static constexpr std::size_t kMost = 160;  // boxes at a time; brute force on more would cost the test its length
+  static constexpr std::size_t kMost = 160;  // boxes at a time; brute force on more would make the test slow
 
   struct Record {
     Aabb<D> box;
     bool active = false;
     std::uint32_t category = 0, mask = 0;
     std::int32_t body = -1;
-    int tenant = 0;  // number of the box in this slot, counted over the whole history; 0: the slot is free
+    int tenant = 0;  // serial number of the box in this slot; 0: the slot is free
   };
 
   std::optional<std::size_t> pick(Random& random) const {
@@ -176,7 +176,7 @@ class BoxCrowd {
     m_proxies.resize(static_cast<int>(m_records.size()));
     Record& r = m_records[i];
     r = {drawBox<D>(random, m_family), random.below(4) > 0, 1, ~std::uint32_t{0}, 0, ++m_tenants};
-    r.body = static_cast<std::int32_t>(random.below(3) > 0 ? i + kMost : random.below(20));  // some share a body
+    r.body = static_cast<std::int32_t>(random.below(3) > 0 ? i + kMost : random.below(20));  // some boxes share a body
     ++m_used;
     write(i);
   }
@@ -233,7 +233,7 @@ class BoxCrowd {
 template <int D>
 using BroadphaseFactory = std::function<std::unique_ptr<Broadphase<D>>()>;
 
-/// Runs the commands, asks for the pairs after every sixteenth and at the end, and compares.
+/// Runs the commands, finds the pairs after every sixteenth and at the end, and compares them with brute force.
 template <int D>
 void checkPairs(const BroadphaseFactory<D>& create, Guarantee guarantee, BoxFamily family,
                 const std::vector<Command>& list) {
@@ -261,7 +261,7 @@ void checkPairs(const BroadphaseFactory<D>& create, Guarantee guarantee, BoxFami
     }
     if (k == list.size()) break;
     crowd.apply(list[k]);
-    if (list[k].kind == Command::update) crowd.update(*broadphase);  // as queries between steps do
+    if (list[k].kind == Command::update) crowd.update(*broadphase);  // as for queries between steps
   }
 }
 

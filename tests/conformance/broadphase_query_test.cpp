@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Queries on boxes, asked of every broadphase: overlap and point exactly as brute force, ray and sweep as an oracle in
-// long double wherever the answer does not hang on the last bits.
+// Box queries of every broadphase. Overlap and point queries must equal brute force exactly. Ray and sweep queries must
+// equal an oracle in long double, wherever the answer does not depend on the last bits.
 #include <cmath>
 
 #include "tests/check_property.h"
@@ -9,13 +9,13 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace broadphase_query_test {
 
-/// When the box moved by t * displacement meets the target, for t in [0, maxT], and how sure that is.
+/// When the box moved by t * displacement touches the target, for t in [0, maxT], and whether that is certain.
 struct Meeting {
   bool hit = false, sure = true;
   long double t = 0;
 };
 
-// Slabs of the sum of both boxes, without any of the tricks of the code under test.
+// Slab test on the sum of both boxes, without any of the optimisations of the code under test.
 template <int D>
 Meeting meeting(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target) {
   long double enter = 0, leave = maxT;
@@ -49,13 +49,13 @@ struct Hall {
       if (random.below(5) == 0) continue;  // a free slot
       proxies.setBox(i, drawBox<D>(random, family));
       proxies.body[k] = i, proxies.active[k] = static_cast<std::uint8_t>(random.below(2));
-      proxies.category[k] = proxies.mask[k] = 0;  // queries do not ask
+      proxies.category[k] = proxies.mask[k] = 0;  // queries ignore filters
       added.push_back(i);
     }
   }
 };
 
-/// Who stands there, with a box: of a body that has become NaN nobody asks when it is met.
+/// Occupied slots with finite boxes. The answer for a body that has become NaN is undefined.
 template <int D>
 std::vector<ProxyId> standing(const Proxies<D>& proxies) {
   std::vector<ProxyId> out;
@@ -82,7 +82,7 @@ void checkMeetings(const Proxies<D>& proxies, const std::vector<ProxyId>& standi
       ++at;
     }
   }
-  RC_ASSERT(at == hits.size());  // none twice, none of a free slot
+  RC_ASSERT(at == hits.size());  // no duplicate, no free slot
 }
 
 template <int D>
@@ -93,7 +93,7 @@ std::vector<ProxyId> sorted(std::vector<RayHit<D>> hits) {
   return ids;
 }
 
-/// Asks somebody who was told of these boxes by update().
+/// Queries a broadphase that has seen these boxes in update().
 template <int D>
 void ask(const Broadphase<D>& broadphase, const Proxies<D>& proxies, BoxFamily family, Random& random) {
   const std::vector<ProxyId> there = standing(proxies);
@@ -107,7 +107,7 @@ void ask(const Broadphase<D>& broadphase, const Proxies<D>& proxies, BoxFamily f
   std::sort(found.begin(), found.end());
   RC_ASSERT(found == truth);
 
-  // A corner of a box of the crowd, if there is one: a point on the border is in.
+  // A corner of a box of the crowd, if there is one: a point on the boundary is inside.
   Vec<D> point = box.lo;
   if (!there.empty() && random.below(2)) {
     const Aabb<D> other = proxies.box(there[random.below(there.size())]);
@@ -136,7 +136,7 @@ void ask(const Broadphase<D>& broadphase, const Proxies<D>& proxies, BoxFamily f
   broadphase.sweep(proxies, box, displacement, hits);
   checkMeetings<D>(proxies, there, box, displacement, Real(1), hits);
 
-  // What does not move meets exactly what it overlaps.
+  // A sweep without motion hits exactly the boxes that it overlaps.
   hits.clear(), found.clear();
   broadphase.sweep(proxies, box, Vec<D>::Zero(), hits);
   broadphase.overlap(proxies, box, found);
@@ -155,7 +155,7 @@ void checkQueries(Broadphase<D>& broadphase, BoxFamily family, std::uint64_t see
   ask(broadphase, hall.proxies, family, random);
 }
 
-/// Of a structure that has aged: after some commands it is updated and asked, with or without findPairs() before.
+/// An aged structure: it is updated and queried after some commands, with or without findPairs() before.
 template <int D>
 void checkWorn(Broadphase<D>& broadphase, BoxFamily family, const std::vector<Command>& list, std::uint64_t seed) {
   BoxCrowd<D> crowd(family);
@@ -173,7 +173,7 @@ void checkWorn(Broadphase<D>& broadphase, BoxFamily family, const std::vector<Co
   }
 }
 
-// Of which the oracle of rays and sweeps has no doubt about all.
+// Families on which the oracle of rays and sweeps is certain of some answers.
 constexpr std::array kFamilies = {BoxFamily::scattered, BoxFamily::touching, BoxFamily::identical,
                                   BoxFamily::huge,      BoxFamily::thin,     BoxFamily::centerLine};
 
@@ -215,12 +215,12 @@ void checkWornQueries() {
         100);
   }
 }
-TEST(BroadphaseQueries, WornTwoDimensions) { checkWornQueries<2>(); }
-TEST(BroadphaseQueries, WornThreeDimensions) { checkWornQueries<3>(); }
+TEST(BroadphaseQueries, AgedTwoDimensions) { checkWornQueries<2>(); }
+TEST(BroadphaseQueries, AgedThreeDimensions) { checkWornQueries<3>(); }
 
 // --- planted bugs ----------------------------------------------------------------------------------------------------
 
-/// A box query that leaves out its border.
+/// A box query that excludes its boundary.
 template <int D>
 class OpenQuery final : public Broadphase<D> {
  public:
@@ -233,7 +233,7 @@ class OpenQuery final : public Broadphase<D> {
   }
 };
 
-/// A tree of fat boxes that answers with them.
+/// A tree that answers with its fat boxes.
 template <int D>
 class FatAnswers final : public Broadphase<D> {
  public:
@@ -243,7 +243,7 @@ class FatAnswers final : public Broadphase<D> {
   }
 };
 
-/// A ray that also looks behind itself.
+/// A ray that also hits boxes behind its origin.
 template <int D>
 class LooksBack final : public Broadphase<D> {
  public:
@@ -255,7 +255,7 @@ class LooksBack final : public Broadphase<D> {
   }
 };
 
-/// A tree that takes what has moved for where it was told of it first: right as long as it is fresh.
+/// A tree that answers with the boxes that were added, not with the moved ones: right only while it is fresh.
 template <int D>
 class AsAdded final : public Broadphase<D> {
  public:
@@ -273,7 +273,7 @@ class AsAdded final : public Broadphase<D> {
   Proxies<D> m_boxes;
 };
 
-/// A tree that keeps in its leaves who was removed, and passes them by when it looks for pairs alone.
+/// A tree that keeps removed proxies in its leaves and skips them only in the search for pairs.
 template <int D>
 class KeepsTheGone final : public Broadphase<D> {
  public:
@@ -323,9 +323,9 @@ void expectWornOut(const std::string& name) {
       },
       100);
 }
-TEST(BroadphasePlantedBugs, AsAdded) { expectWornOut<AsAdded>("answers with the boxes that were added"); }
-TEST(BroadphasePlantedBugs, KeepsTheGone) { expectWornOut<KeepsTheGone>("keeps who was removed"); }
-TEST(BroadphasePlantedBugs, LooksBack) { expectRefused<LooksBack>("looks back"); }
+TEST(BroadphasePlantedBugs, AnswersWithAddedBoxes) { expectWornOut<AsAdded>("answers with the boxes that were added"); }
+TEST(BroadphasePlantedBugs, KeepsRemovedProxies) { expectWornOut<KeepsTheGone>("keeps who was removed"); }
+TEST(BroadphasePlantedBugs, RayHitsBehindItsOrigin) { expectRefused<LooksBack>("looks back"); }
 
 }  // namespace broadphase_query_test
 }}}  // namespace lpc::LPC_PRECISION::test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Two runs of one broadphase on boxes that are the same but for something that must not matter, or must matter in one
-// direction only. No other method need be right.
+// Two runs of one broadphase on boxes that differ only by something that must not matter, or that may change the answer
+// in one direction only. No second method needs to be right.
 #include <map>
 #include <numeric>
 #include <set>
@@ -47,7 +47,7 @@ std::vector<ProxyId> shuffled(int n, Random& random) {
   return out;
 }
 
-/// One broadphase and its proxies; the boxes of a `Boxes` stand in the slots that it is told.
+/// One broadphase and its proxies. `place` puts the boxes of a `Boxes` into given slots.
 template <int D>
 class Stand {
  public:
@@ -75,7 +75,7 @@ class Stand {
     std::sort(out.begin(), out.end());
     return out;
   }
-  /// As numbers of the boxes, when they stand in `slots`.
+  /// Pairs as indices of the boxes, which lie in `slots`.
   std::vector<ProxyPair> pairs(const std::vector<ProxyId>& slots) {
     std::vector<ProxyId> boxIn(slots.size());
     for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -109,7 +109,7 @@ std::vector<ProxyId> inOrder(int n) {
   return out;
 }
 
-/// Seen for the first time, box i in slot i.
+/// A new broadphase with box i in slot i.
 template <int D>
 Stand<D> fresh(const BroadphaseFactory<D>& create, const Boxes<D>& boxes) {
   Stand<D> stand(create);
@@ -121,7 +121,7 @@ Stand<D> fresh(const BroadphaseFactory<D>& create, const Boxes<D>& boxes) {
 
 // --- the properties --------------------------------------------------------------------------------------------------
 
-/// B2: slots and the order in which boxes are named leave no trace.
+/// B2: slots and the order in which boxes are listed do not matter.
 template <int D>
 void orderIsNothing(const BroadphaseFactory<D>& create) {
   const auto boxes = drawBoxes<D>();
@@ -133,7 +133,7 @@ void orderIsNothing(const BroadphaseFactory<D>& create) {
   RC_ASSERT(other.pairs(slots) == fresh(create, boxes).pairs());
 }
 
-/// All of these boxes, which were elsewhere eight times.
+/// The same boxes after eight steps in other places.
 template <int D>
 Stand<D> aged(const BroadphaseFactory<D>& create, const Boxes<D>& boxes) {
   Random random = drawRandom();
@@ -151,14 +151,14 @@ Stand<D> aged(const BroadphaseFactory<D>& create, const Boxes<D>& boxes) {
   return stand;
 }
 
-/// B2: nor does what was there before.
+/// B2: earlier positions do not matter.
 template <int D>
 void historyIsNothing(const BroadphaseFactory<D>& create) {
   const auto boxes = drawBoxes<D>();
   RC_ASSERT(aged(create, boxes).pairs() == fresh(create, boxes).pairs());
 }
 
-/// B9: a tree does not wear out: it visits what a new one visits.
+/// B9: a tree does not degrade: an aged one visits as many nodes as a new one.
 template <int D>
 void wearIsNothing(const BroadphaseFactory<D>& create) {
   const auto boxes = drawBoxes<D>();
@@ -167,7 +167,7 @@ void wearIsNothing(const BroadphaseFactory<D>& create) {
   RC_ASSERT(old.visits() == young.visits());
 }
 
-/// B9: nor does one that is kept while it serves, which may be another one than a new one, but not a much larger one.
+/// B9: a tree that is kept while it is good enough may differ from a new one, but visits at most twice as many nodes.
 template <int D>
 void wearIsBounded(const BroadphaseFactory<D>& create) {
   const auto boxes = drawBoxes<D>();
@@ -177,7 +177,7 @@ void wearIsBounded(const BroadphaseFactory<D>& create) {
   RC_ASSERT(old.visits() <= 2 * young.visits() + 16);
 }
 
-/// B3: taking some out and putting them back, at once or an update later, changes nothing.
+/// B3: removing some boxes and adding them again, in the same update or the next, changes nothing.
 template <int D>
 void backAgain(const BroadphaseFactory<D>& create) {
   const auto boxes = drawBoxes<D>();
@@ -197,7 +197,7 @@ void backAgain(const BroadphaseFactory<D>& create) {
   RC_ASSERT(stand.pairs() == before);
 }
 
-/// B4: shapes that touch are among the pairs of their boxes, grown as the world grows them.
+/// B4: pairs of touching shapes are among the pairs of their boxes, grown as in the world.
 template <int D>
 void touchingShapesAreFound(const BroadphaseFactory<D>& create) {
   RapidCheckDraw draw;
@@ -225,7 +225,7 @@ void touchingShapesAreFound(const BroadphaseFactory<D>& create) {
   }
 }
 
-/// B5: axes in another order, and some of them turned round.
+/// B5: axes permuted, and some of them mirrored.
 template <int D>
 void axesAreAlike(const BroadphaseFactory<D>& create) {
   const auto boxes = drawBoxes<D>();
@@ -244,7 +244,7 @@ void axesAreAlike(const BroadphaseFactory<D>& create) {
   RC_ASSERT(fresh(create, turned).pairs() == fresh(create, boxes).pairs());
 }
 
-/// B7: larger boxes meet all that smaller ones met, in pairs and in queries.
+/// B7: larger boxes overlap everything that smaller ones overlap, in pairs and in queries.
 template <int D>
 void growthLosesNothing(const BroadphaseFactory<D>& create) {
   const auto boxes = drawBoxes<D>();
@@ -266,7 +266,7 @@ void growthLosesNothing(const BroadphaseFactory<D>& create) {
   RC_ASSERT(std::includes(many.begin(), many.end(), few.begin(), few.end()));
 }
 
-/// B9: boxes that cannot be told apart do not drive a tree deeper than its limit.
+/// B9: boxes that cannot be separated do not make a tree deeper than its limit.
 template <int D>
 void depthIsBounded(const BroadphaseFactory<D>& create) {
   Boxes<D> boxes;
@@ -282,11 +282,10 @@ void depthIsBounded(const BroadphaseFactory<D>& create) {
 
 enum class Of {
   all,
-  exact,      // a conservative method may report any pair that only nearly overlaps
-  forgetful,  // who declares that its structure has a history is bounded by the test of that failure, or by "of what is
-              // kept"
-  kept,       // from step to step while it serves
-  regions     // trees that are divided where space is, not where boxes are
+  exact,      // a conservative method may report pairs that nearly overlap
+  forgetful,  // methods that declare a dependence on history are bounded by that failure's test, or by `kept`
+  kept,       // a structure is kept from step to step while it is good enough
+  regions     // trees that divide space, not boxes
 };
 const std::set<std::string> kKept = {"bsp"};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What broadphases tell of their structure to who looks: whoever tells anything tells the truth, after any history.
+// The structure that broadphases report for debug drawing must be true after any history.
 #include "tests/check_property.h"
 #include "tests/conformance/broadphase_model.h"
 #include "tests/conformance/broadphase_variants.h"
@@ -8,7 +8,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace broadphase_structure_test {
 
-/// Borders of cells are rounded by the largest number of their axis.
+/// Boundaries of cells are rounded relative to the largest coordinate of their axis.
 template <int D>
 Aabb<D> grownByRounding(Aabb<D> box, const Vec<D>& largest) {
   const Vec<D> rounding = 16 * kEps * largest;
@@ -16,7 +16,7 @@ Aabb<D> grownByRounding(Aabb<D> box, const Vec<D>& largest) {
   return box;
 }
 
-/// A corner, or a point of a face or of the inside.
+/// A corner, or a point of a face or of the interior.
 template <int D>
 Vec<D> pointOf(const Aabb<D>& box, Random& random) {
   Vec<D> p;
@@ -31,7 +31,7 @@ template <int D>
 void judge(const Broadphase<D>& broadphase, const Proxies<D>& proxies, Random& random) {
   std::vector<StructureBox<D>> told = {{{}, -7, false}};
   broadphase.structure(told);
-  RC_ASSERT(told[0].level == -7);  // it appends
+  RC_ASSERT(told[0].level == -7);  // results are appended
   told.erase(told.begin());
 
   std::vector<Aabb<D>> standing;
@@ -78,7 +78,7 @@ void checkStructure(Broadphase<D>& broadphase, BoxFamily family, const std::vect
     crowd.update(broadphase);
     const auto before = pairs();
     judge<D>(broadphase, crowd.proxies(), random);
-    RC_ASSERT(pairs() == before);  // as if nobody had looked
+    RC_ASSERT(pairs() == before);  // reporting changes nothing
   };
   for (std::size_t k = 0; k < list.size(); ++k) {
     crowd.apply(list[k]);
@@ -159,7 +159,7 @@ void expectTold(const char* spec, const std::vector<Aabb<2>>& boxes, const std::
   }
 }
 
-// A box on either side of (2.5, 2.5), and one that crosses x = 2.5.
+// One box on either side of (2.5, 2.5), and one that crosses x = 2.5.
 TEST(BroadphaseStructure, KnownAnswers) {
   const std::vector<Aabb<2>> two = {{at<2>(0, 0), at<2>(1, 1)}, {at<2>(4, 4), at<2>(5, 5)}};
   std::vector<Aabb<2>> three = two;
@@ -188,7 +188,7 @@ TEST(BroadphaseStructure, KnownAnswers) {
               {2.5, -kFar, kFar, 2.5, 1, true},
               {-kFar, 2.5, 2.5, kFar, 1, false},
               {2.5, 2.5, kFar, kFar, 1, true}});
-  // By the middle of the third of four, which stands on both sides.
+  // Split at the middle of the third of four boxes, which is then on both sides.
   std::vector<Aabb<2>> row;
   for (int i = 0; i < 4; ++i) row.push_back({at<2>(2 * i, 0), at<2>(2 * i + 1, 1)});
   expectTold(
@@ -196,7 +196,7 @@ TEST(BroadphaseStructure, KnownAnswers) {
       {{-kFar, -kFar, kFar, kFar, 0, false}, {-kFar, -kFar, 4.5, kFar, 1, true}, {4.5, -kFar, kFar, kFar, 1, true}});
 }
 
-/// Who keeps what it divides by has something to tell, and trees have more than one level.
+/// Every structure that divides boxes or space reports parts; trees have more than one level.
 template <int D>
 void checkWhoTells() {
   Random random(1);
@@ -220,7 +220,7 @@ void checkWhoTells() {
     EXPECT_EQ(levels > 1, isTree) << spec;
   }
 }
-TEST(BroadphaseStructure, WhoTells) {
+TEST(BroadphaseStructure, EveryStructureReportsParts) {
   checkWhoTells<2>();
   checkWhoTells<3>();
 }
@@ -237,16 +237,18 @@ template <template <int> class Bug>
 void expectRefused(const std::string& name) {
   expectFalsified("planted bug: " + name, caseOf<Bug>);
 }
-TEST(BroadphaseStructurePlantedBugs, NoneInTheirBases) {
+TEST(BroadphaseStructurePlantedBugs, CorrectBasesPass) {
   check("cells without a mistake", caseOf<TellsCells>, 20);
   check("a tree without a mistake", caseOf<TellsTree>, 20);
 }
 TEST(BroadphaseStructurePlantedBugs, Truncated) { expectRefused<TellsTruncated>("tells truncated cells"); }
 TEST(BroadphaseStructurePlantedBugs, FirstCell) { expectRefused<TellsFirstCell>("tells the first cell alone"); }
-TEST(BroadphaseStructurePlantedBugs, TheGone) { expectRefused<TellsTheGone>("tells who is gone"); }
+TEST(BroadphaseStructurePlantedBugs, RemovedBoxes) { expectRefused<TellsTheGone>("tells who is gone"); }
 TEST(BroadphaseStructurePlantedBugs, OldParents) { expectRefused<TellsOldParents>("tells parents as built"); }
 TEST(BroadphaseStructurePlantedBugs, ByLevels) { expectRefused<TellsByLevels>("tells by levels"); }
-TEST(BroadphaseStructurePlantedBugs, TellingTouches) { expectRefused<TellingTouches>("telling touches a step"); }
+TEST(BroadphaseStructurePlantedBugs, ReportingChangesTheNextStep) {
+  expectRefused<TellingTouches>("telling touches a step");
+}
 
 }  // namespace broadphase_structure_test
 }}}  // namespace lpc::LPC_PRECISION::test

@@ -15,7 +15,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace broadphase_test {
 
-constexpr int kRuns = 60;  // histories of each method, and of each bug that they must catch
+constexpr int kRuns = 60;  // histories of each method, and of each planted bug
 
 template <int D>
 void checkAllPairs() {
@@ -25,7 +25,8 @@ void checkAllPairs() {
     if (algorithm->info.role != AlgorithmRole::competitor) continue;
     const std::vector<Spec> specs = variants(*algorithm);
     std::size_t runs = 0, total = 0;
-    // The lengths grow with the number of the case: half of the cases are the default, so that it sees the long ones.
+    // Lengths grow with the number of the case. Half of the cases use the default parameters, so that these get long
+    // histories.
     check(
         "pairs of " + algorithm->info.name + " are those of brute force, " + std::to_string(D) + "D",
         [&] {
@@ -47,7 +48,7 @@ void checkAllPairs() {
 TEST(BroadphasePairs, TwoDimensions) { checkAllPairs<2>(); }
 TEST(BroadphasePairs, ThreeDimensions) { checkAllPairs<3>(); }
 
-// The generator is tested, too: every command and every family is really drawn, and boxes both meet and miss.
+// Tests the generator: every command and every family is drawn, and boxes both overlap and miss.
 TEST(BroadphaseGenerator, DrawsEverything) {
   std::map<int, int> kinds, families;
   std::uint64_t pairs = 0, overlapping = 0;
@@ -83,8 +84,8 @@ TEST(BroadphaseGenerator, DrawsEverything) {
   EXPECT_LE(share, 0.7);
 }
 
-// What cells are sized by: who is awake, wherever one in the sample is.
-TEST(BroadphaseSample, IsOfThoseWhoAreAwake) {
+// Cells are sized by the active boxes of the sample, if it has any.
+TEST(BroadphaseSample, UsesAwakeBodies) {
   Proxies<2> proxies;
   proxies.resize(1000);
   std::vector<ProxyId> slots;
@@ -94,16 +95,16 @@ TEST(BroadphaseSample, IsOfThoseWhoAreAwake) {
     slots.push_back(i);
   }
   std::vector<Real> sizes;
-  broadphase::sampleSizes(proxies, slots, 400, sizes);  // every second one, all asleep
+  broadphase::sampleSizes(proxies, slots, 400, sizes);  // every second box: all asleep
   EXPECT_EQ(sizes, std::vector<Real>(500, 2));
-  slots.erase(slots.begin());  // and all awake
+  slots.erase(slots.begin());  // now all awake
   broadphase::sampleSizes(proxies, slots, 400, sizes);
   EXPECT_EQ(sizes, std::vector<Real>(500, 3));
-  broadphase::sampleSizes(proxies, slots, 5000, sizes);  // all: those who are awake
+  broadphase::sampleSizes(proxies, slots, 5000, sizes);  // all boxes: only the awake ones count
   EXPECT_EQ(sizes, std::vector<Real>(500, 3));
 }
 
-// --- a check that cannot fail is no check ----------------------------------------------------------------------------
+// --- planted bugs ----------------------------------------------------------------------------------------------------
 
 template <template <int> class Bug>
 void expectRefused(const std::string& name, Guarantee guarantee = Guarantee::exact) {
@@ -133,8 +134,8 @@ TEST(BroadphasePlantedBugs, ForgetsParent) { expectRefused<ForgetsParent>("forge
 TEST(BroadphasePlantedBugs, KeepsFatPairs) { expectRefused<KeepsFatPairs>("keeps pairs of fat boxes"); }
 TEST(BroadphasePlantedBugs, InnerSpheres) { expectRefused<InnerSpheres>("inner spheres", Guarantee::conservative); }
 
-// The twin without a mistake passes: the others are refused for theirs.
-TEST(BroadphasePlantedBugs, NoneInTheirBase) {
+// The correct base of the planted bugs passes, so each bug is caught for its own fault.
+TEST(BroadphasePlantedBugs, CorrectBasePasses) {
   check(
       "twin without a mistake",
       [] {
@@ -161,12 +162,12 @@ class Boxes {
     std::uint64_t pairs, boxTests, visits, moves;
   };
   Vec<D> center(ProxyId i) const { return m_proxies.box(i).center(); }
-  /// Seen for the first time.
+  /// As a new structure.
   Outcome run(const char* spec) const {
     const auto broadphase = createStage<Broadphase<D>>(Spec::parse(spec));
     return ask(*broadphase, {m_all, {}, {}});
   }
-  /// The same boxes, all of which have been elsewhere in each of `steps` steps before.
+  /// The same boxes, after `steps` steps in which all of them were elsewhere.
   Outcome runAged(const char* spec, int steps, const std::function<Vec<D>(ProxyId)>& elsewhere) const {
     const auto broadphase = createStage<Broadphase<D>>(Spec::parse(spec));
     Boxes other = *this;
@@ -181,7 +182,7 @@ class Boxes {
     return ask(*broadphase, {{}, {}, m_all});
   }
 
-  /// Sort moves of the last step, after as many in each of which all boxes went by `shift`.
+  /// Sort moves of the last step, after `steps` steps in each of which all boxes moved by `shift`.
   std::uint64_t movesAfter(const char* spec, const Vec<D>& shift, int steps) const {
     const auto broadphase = createStage<Broadphase<D>>(Spec::parse(spec));
     Proxies<D> proxies = m_proxies;
@@ -222,7 +223,7 @@ Vec<D> along(int axis, Real x) {
 constexpr int kCount = 500;
 constexpr std::uint64_t kAllPairs = std::uint64_t{kCount} * (kCount - 1) / 2;
 
-// Somewhere in a room in which each of kCount unit boxes meets about one other.
+// A random place in a region in which each of kCount unit boxes overlaps about one other.
 template <int D>
 Vec<D> anywhere(Random& random) {
   Vec<D> v;
@@ -257,7 +258,7 @@ std::map<std::string, std::function<void()>> declaredFailures() {
            }},
           {"grid_many_large_work",
            [] {
-             Boxes<D> row;  // nothing overlaps, and 40 % are fifty times as large as the rest
+             Boxes<D> row;  // no overlaps; 40 % are fifty times as large as the rest
              Real x = 0;
              for (int i = 0; i < kCount; ++i) {
                const Real half = i % 5 < 2 ? Real(25) : Real(0.5);
@@ -269,7 +270,7 @@ std::map<std::string, std::function<void()>> declaredFailures() {
            }},
           {"hash_many_large_work",
            [] {
-             Boxes<D> row;  // nothing overlaps, and 40 % are fifty times as large as the rest
+             Boxes<D> row;  // no overlaps; 40 % are fifty times as large as the rest
              Real x = 0;
              for (int i = 0; i < kCount; ++i) {
                const Real half = i % 5 < 2 ? Real(25) : Real(0.5);
@@ -281,7 +282,7 @@ std::map<std::string, std::function<void()>> declaredFailures() {
            }},
           {"hash_crowded_cell_work",
            [] {
-             Boxes<D> row;  // nothing overlaps, and 40 % are so small that all of them stand in one cell
+             Boxes<D> row;  // no overlaps; 40 % are so small that all of them share one cell
              for (int i = 0; i < kCount; ++i) {
                const bool small = i % 5 < 2;
                row.add(along<D>(0, static_cast<Real>(i) * (small ? Real(0.002) : -2)),
@@ -318,7 +319,7 @@ std::map<std::string, std::function<void()>> declaredFailures() {
            }},
           {"bsp_lattice_work",
            [] {
-             Boxes<D> lattice;  // as many sticks along each axis; in 3D they pass each other
+             Boxes<D> lattice;  // equally many rods along each axis; in 3D they pass each other
              constexpr int kSide = D == 2 ? 250 : 13;
              for (int axis = 0; axis < D; ++axis) {
                for (int i = 0; i < (D == 2 ? kSide : kSide * kSide); ++i) {

@@ -27,7 +27,7 @@ inline std::vector<Spec> variants(const Registered& algorithm) {
       add(p.name, {text, last});
     }
   }
-  // Each choice with the other parameters at their ends: a mode may read what the default does not.
+  // Each choice with the other parameters at their ends: a mode may read parameters that the default ignores.
   const std::size_t single = out.size();
   for (std::size_t i = 1; i < single; ++i) {
     for (const ParamInfo& p : algorithm.params) {

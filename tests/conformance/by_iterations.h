@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Velocity resolvers, registered ones and twins, made by how often they iterate: for what sweeps come to.
+// Velocity resolvers, registered and planted, as functions of the number of iterations, for tests of convergence.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Somebody who solves, by how often.
+/// Makes a resolver with a number of iterations.
 template <int D>
 using Solves = std::function<std::unique_ptr<VelocityResolver<D>>(int iterations)>;
 
-/// A registered one, in the manner that `spec` says.
+/// A registered resolver with the parameters of `spec`.
 template <int D>
 Solves<D> registered(const Registered& entry, const Spec& spec = {}) {
   return [&entry, spec](int iterations) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Every registered contact cache, in both dimensions: what it must carry, and what it must leave alone.
+// Every registered contact cache, in both dimensions: what it must carry over, and what it must not change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ ContactPoint<D> drawPoint(Draw& draw, std::uint64_t feature) {
   return p;
 }
 
-// A few pairs of shapes out of a small set, so that lists of two steps share some and differ in others.
+// Pairs from a small set of shapes, so that the lists of two steps share some pairs and differ in others.
 template <int D>
 std::vector<Manifold<D>> drawManifolds(Draw& draw) {
   std::vector<Manifold<D>> out;
@@ -49,7 +49,7 @@ std::vector<Manifold<D>> drawManifolds(Draw& draw) {
   return out;
 }
 
-// As a generator leaves them.
+// In the order in which generators return them.
 template <int D>
 void clearImpulses(std::vector<Manifold<D>>& manifolds) {
   for (Manifold<D>& m : manifolds) {
@@ -62,7 +62,7 @@ struct Steps {
   std::vector<Manifold<D>> old, fresh;
 };
 
-// Caches that look at shapes and poses have tests of their own.
+// Caches that read shapes and poses have their own tests.
 template <int D>
 CacheInput<D> inputOf(const Steps<D>& s) {
   return {{}, s.old, {}, {}, 0};
@@ -88,8 +88,8 @@ const ContactPoint<D>* find(const Manifold<D>* m, std::uint64_t feature) {
   return nullptr;
 }
 
-// Two steps. Where both have a manifold, its normal has moved a little, or is the old one, or has crossed z = 0, where
-// the tangent basis jumps; and where both have a feature, its anchors have moved by a millimetre, or anywhere.
+// Two steps. Where both have a manifold, its normal moved a little, stayed, or crossed z = 0, where the tangent basis
+// jumps. Where both have a feature, its anchors moved by a millimetre or anywhere.
 template <int D>
 Steps<D> drawSteps(bool anywhere = false) {
   return *Gen([anywhere](Draw& draw) {
@@ -117,7 +117,7 @@ Steps<D> drawSteps(bool anywhere = false) {
   });
 }
 
-// The same pair of shapes and the same feature: the same normal impulse, and the solver's memory.
+// The same pair of shapes and the same feature: the same normal impulse and the solver's memory.
 template <int D>
 void carriesFeatures(ContactCache<D>& cache, bool anywhere) {
   Steps<D> s = drawSteps<D>(anywhere);
@@ -142,7 +142,7 @@ void carriesAcrossAJump(ContactCache<D>& cache) {
   carriesFeatures<D>(cache, true);
 }
 
-// Friction as a vector in space stays, whatever tangent basis belongs to the new normal.
+// Friction stays the same vector in space, whatever the tangent basis of the new normal.
 template <int D>
 void carriesFriction(ContactCache<D>& cache) {
   Steps<D> s = drawSteps<D>();
@@ -157,7 +157,8 @@ void carriesFriction(ContactCache<D>& cache) {
       const ContactPoint<D>& p = m.points[static_cast<std::size_t>(i)];
       const Manifold<D>* o = find(s.old, m);
       const ContactPoint<D>* q = find(o, p.feature);
-      // A normal that turned by an angle leaves out what is now along it: second order in the length, first along n.
+      // A normal that turned by an angle drops the component that is now along it: second order in length, first order
+      // along n.
       if (!q) continue;
       const Real turn = (m.normal - o->normal).norm();
       RC_ASSERT((friction(m.normal, p) - friction(o->normal, *q)).norm() <= 4 * turn + 100 * kEps);
@@ -165,7 +166,8 @@ void carriesFriction(ContactCache<D>& cache) {
   }
 }
 
-// Geometry, flags and materials are the fresh ones; what has no old point starts cold; no manifold comes or goes.
+// Geometry, flags and materials are the new ones. Points without an old point start cold. The number of manifolds
+// stays.
 template <int D>
 void leavesTheRestAlone(ContactCache<D>& cache) {
   Steps<D> s = drawSteps<D>();
@@ -187,7 +189,7 @@ void leavesTheRestAlone(ContactCache<D>& cache) {
   }
 }
 
-// A place that keeps its impulse although its feature has another number now.
+// A point in the same place keeps its impulse although its feature number changed.
 template <int D>
 void carriesWhereFeaturesChange(ContactCache<D>& cache) {
   Steps<D> s = drawSteps<D>();
@@ -224,7 +226,7 @@ void forgetsWhatIsFar(ContactCache<D>& cache) {
   }
 }
 
-// One old point, and several fresh ones about where it was: no more comes out than went in.
+// One old point and several new ones near it: the sum of the impulses does not grow.
 template <int D>
 void givesAnImpulseOnce(ContactCache<D>& cache) {
   Steps<D> s = drawSteps<D>();
@@ -253,8 +255,8 @@ Real deepest(const Manifold<D>& m) {
   return s;
 }
 
-// Whatever `select` leaves out, `carry` brings back, as it is now: in order, none lost that touches, normals and
-// separations of these poses, and no corner deep inside without a point.
+// Pairs that `select` leaves out come back from `carry` in their present state. Checked: the order, that no touching
+// pair is lost, normals and separations for these poses, and that every corner deep inside has a point.
 template <int D>
 void isOfThisMoment(ContactCache<D>& cache) {
   Moment<D> s = drawMoment<D>();
@@ -284,7 +286,7 @@ void isOfThisMoment(ContactCache<D>& cache) {
   }
 }
 
-constexpr int kRuns = 200;  // cases of each property, and of each bug that it must catch
+constexpr int kRuns = 200;  // cases of each property, and of each planted bug
 
 template <int D, class Property>
 void onEveryCache(const std::string& name, const Property& property) {
@@ -324,9 +326,9 @@ TEST(Cache, CarriesFrictionAsAVector) {
   catches<FrictionAsNumbers, 3>("friction as two numbers", carriesFriction<3>);
 }
 
-TEST(Cache, LeavesTheRestAlone) {
-  onEveryCache<2>("Cache.LeavesTheRestAlone", leavesTheRestAlone<2>);
-  onEveryCache<3>("Cache.LeavesTheRestAlone", leavesTheRestAlone<3>);
+TEST(Cache, KeepsFreshGeometry) {
+  onEveryCache<2>("Cache.KeepsFreshGeometry", leavesTheRestAlone<2>);
+  onEveryCache<3>("Cache.KeepsFreshGeometry", leavesTheRestAlone<3>);
   catches<StaleManifold, 2>("stale manifold", leavesTheRestAlone<2>);
   catches<StaleManifold, 3>("stale manifold", leavesTheRestAlone<3>);
 }
@@ -355,9 +357,9 @@ TEST(Cache, GivesAnImpulseOnce) {
   catches<GivesToAllAround, 3>("given to all around", givesAnImpulseOnce<3>);
 }
 
-TEST(Cache, IsOfThisMoment) {
-  onEveryCache<2>("Cache.IsOfThisMoment", isOfThisMoment<2>);
-  onEveryCache<3>("Cache.IsOfThisMoment", isOfThisMoment<3>);
+TEST(Cache, CarriedContactsAreCurrent) {
+  onEveryCache<2>("Cache.CarriedContactsAreCurrent", isOfThisMoment<2>);
+  onEveryCache<3>("Cache.CarriedContactsAreCurrent", isOfThisMoment<3>);
   catches<LosesWhatIsLeftOut, 2>("left out and lost", isOfThisMoment<2>);
   catches<LosesWhatIsLeftOut, 3>("left out and lost", isOfThisMoment<3>);
   catches<StaleSeparations, 2>("separations of before", isOfThisMoment<2>);
@@ -366,8 +368,8 @@ TEST(Cache, IsOfThisMoment) {
   catches<StaleNormals, 3>("normals of before", isOfThisMoment<3>);
 }
 
-// Hardly moved: nothing is made anew. Moved by a hand's width, or round: everything is.
-TEST(Cache, RecyclingRecycles) {
+// Hardly moved flat shapes are kept. Shapes that moved by a hand's width, and round shapes, are regenerated.
+TEST(Cache, RecyclingKeepsShapesThatHardlyMoved) {
   const auto recycling = createStage<ContactCache<2>>({"recycling", {}});
   std::vector<ShapePair> regenerate;
   Moment<2> s;
@@ -390,11 +392,11 @@ TEST(Cache, RecyclingRecycles) {
   s.after[1] = {{-1, Real(2.53)}, {}};
   recycling->select(s.input(), regenerate);
   EXPECT_EQ(regenerate, s.pairs) << "beyond the margin there are no contacts";
-  // A box on its left edge, its right corner 25 mm up and without a point, then 10 mm deep.
+  // A box on its left edge. Its right corner starts 25 mm up and without a point, then is 10 mm deep.
   s.shapes[1].shape = Shape<2>::box({Real(0.25), Real(0.25)}), s.pairs = {{0, 1}};
   const auto tilted = [](double t) { return Pose<2>{{-1, Real(2.25 + 0.25 * t)}, Rot<2>::angle(t)}; };
   s.before[1] = tilted(0.05), s.after[1] = tilted(-0.02);
-  s.after[1].p[0] += Real(0.25 * 0.07);  // the edge stays where it was
+  s.after[1].p[0] += Real(0.25 * 0.07);  // the edge stays in place
   s.old = s.made(s.pairs, s.before);
   ASSERT_EQ(s.old.at(0).count, 1);
   recycling->select(s.input(), regenerate);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Contact generators step after step, each given the manifolds of the last: what must hold of the first step must hold
-// of those after it, whether a generator keeps points or not. In 3D also with each other rule of reduction.
+// Contact generators over several steps, each given the manifolds of the previous one. The properties of the first step
+// must hold in later steps, whether a generator keeps points or not. In 3D also with each rule of reduction.
 #include <gtest/gtest.h>
 
 #include "tests/check_property.h"
@@ -11,7 +11,7 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_history_test {
 namespace contact_history_test {
 
-// The competitors with their defaults, and where there is a choice of four points, with each other rule of it.
+// The competitors with their defaults; where four points are selected, also with each other rule.
 enum class Rules { defaults, all };
 template <int D>
 std::vector<Spec> everyGenerator(Rules rules) {
@@ -52,7 +52,7 @@ void catches(const std::string& name, const Property& property, int cases) {
       name + " " + std::to_string(D) + "D", [&] { property(bug); }, cases);
 }
 
-// A scene and where B was in the steps before.
+// A scene and the earlier poses of B.
 template <int D>
 struct History {
   ContactScene<D> scene;
@@ -74,7 +74,8 @@ struct History {
   }
 };
 
-// Any pair, or faces that rest on each other; steps from a tenth of a millimetre to a decimetre, turns alike.
+// Any pair, or faces that rest on each other. Steps from a tenth of a millimetre to a decimetre, with turns of that
+// order.
 template <int D>
 History<D> drawHistory(Draw& draw) {
   History<D> h{draw.coin() ? drawFaceContact<D>(draw).scene : drawScene<D>(draw), {}};
@@ -87,7 +88,7 @@ History<D> drawHistory(Draw& draw) {
     X.q = turn(v) * X.q;
     h.before.push_back(X);
   }
-  if (draw.coin()) std::swap(h.scene.pose[1], h.before.back());  // what rests flat comes before, and not last
+  if (draw.coin()) std::swap(h.scene.pose[1], h.before.back());  // the flat pose comes first, not last
   return h;
 }
 
@@ -107,8 +108,8 @@ void depthStaysTrue(ContactGenerator<D>& generator) {
   areTrulyDeep(h.scene, h.run(generator));
 }
 
-// The anchors of a point lie one above the other, but for what points that are kept may slide, and for logs that all
-// but lie along each other: these touch in two points.
+// The anchors of a point lie on one line along the normal. Exceptions: kept points may slide by a margin, and nearly
+// parallel capsules touch in two points.
 template <int D>
 void anchorsStayTogether(ContactGenerator<D>& generator) {
   constexpr Real kLean = D == 2 ? Real(1e-4) : kNearlyParallel;
@@ -123,8 +124,8 @@ void anchorsStayTogether(ContactGenerator<D>& generator) {
   }
 }
 
-// Bodies that do not move keep their points, after as many steps as a manifold may take to fill, and the points their
-// numbers, or impulses are lost.
+// Bodies that do not move keep their points once a manifold has had time to fill. The points keep their feature
+// numbers; otherwise impulses would be lost.
 template <int D>
 void restKeepsFeatures(ContactGenerator<D>& generator) {
   const auto h = *Gen(drawHistory<D>);
@@ -140,8 +141,9 @@ void restKeepsFeatures(ContactGenerator<D>& generator) {
   }
 }
 
-// Faces that rock on each other by two millirad, to all sides in turn, come to touch in all of the patch: a quarter of
-// its area, and of its length all but the two ends, where a new point takes an old one's place within two centimetres.
+// Faces rock on each other by two millirad in all directions. In 3D their points then span at least a quarter of the
+// patch's area. In 2D they span its length but for the two ends, where a new point replaces an old one within two
+// centimetres.
 template <int D>
 void rockingFacesSpanPatch(ContactGenerator<D>& generator) {
   constexpr int kSteps = 40;
@@ -161,7 +163,7 @@ void rockingFacesSpanPatch(ContactGenerator<D>& generator) {
   spanPatch<D>(c, h.run(generator), D == 2 ? 1 - 2 * kContactMargin / breadth(c.patch, 0) : Real(0.25));
 }
 
-// Faces that slide by five centimetres in each step touch in all of the patch, too.
+// Faces that slide by five centimetres in each step also span the patch.
 template <int D>
 void fastFacesSpanPatch(ContactGenerator<D>& generator) {
   const auto c = *Gen(drawFaceContact<D>);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Velocity problems of scenes as tests ask for them: as a whole, and as a matrix alone.
+// Velocity problems of scenes for tests: as a whole, and as a matrix alone.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_problem_test {
 
 inline constexpr bool kDouble = sizeof(Real) == 8;
-inline constexpr double kRounding = kDouble ? 1e-12 : 1e-5;  // of inertias that were turned
+inline constexpr double kRounding = kDouble ? 1e-12 : 1e-5;  // of rotated inertias
 
 struct Nothing2 final : PositionResolver<2> {};
 struct Nothing3 final : PositionResolver<3> {};
@@ -34,7 +34,7 @@ struct Whole {
     problem.set(inputOf(s));
     problem.freeVelocities(inputOf(s), freeVelocity);
   }
-  /// What is left of the problem of `before` by the impulses that `after` has.
+  /// Residual of the problem of `before` at the impulses of `after`.
   static ProblemResidual left(ImpactScene<D> before, ImpactScene<D>& after, bool corrected = true) {
     Whole whole(before);
     std::vector<double> x;
@@ -44,12 +44,12 @@ struct Whole {
   }
 };
 
-/// The matrix of a scene of contacts and pivots, and nothing else of it.
+/// The matrix of a scene of contacts and pivots, without the scene.
 template <int D>
 struct Given {
   Whole<D> whole;
   GivenProblem matrix;
-  std::vector<std::int32_t> number;  // of the scene's rows there: contacts come first, each with all directions
+  std::vector<std::int32_t> number;  // of the scene's rows: contacts come first, each with all directions
 
   explicit Given(ImpactScene<D>& s) : whole(s), number(static_cast<std::size_t>(whole.problem.size())) {
     const ContactProblem<D>& p = whole.problem;
@@ -85,7 +85,7 @@ struct Given {
     in.given = &given;
     createStage<VelocityResolver<D>>(spec)->solve(in);
   }
-  /// What the answer to a matrix leaves of the scene, m/s: by its impulses, and by the velocities that it tells.
+  /// Residual of the scene at the solution of the matrix, m/s: by its impulses, and by the velocities that it returns.
   double left(const Spec& spec, GivenProblem given) {
     solve(spec, given);
     std::vector<double> x(number.size()), u;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The velocity problem as a whole: its matrix, what is left of it at impulses that are known to be right or wrong, and
-// what the methods make of it that see all of it.
+// The velocity problem as a whole: its matrix, its residual at right and wrong impulses, and the solutions of the
+// methods that see all of it.
 #include "framework/problem/contact_problem.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace cont
 
 using solver::Lemke;
 
-// W by its product, and put together.
+// W by its product equals W assembled.
 template <int D>
 void productIsTheMatrix(Draw& draw) {
   auto s = drawImpact<D>(draw, {.fixed = draw.coin(), .friction = true, .gap = Real(0.1), .joints = 2});
@@ -51,12 +51,12 @@ TEST(ContactProblem, ProductIsTheMatrix3) {
   });
 }
 
-/// A body that cannot turn, on a slope, as gravity has just pushed it along; what it needs is known.
+/// A body that cannot turn, on a slope, after one step of gravity. The right impulses are known.
 template <int D>
 struct OnSlope {
   static constexpr double kMass = 2, kSpeed = 9.81 / 60;
   ImpactScene<D> scene;
-  double down, into;  // of what gravity gave
+  double down, into;  // of the velocity that gravity caused
   OnSlope(double angle, double mu, double before)
       : down(kSpeed * std::sin(angle) + before), into(kSpeed * std::cos(angle)) {
     scene.add(0, Ang<D>::Zero(), {});
@@ -65,7 +65,7 @@ struct OnSlope {
     scene.add(Real(kMass), Ang<D>::Zero(), {Vec<D>::Unit(1), {}}, {v, Ang<D>::Zero()});
     scene.touch(0, 1, Vec<D>::Unit(1), Vec<D>::Zero(), 0, static_cast<Real>(mu), 0);
   }
-  /// Impulses along the normal and against the sliding.
+  /// Residual at an impulse along the normal and one against the sliding.
   ProblemResidual left(double push, double rub, bool corrected = true) {
     Whole<D> whole(scene);
     std::vector<double> x(D, 0);
@@ -84,7 +84,7 @@ void residualIsZeroAtTheAnswerAlone() {
   const double m = OnSlope<D>::kMass, n = m * slides.into;
   EXPECT_LT(sticks.left(n, m * sticks.down).natural, rounding);
   EXPECT_LT(slides.left(n, 0.3 * n).natural, rounding);
-  // One per cent wrong is a hundredth of the velocity that the impulse makes.
+  // An error of one per cent leaves a residual of about a hundredth of the velocity that the impulse causes.
   for (const double wrong : {0.99, 1.01}) {
     EXPECT_GT(sticks.left(wrong * n, m * sticks.down).natural, 0.004 * n / m);
     EXPECT_GT(sticks.left(n, wrong * m * sticks.down).natural, 0.004 * sticks.down);
@@ -95,15 +95,16 @@ void residualIsZeroAtTheAnswerAlone() {
   EXPECT_LT(slides.left(n, 0.3 * n).cone, rounding);
   EXPECT_GT(slides.left(n, 0.31 * n).cone, 0.004 * n / m);
   EXPECT_GT(slides.left(-n, 0).cone, 0.5 * n / m);
-  // Planted: the law without the correction takes sliding along the ground for an error. Sticking is the same to both.
+  // Planted: without the correction, the natural map has a residual for a sliding contact. For a sticking contact both
+  // agree.
   expectCaught("ContactProblem a natural map without De Saxce's correction " + std::to_string(D) + 'D',
                slides.left(n, 0.3 * n, false).natural < rounding);
   EXPECT_LT(sticks.left(n, m * sticks.down, false).natural, rounding);
 }
-TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone2) { residualIsZeroAtTheAnswerAlone<2>(); }
-TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone3) { residualIsZeroAtTheAnswerAlone<3>(); }
+TEST(ContactProblem, ResidualIsZeroAtTheSolutionOnly2) { residualIsZeroAtTheAnswerAlone<2>(); }
+TEST(ContactProblem, ResidualIsZeroAtTheSolutionOnly3) { residualIsZeroAtTheAnswerAlone<3>(); }
 
-// An impulse or a velocity that is none is no answer, in whichever row.
+// A NaN impulse or velocity in any row is no solution.
 template <int D>
 void whatIsNoNumberIsNoAnswer() {
   OnSlope<D> two(0.5, 0.3, 1);
@@ -119,11 +120,11 @@ void whatIsNoNumberIsNoAnswer() {
     EXPECT_TRUE(std::isnan(whole.problem.naturalMap(x, u).natural)) << i;
   }
 }
-TEST(ContactProblem, WhatIsNoNumberIsNoAnswer2) { whatIsNoNumberIsNoAnswer<2>(); }
-TEST(ContactProblem, WhatIsNoNumberIsNoAnswer3) { whatIsNoNumberIsNoAnswer<3>(); }
+TEST(ContactProblem, NanIsNoSolution2) { whatIsNoNumberIsNoAnswer<2>(); }
+TEST(ContactProblem, NanIsNoSolution3) { whatIsNoNumberIsNoAnswer<3>(); }
 
-// Who sees the whole problem comes to where nothing is left of it; a pyramid is a cone in a plane. Its
-// compliance in f32 is more, over the rounding of rows.
+// Methods that see the whole problem leave no residual. direct_lcp is exact in 2D only, where its friction pyramid is
+// the cone.
 template <int D>
 void nothingIsLeft(const std::string& spec, Draw& draw) {
   auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = draw.below(2)});
@@ -135,7 +136,7 @@ void nothingIsLeft(const std::string& spec, Draw& draw) {
     RC_LOG() << left.natural << '\n' << before << after;
   RC_ASSERT(left.natural < (kDouble ? 1e-6 : 1e-3) * double(before.speed()));
 }
-TEST(ContactProblem, NothingIsLeft2) {
+TEST(ContactProblem, ResidualVanishes2) {
   for (const char* spec : {"nncg{iterations=2000}", "direct_lcp{cfm=1e-5}", "admm{iterations=1000}"}) {
     check(
         std::string("2D ") + spec,
@@ -146,7 +147,7 @@ TEST(ContactProblem, NothingIsLeft2) {
         30);
   }
 }
-TEST(ContactProblem, NothingIsLeft3) {
+TEST(ContactProblem, ResidualVanishes3) {
   for (const char* spec : {"nncg{iterations=2000}", "admm{iterations=1000}"}) {
     check(
         std::string("3D ") + spec,
@@ -158,12 +159,14 @@ TEST(ContactProblem, NothingIsLeft3) {
   }
 }
 
-// Who solves a matrix alone comes to where nothing is left of the bodies' problem that it is of.
+// Methods that solve a matrix alone leave no residual in the problem of the bodies. In f32 the default cfm stays: it is
+// above the rounding of rows.
 template <int D>
 void matrixIsSolvedAsItsBodiesAre(const Registered& method, Draw& draw) {
   auto s = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = draw.below(2)});
   for (Manifold<D>& m : s.manifolds) m.friction = std::min(m.friction, Real(0.3));
-  if (D == 3 && method.info.friction == FrictionLaw::facets) s.features.friction = false;  // it alone knows its facets
+  if (D == 3 && method.info.friction == FrictionLaw::facets)
+    s.features.friction = false;  // its pyramid is not the cone
   Given<D> given(s);
   Spec spec = withIterations(method, 2000, 0);
   for (const ParamInfo& p : method.params) {
@@ -186,7 +189,7 @@ void everyMatrixMethod() {
   const Spec nncg = Spec::parse("nncg{iterations=2000}");
   const double most = kDouble ? 1e-9 : 1e-5;
   EXPECT_LT(given.left(nncg, given.matrix), most);
-  GivenProblem warm = given.matrix;  // its answer is where the next solve begins
+  GivenProblem warm = given.matrix;  // the solution is the start of the next solve
   Given<D>::solve(nncg, warm);
   warm.velocity = given.matrix.velocity;
   EXPECT_LT(given.left(Spec::parse("nncg{iterations=0}"), warm), most);
@@ -200,10 +203,11 @@ void everyMatrixMethod() {
   plant("friction is another", [](GivenProblem& p) { p.friction[0] = 0.31; });
   plant("what is wanted is another", [](GivenProblem& p) { p.velocity[0] *= 1.01; });
 }
-TEST(GivenProblem, IsSolvedAsItsBodiesAre2) { everyMatrixMethod<2>(); }
-TEST(GivenProblem, IsSolvedAsItsBodiesAre3) { everyMatrixMethod<3>(); }
+TEST(GivenProblem, SolutionSolvesItsBodies2) { everyMatrixMethod<2>(); }
+TEST(GivenProblem, SolutionSolvesItsBodies3) { everyMatrixMethod<3>(); }
 
-// Without its correction admm solves the convex law: what slides lifts by mu times its speed. With it, it stays down.
+// Without its correction admm solves the convex law: a sliding body lifts off with mu times its speed. With it, the
+// body stays down.
 template <int D>
 void convexLifts() {
   for (const bool corrected : {true, false}) {
@@ -216,10 +220,10 @@ void convexLifts() {
     EXPECT_LT(Whole<D>::left(before.scene, after, corrected).natural, 1e-6);
   }
 }
-TEST(Admm, WithoutCorrectionWhatSlidesLifts2) { convexLifts<2>(); }
-TEST(Admm, WithoutCorrectionWhatSlidesLifts3) { convexLifts<3>(); }
+TEST(Admm, WithoutCorrectionSlidingBodiesLift2) { convexLifts<2>(); }
+TEST(Admm, WithoutCorrectionSlidingBodiesLift3) { convexLifts<3>(); }
 
-// A plate falls on four posts, or is held by four rods: each of the four pushes back all of it, or its share.
+// A plate falls on four posts, or is held by four rods. Each of the four pushes back the whole plate, or its share.
 double kineticAfter(const std::string& splitting, int iterations, bool rods) {
   ImpactScene<2> s;
   s.add(4, Ang<2>::Constant(1000), {{0, 1}, {}}, {{0, -1}, Ang<2>::Zero()});
@@ -235,7 +239,7 @@ double kineticAfter(const std::string& splitting, int iterations, bool rods) {
 }
 bool keepsEnergy(const std::string& splitting, bool rods) {
   for (const int iterations : {1, 5, 25}) {
-    if (kineticAfter(splitting, iterations, rods) > 2 * 1.000001) return false;  // what it came with
+    if (kineticAfter(splitting, iterations, rods) > 2 * 1.000001) return false;  // the kinetic energy at the start
   }
   return true;
 }
@@ -250,7 +254,7 @@ TEST(Jacobi, SplittingKeepsEnergy) {
   EXPECT_GT(kineticAfter("none", 25, true), 1e12);
 }
 
-// What is left to sweeps is counted: one body is more than none, and three rows of a matrix are more than two.
+// Rows that a method leaves to sweeps are counted. Limits: one body exceeds max_bodies=0, three rows exceed max_rows=2.
 TEST(Fallback, IsCounted) {
   OnSlope<3> before(0.5, 0.3, 1);
   Given<3> given(before.scene);
@@ -277,7 +281,7 @@ TEST(Fallback, IsCounted) {
   }
 }
 
-// A velocity that is no number has no answer, and none is told for one: the rows are left to sweeps, and counted.
+// A NaN velocity has no solution and the method returns none: the rows are left to sweeps, and counted.
 template <int D>
 void noNumberIsNoAnswer() {
   for (int axis = 0; axis < 2; ++axis) {
@@ -288,10 +292,10 @@ void noNumberIsNoAnswer() {
     EXPECT_EQ(solved(before.scene, *newton).work[WorkCount::fallbacks], std::uint64_t(D));
   }
 }
-TEST(ProximalNewton, NoNumberIsNoAnswer) { noNumberIsNoAnswer<2>(), noNumberIsNoAnswer<3>(); }
+TEST(ProximalNewton, LeavesNanToSweeps) { noNumberIsNoAnswer<2>(), noNumberIsNoAnswer<3>(); }
 
-// Bodies between others, with friction: of a few hundred drawn problems there are some that contradict themselves, or
-// in which the passes wander; in the others nothing is left.
+// Bodies between others, with friction. Some of a few hundred drawn problems have no solution, or the passes do not
+// converge. The others are solved without residual.
 template <int D>
 int solvedOf(int problems) {
   PlainDraw draw(D);
@@ -305,13 +309,13 @@ int solvedOf(int problems) {
   }
   return right;
 }
-TEST(ProximalNewton, SolvesMostOfWhatIsWedged) {
+TEST(ProximalNewton, SolvesMostWedgedProblems) {
   EXPECT_GT(solvedOf<2>(300), 278);
   EXPECT_GT(solvedOf<3>(300), 259);
 }
 
-// s = A s + b, a wide way from a contraction: solved when there is a guess more than there are unknowns.
-TEST(Anderson, SolvesWhatIsLinear) {
+// s = A s + b, where A is far from a contraction: solved when there is one guess more than unknowns.
+TEST(Anderson, SolvesLinearProblems) {
   PlainDraw draw(5);
   solver::Anderson anderson;
   for (int run = 0; run < 100; ++run) {
@@ -335,8 +339,8 @@ TEST(Anderson, SolvesWhatIsLinear) {
   }
 }
 
-// Of full matrices and of narrow ones.
-TEST(Dense, FactorsAnswerAsEigensDo) {
+// Full and banded matrices.
+TEST(Dense, SolutionsEqualThoseOfEigen) {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   PlainDraw draw(11);
   solver::SymmetricFactor symmetric;
@@ -361,7 +365,7 @@ TEST(Dense, FactorsAnswerAsEigensDo) {
     const Eigen::VectorXd other = a.partialPivLu().solve(b);
     EXPECT_LT((y - other).norm(), 1e-9 * (1 + other.norm()));
   }
-  // Two rows that are one: one of them does the work.
+  // Two identical rows: one of them does the work.
   std::array<double, 2> x = {2, 2};
   symmetric.factor(2, {1, 1, 1, 1});
   symmetric.solve(x.data());
@@ -369,8 +373,8 @@ TEST(Dense, FactorsAnswerAsEigensDo) {
   EXPECT_FALSE(general.factor(2, {1, 1, 1, 1}));
 }
 
-// w = M z + q with M = A A^T + a skew part, which has an answer.
-TEST(Lemke, SolvesWhatItSays) {
+// w = M z + q with M = A A^T + a skew part, which has a solution.
+TEST(Lemke, SolutionsAreComplementary) {
   PlainDraw draw(7);
   Lemke lemke;
   for (int run = 0; run < 200; ++run) {

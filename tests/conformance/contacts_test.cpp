@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contacts_test {
 
-// Runs a property on every competitor; `name` as it stands in info().failures.
+// Runs a property on every competitor; `name` as in info().failures.
 template <int D, class Property>
 void onEveryGenerator(const std::string& name, const Property& property, int cases) {
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
@@ -30,7 +30,8 @@ void onEveryGenerator(const std::string& name, const Property& property, int cas
   }
 }
 
-// Many pairs in one call give bit for bit what each gives alone, asked of a generator that is asked for the first time.
+// A batch gives each pair the same bits as a new generator gives that pair alone. So the answer depends neither on the
+// order of the pairs, nor on earlier queries, nor on the size of the batch.
 template <int D>
 void pairsAreIndependent() {
   constexpr int kPairs = 1500;  // more than one block of a batch
@@ -75,7 +76,7 @@ void pairsAreIndependent() {
   }
 }
 
-// A body at NaN is nowhere: nothing touches it, and nothing hangs.
+// A body at NaN touches nothing, and nothing hangs.
 template <int D>
 void nowhereIsNoContact() {
   PlainDraw draw(8);
@@ -171,8 +172,8 @@ TEST(Contacts, ParallelEdgesTouchInTwoPoints) {
   catches<3, OnlyOnePoint>("one point for an edge", parallelEdges, 200);
 }
 
-// Two logs whose axes all but meet: what rounding leaves of the way between the axes has no direction any more, and a
-// normal that leans by a millionth is short of the depth by a millionth of the logs' length.
+// Two long capsules with nearly intersecting axes. The difference between the axes is rounding and has no direction. A
+// normal tilted by a millionth makes the depth wrong by a millionth of the capsules' length.
 TEST(Contacts, CrossingAxesGiveTheDirectionAcrossBoth) {
   constexpr Real kGap = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-4);
   PlainDraw draw(3);
@@ -191,7 +192,8 @@ TEST(Contacts, CrossingAxesGiveTheDirectionAcrossBoth) {
   }
 }
 
-// Two logs whose axes all but lie on one line: what leans along that line is short of the depth by the logs' length.
+// Two long capsules with axes nearly on one line: a normal tilted along that line makes the depth wrong by the
+// capsules' length.
 TEST(Contacts, AxesOnOneLineGiveADirectionAcrossIt) {
   constexpr Real kGap = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-1);
   PlainDraw draw(4);
@@ -209,7 +211,7 @@ TEST(Contacts, AxesOnOneLineGiveADirectionAcrossIt) {
   }
 }
 
-// Where vertices coincide, or lie on one line, no edge has a direction to offer.
+// Where vertices coincide or lie on one line, no edge gives a direction.
 bool hasTrueNormal(ContactGenerator<2>& generator, const ContactScene<2>& scene) {
   const auto fresh = scene.run(generator);
   if (fresh.size() != 1u || !(std::abs(fresh[0].normal.norm() - 1) <= kUnitTolerance)) return false;
@@ -225,14 +227,14 @@ TEST(Contacts, VerticesThatCoincideHaveADirection) {
       {ball, ball, at(3, 1), at(3, 1), 0},             // one centre
       {ball, log, at(3, 1), at(4, 1), 0},              // a centre on a capsule's vertex
       {log, log, at(0, 0), at(Real(2.25), 0), 0},      // two segments on one line, apart
-      {log, log, at(0, 0), at(2, 0), 0},               // that meet in a vertex
-      {log, log, at(0, 0), at(1, 0), 0},               // that share a stretch
-      {ball, log, at(0, 0), at(Real(1.6), 0), 0},      // before a capsule's end
+      {log, log, at(0, 0), at(2, 0), 0},               // two segments that meet in a vertex
+      {log, log, at(0, 0), at(1, 0), 0},               // two segments that overlap
+      {ball, log, at(0, 0), at(Real(1.6), 0), 0},      // a centre beyond a capsule's end
       {box, box, at(0, 0), at(2, 1), 0},               // rounded: corner on corner of the cores
-      {plain, plain, at(0, 0), at(2, 1), Real(0.01)},  // not rounded
-      {log, box, at(-2, Real(0.5)), at(0, 0), 0},      // a capsule's vertex in a box's
-      {ball, plain, at(0, Real(0.875)), at(0, 0), 0},  // over the middle of a floor
-      {log, log, at(0, 0), at(0, Real(0.75), 1.5707963267948966), Real(0.01)}};  // across, overlapping
+      {plain, plain, at(0, 0), at(2, 1), Real(0.01)},  // the same, not rounded
+      {log, box, at(-2, Real(0.5)), at(0, 0), 0},      // a capsule's vertex on a box's vertex
+      {ball, plain, at(0, Real(0.875)), at(0, 0), 0},  // above the middle of a floor
+      {log, log, at(0, 0), at(0, Real(0.75), 1.5707963267948966), Real(0.01)}};  // crossed, overlapping
   PointsFromOneToTheOther bug;
   int caught = 0;
   for (const Registered* r : Registry::instance().list(StageKind::contacts, 2)) {
@@ -246,8 +248,8 @@ TEST(Contacts, VerticesThatCoincideHaveADirection) {
   expectCaught("the normal is the way between the nearest vertices", caught == 0);
 }
 
-// "The running time is O(E + V)" (2009 report, 9.1.4): of bodies that touch few edges are measured against the other's
-// foremost vertex. The planted bug is to measure each.
+// "The running time is O(E + V)" (2009 report, 9.1.4): when bodies touch, few edges are measured against the other
+// body's support point. The planted bug measures each.
 TEST(Contacts, RoundedPolygonsMeasureFewEdges) {
   constexpr int kCorners = 256;
   PlainDraw draw(5);
@@ -297,8 +299,7 @@ TEST(Contacts, DeclaredFailuresAreTested) {
   }
 }
 
-// The answer must not depend on the order of the pairs, on what was asked before, or on how many are asked at once.
-TEST(Contacts, NowhereIsNoContact) {
+TEST(Contacts, BodiesAtNanHaveNoContacts) {
   nowhereIsNoContact<2>();
   nowhereIsNoContact<3>();
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Every registered method of continuous collision, in worlds where bodies go far in a step. What a method says in
-// info().failures that it fails, it must be seen to fail.
+// Every registered method of continuous collision, in worlds where bodies move far in a step. A failure that
+// info().failures declares must be observed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ WorldSettings<D> weightless() {
 template <int D>
 struct Range {
   World<D> world;
-  double lost = 0;  // s, that bodies were stopped for
+  double lost = 0;  // s, during which bodies were stopped
 
   explicit Range(const std::string& method, const WorldSettings<D>& settings = weightless<D>())
       : world(Pipeline::parse("continuous=" + method), settings) {}
@@ -38,7 +38,7 @@ struct Range {
     def.X_WB.q = integrateRotation({}, angle);
     return world.add(def);
   }
-  // Half as thick, as high as that in the other directions.
+  // A wall of half thickness `half` and half height `high` in the other directions.
   Handle wall(const Vec<D>& place, double half, double high = 4) {
     Vec<D> size = Vec<D>::Constant(static_cast<Real>(high));
     size[0] = static_cast<Real>(half);
@@ -50,7 +50,7 @@ struct Range {
   double x(Handle h) const { return double(world.pose(h).p[0]); }
 };
 
-// The shapes that are shot: a ball, a box on its edge, a lying capsule, and two balls on one bar.
+// The projectiles: a ball, a box on its edge, a lying capsule, and two balls on one bar.
 template <int D>
 std::vector<Shape<D>> bullets() {
   const Shape<D> ball = Shape<D>::sphere(Real(0.1));
@@ -63,13 +63,14 @@ std::vector<Shape<D>> bullets() {
   return out;
 }
 
-// --- what every method owes; each returns whether it holds, so that wrong twins can be seen to fail ------------------
+// --- properties of every method; each returns whether it holds, so that planted bugs can fail ------------------------
 
-// From any place before a wall of any thickness, nobody comes out behind it, also when it turns about where it has hit.
+// No body passes through a wall of any thickness from any place in front of it, also when it turns about the place of
+// impact.
 template <int D>
 bool areStopped(const std::string& method, const std::vector<Shape<D>>& shot) {
   for (const Shape<D>& bullet : shot) {
-    // A segment has no inner ball, and no depth tells on which side of a wall of 1 mm it is.
+    // A segment has no inner ball, and depth does not tell on which side of a wall of 1 mm it is.
     const bool thick = bullet.convex() && bullet.kind() == ShapeKind::segment;
     for (const double half : {thick ? 0.01 : 0.0005, 0.02}) {
       for (int phase = 0; phase < 8; ++phase) {
@@ -93,7 +94,7 @@ bool bulletIsStopped(const std::string& method) {
   return areStopped<D>(method, bullets<D>());
 }
 
-// The centre passes over the end of a wall that the body hits with its lowest tenth.
+// The centre passes above the end of a wall that the body hits with its lowest tenth.
 template <int D>
 bool edgeIsMet(const std::string& method) {
   Range<D> w(method);
@@ -105,7 +106,7 @@ bool edgeIsMet(const std::string& method) {
   return (w.world.motion(h).v - at<D>(300, 0)).norm() > 1;
 }
 
-// A rod's end goes 0.6 m a step, past a post of 2 cm. Its centre stands still.
+// The end of a rod moves 0.6 m a step, past a post of 2 cm. The rod's centre does not move.
 template <int D>
 bool spinningRodIsStopped(const std::string& method) {
   Range<D> w(method);
@@ -114,7 +115,7 @@ bool spinningRodIsStopped(const std::string& method) {
   BodyDef<D> rod = body<D>(Shape<D>::box(half), Vec<D>(Vec<D>::Zero()));
   rod.angularVelocity[kAngDim<D> - 1] = 18, rod.pinned = true;
   const Handle h = w.world.add(rod);
-  // 0.94 rad on, between the third step's start and its end.
+  // 0.94 rad further, between the start and the end of the third step.
   w.world.add(
       body<D>(Shape<D>::sphere(Real(0.02)), at<D>(1.5 * std::cos(0.78), 1.5 * std::sin(0.78)), BodyType::fixed));
   for (int i = 0; i < 8; ++i) {
@@ -125,7 +126,7 @@ bool spinningRodIsStopped(const std::string& method) {
   return true;
 }
 
-// Two bullets head on, and a fast one after a slower one.
+// Two projectiles that meet head on, and a fast one behind a slower one.
 template <int D>
 bool fastOnesMeet(const std::string& method) {
   for (const double speed : {-300.0, 40.0}) {
@@ -141,7 +142,7 @@ bool fastOnesMeet(const std::string& method) {
   return true;
 }
 
-// A heavy ball hits a light one, which flies off within the step, towards a wall.
+// A heavy ball hits a light one, which flies off within the same step, towards a wall.
 template <int D>
 bool sentOnItsWayIsStopped(const std::string& method) {
   Range<D> w(method);
@@ -156,7 +157,7 @@ bool sentOnItsWayIsStopped(const std::string& method) {
   return w.x(h) < 1 && w.x(h) > 0.5;
 }
 
-// A ball that goes by a corner, 6 cm from it, is not touched.
+// A ball that passes a corner at 6 cm is not affected.
 template <int D>
 bool passesBy(const std::string& method) {
   Range<D> w(method);
@@ -166,7 +167,7 @@ bool passesBy(const std::string& method) {
   return (w.world.motion(h).v - at<D>(300, -80)).norm() < 1e-3 && w.lost == 0;
 }
 
-// Over the seams of a floor of tiles, at 30 and at 300 m/s, a box slides as if it were one.
+// A box slides over the seams of a tiled floor, at 30 and at 300 m/s, as if the floor were one box.
 template <int D>
 bool slidesOverSeams(const std::string& method) {
   for (const int fast : {1, 10}) {
@@ -187,7 +188,7 @@ bool slidesOverSeams(const std::string& method) {
   return true;
 }
 
-// Who starts at a wall, or a little in it, and flies off, is held by nothing.
+// A body that starts at a wall, or slightly inside it, and flies off is not held.
 template <int D>
 bool leavesAtOnce(const std::string& method) {
   for (const double gap : {0.0, -0.004, 0.0005}) {
@@ -200,8 +201,8 @@ bool leavesAtOnce(const std::string& method) {
   return true;
 }
 
-// Five in a row reach the wall, and one of them is pressed on by the others; of equal speeds, nobody would meet anybody
-// but for those who were stopped.
+// A row of five reaches the wall. Either each body is faster than the one ahead and presses on it, or all speeds are
+// equal: then bodies collide only because the first was stopped.
 template <int D>
 bool queueIsStopped(const std::string& method) {
   for (const double faster : {40.0, 0.0}) {
@@ -216,7 +217,7 @@ bool queueIsStopped(const std::string& method) {
       for (std::size_t i = 0; i < row.size(); ++i) {
         if (!(w.x(row[i]) < 0)) return false;
         for (std::size_t k = 0; k < i; ++k) {
-          if ((w.world.pose(row[i]).p - w.world.pose(row[k]).p).norm() < 0.16) return false;  // a fifth in each other
+          if ((w.world.pose(row[i]).p - w.world.pose(row[k]).p).norm() < 0.16) return false;  // overlap of a fifth
         }
       }
     }
@@ -224,7 +225,7 @@ bool queueIsStopped(const std::string& method) {
   return true;
 }
 
-// A plate that is stopped by a post stands in the way of the bullet behind it.
+// A plate that is stopped by a post blocks the projectile behind it.
 template <int D>
 bool stoppedOnesStandInTheWay(const std::string& method) {
   for (const double ahead : {1.0, 0.6}) {
@@ -258,7 +259,7 @@ bool wholeTurnsAreSeen(const std::string& method) {
   return angle > 0.3 && angle < 0.41;
 }
 
-// Two balls, 1.5 m from each other, welded: one of them hits a wall.
+// Two welded balls, 1.5 m apart: one of them hits a wall.
 template <int D>
 bool weldedStayTogether(const std::string& method) {
   Range<D> w(method);
@@ -273,7 +274,7 @@ bool weldedStayTogether(const std::string& method) {
   return true;
 }
 
-// Who rests or is slow is not even looked at.
+// A body at rest or slow is not examined.
 template <int D>
 bool restIsFree(const std::string& method) {
   Range<D> w(method, WorldSettings<D>{});
@@ -350,7 +351,7 @@ void twinsFail() {
 TEST(Continuous, TwinsFail2) { twinsFail<2>(); }
 TEST(Continuous, TwinsFail3) { twinsFail<3>(); }
 
-// --- what the world owes, whatever the method ------------------------------------------------------------------------
+// --- duties of the world, whatever the method ------------------------------------------------------------------------
 
 template <int D>
 class Vetoes final : public ContactListener<D> {
@@ -358,7 +359,7 @@ class Vetoes final : public ContactListener<D> {
   bool persist(const World<D>&, const Manifold<D>&) override { return false; }
 };
 
-// Whether a bullet passes through a wall that it starts 1 cm before; `change` makes it one that may, or not.
+// Whether a projectile passes a wall that it starts 1 cm before. `change` lets it pass, or not.
 template <int D, class Change>
 bool passes(const Change& change, const Features& features = {}) {
   WorldSettings<D> settings = weightless<D>();
@@ -404,7 +405,7 @@ TEST(Continuous, FiltersVetoesAndJointsAreKept) {
   worldsPart<3>();
 }
 
-// The contacts that were made ahead end with the step that needed them, and a world that is saved among them goes on.
+// Speculative contacts end with the step that needed them. A world saved while they exist continues.
 template <int D>
 void savedAndLoaded() {
   for (const char* method : {"speculative", "cast", "ray"}) {
@@ -414,7 +415,7 @@ void savedAndLoaded() {
       w.add(bullets<D>()[static_cast<std::size_t>(i)], at<D>(-11 - i, 0.5 * i), at<D>(300, 5 * i), 0.3 * i, 4);
     }
     w.steps(2);
-    for (int i = 0; i < 4; ++i) {  // who is thick is slow: nothing of what was here may be known of those to come
+    for (int i = 0; i < 4; ++i) {  // thick, so slow: a method must not keep its memory of these bodies
       other.add(Shape<D>::sphere(20), at<D>(100 * i, 500), at<D>(1000, 0));
     }
     other.steps(1);
@@ -426,13 +427,13 @@ void savedAndLoaded() {
     }
   }
 }
-TEST(Continuous, SavedWorldsGoOn) {
+TEST(Continuous, SavedWorldsContinue) {
   savedAndLoaded<2>();
   savedAndLoaded<3>();
 }
 
-// A method whose query does not take a kind refuses its body, with both names.
-TEST(Continuous, RefusesKindsThatItCannotAsk) {
+// If a method's query does not support a kind, it refuses the body; the message names the method and the kind.
+TEST(Continuous, RefusesUnsupportedKinds) {
   Range<3> w("cast{method=conservative_advancement{query=closed_form}}");
   w.add(Shape<3>::sphere(Real(0.1)), at<3>(0, 0), at<3>(0, 0));
   try {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// What iterations over contacts come to, for every registered velocity resolver and each of its manners, and for every
-// solver that goes its own way, in one step: the same whatever the order, nearer with more of them, and as fast as
-// theory says; a solver's second step has nothing left to do. Joints: joint_convergence_test.cpp.
+// Convergence of iterations over contacts in one step, for every registered velocity resolver with each of its choices,
+// and for every solver without a resolver. The result must not depend on the order, must improve with more iterations,
+// and must converge at the predicted rate. A solver's second step must change nothing. Joints:
+// joint_convergence_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +24,7 @@ constexpr Real kRounding = kDouble ? Real(1e-11) : Real(1e-5);  // of the energy
 constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
 constexpr int kRuns = 60, kMany = 2000;
 
-/// What a scene comes to by so many iterations.
+/// The scene after a number of iterations.
 template <int D>
 using Comes = std::function<ImpactScene<D>(const ImpactScene<D>& before, int iterations)>;
 
@@ -32,20 +33,19 @@ Comes<D> bySolving(Solves<D> solves) {
   return [solves](const ImpactScene<D>& before, int iterations) { return solved(before, *solves(iterations)); };
 }
 
-/// Who solves, and somebody who is known to come to the end.
+/// The method under test, and one that is known to converge.
 template <int D>
 struct Subject {
   Comes<D> comes, right;
-  int atMost =
-      0;  // iterations of who ends by a tolerance, as they are by default; 0: who sweeps so often as he is told
+  int atMost = 0;  // iterations of a method with a tolerance, by default; 0: a method that sweeps as often as specified
   int many = kMany;
-  Real dt = 0;  // s, of a whole step of a drawn scene, in which bodies turn and contacts move; 0: of velocities alone
+  Real dt = 0;  // s, a whole step of a drawn scene, in which bodies turn and contacts move; 0: velocities only
   ImpactScene<D> draw(Draw& draw, const Drawn& wanted) const {
     auto s = drawImpact<D>(draw, wanted);
     if (dt > 0) s.dt = dt;
     return s;
   }
-  /// By how much speeds (m/s) change as the bodies turn.
+  /// The change of speeds (m/s) caused by turning bodies.
   Real turning(const ImpactScene<D>& s) const { return 10 * dt * s.speed() * s.speed(); }
 };
 
@@ -55,15 +55,15 @@ int atMost(const Registered& entry) {
   return std::stoi(effort->defaultText);
 }
 
-/// Do sweeps come to the end here long before they stop? Contacts that are nearly one, or nearly contradict each other,
-/// take any number.
+/// Do sweeps converge long before they stop? Contacts that nearly coincide or nearly contradict each other take any
+/// number of sweeps.
 template <int D>
 bool endIsNear(const ImpactScene<D>& before, const ImpactScene<D>& end, const Subject<D>& on) {
   return difference(on.right(before, kMany / 20), end) <= kConverged * before.speed();
 }
 
-/// Is nothing that a step has opened closing again? Where it is, bodies still move when the step ends: in speculation
-/// on the next one, which will stop them.
+/// Is no contact closing that the step has opened? Otherwise bodies still move when the step ends: speculative contacts
+/// leave the stop to the next step.
 template <int D>
 bool nothingOpenCloses(const ImpactScene<D>& s) {
   return std::all_of(s.manifolds.begin(), s.manifolds.end(), [&](const Manifold<D>& m) {
@@ -73,14 +73,14 @@ bool nothingOpenCloses(const ImpactScene<D>& s) {
 }
 
 /// Least and largest eigenvalue of a symmetric matrix, row by row, by Jacobi's rotations (Golub and Van Loan, Matrix
-/// Computations, 8.5). Eigen's solver would take most of a quarter of a minute to compile, in each precision.
+/// Computations, 8.5). Eigen's solver would take almost 15 s to compile, in each precision.
 std::pair<double, double> extremeEigenvalues(std::vector<double> a, std::size_t n) {
   const auto at = [&](std::size_t i, std::size_t j) -> double& { return a[i * n + j]; };
   const auto rotate = [](double& x, double& y, double c, double s) {
     const double old = x;
     x = c * old - s * y, y = s * old + c * y;
   };
-  for (int sweep = 0; sweep < 30; ++sweep) {  // five or six of them are enough
+  for (int sweep = 0; sweep < 30; ++sweep) {  // five or six suffice
     for (std::size_t p = 0; p < n; ++p) {
       for (std::size_t q = p + 1; q < n; ++q) {
         if (at(p, q) == 0) continue;
@@ -98,15 +98,16 @@ std::pair<double, double> extremeEigenvalues(std::vector<double> a, std::size_t 
   return {least, most};
 }
 
-TEST(ConvergenceEigenvalues, AreThoseOfTheBooks) {
+TEST(ConvergenceEigenvalues, EqualClosedForms) {
   const auto [least, most] = extremeEigenvalues({2, -1, 0, -1, 2, -1, 0, -1, 2}, 3);
   EXPECT_NEAR(least, 2 - std::sqrt(2.0), 1e-14);
   EXPECT_NEAR(most, 2 + std::sqrt(2.0), 1e-14);
 }
 
-/// Friction that leaves one answer. With De Saxce's correction the problem is to find impulses x in their cones with
-/// F(x) = W x + v + mu |u_t| n in the dual ones, and (F(x) - F(y)) . (x - y) >= (least - mu largest) |x - y|^2 by the
-/// eigenvalues of W: of two answers the left side is never positive. A pyramid's |u_t| is up to sqrt(2) of it.
+/// Friction small enough for a unique solution. With De Saxce's correction, the problem is to find impulses x in their
+/// cones, with F(x) = W x + v + mu |u_t| n in the dual cones. By the eigenvalues of W,
+/// (F(x) - F(y)) . (x - y) >= (least - mu largest) |x - y|^2; for two solutions the left side is never positive.
+/// A pyramid's |u_t| is up to sqrt(2) times as large.
 template <int D>
 Real frictionOfOneAnswer(ImpactScene<D> s) {
   const struct : PositionResolver<D> {
@@ -152,7 +153,7 @@ ImpactScene<D> reordered(const ImpactScene<D>& s, const std::vector<int>& body, 
   return out;
 }
 
-// R9: bodies and contacts that are stored in another order come to the same end.
+// R9: bodies and contacts stored in another order give the same result.
 template <int D>
 void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
   auto before = on.draw(draw, {.fixed = draw.coin(), .friction = draw.coin(), .gap = on.dt > 0 ? Real(0) : Real(0.02)});
@@ -167,11 +168,12 @@ void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
              (kDouble ? Real(1e-4) : Real(2e-2)) * before.speed() + on.turning(before), a, b);
 }
 
-// R10: twice as many iterations leave no more energy, and no less than the end has. Where nothing bounces or rubs, the
-// end is the motion of least kinetic energy of all that pushing can make, and a step of Gauss and Seidel goes down in
-// it (Hildreth 1957). What is above the end's is half the squared distance to the end in the norm of the energy, and
-// what is still pushed times the speed with which it parts in the end; the distance alone may grow where an impulse is
-// taken back. Who ends by a tolerance may make twice as many as by default, and is no nearer than to it.
+// R10: twice as many iterations leave no more energy, and no less than the solution has. Without restitution and
+// friction, the solution is the motion of least kinetic energy that contact impulses can reach, and each Gauss-Seidel
+// step decreases that energy (Hildreth 1957). The excess over the solution's energy has two terms. The first is half
+// the squared distance to the solution in the energy norm. The second is each remaining impulse times the separating
+// speed of its contact in the solution. The distance alone may grow where an impulse is taken back. A method with a
+// tolerance may make twice its default iterations, and is compared to within that tolerance.
 template <int D>
 void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
   const auto before = on.draw(draw, {.fixed = draw.coin()});
@@ -186,7 +188,7 @@ void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
   require<D>(end.energy() - twice.energy(), kConverged * (1 + before.energy()) + turning, end, twice);
 }
 
-// On the ground a light body and a heavy one on it, both falling with 1 m/s.
+// On the ground a light body, and a heavy one on it, both falling at 1 m/s.
 template <int D>
 ImpactScene<D> heavyOnLight(Real heavy, Real light) {
   ImpactScene<D> s;
@@ -200,21 +202,21 @@ ImpactScene<D> heavyOnLight(Real heavy, Real light) {
   return s;
 }
 
-// R12: after a sweep the heavy one falls with M/(M+m) of what it did after the one before. Some resolvers sweep several
-// times for one iteration.
+// R12: each sweep reduces the heavy body's speed by the factor M/(M+m). Some resolvers sweep several times per
+// iteration.
 template <int D>
 void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
   const Real light = draw.real(1, 2), heavy = light * draw.real(1, 50);
   const auto before = heavyOnLight<D>(heavy, light);
   const auto speed = [&](int iterations) { return on.comes(before, iterations).motion(2).v[1]; };
-  RC_PRE(speed(2) < 0 && speed(3) < 0);  // thrown up: see below
+  RC_PRE(speed(2) < 0 && speed(3) < 0);  // thrown up: see heavyIsNotThrownUp
   const Real sweeps = std::log(speed(3) / speed(2)) / std::log(heavy / (heavy + light));
   RC_LOG() << "an iteration is " << sweeps << " sweeps\n" << before;
   RC_ASSERT(std::abs(sweeps - std::round(sweeps)) <= (kDouble && on.dt == 0 ? Real(1e-9) : Real(1e-3)));
   RC_ASSERT(sweeps > Real(0.5));
 }
 
-// R18 of more than one contact: what falls without restitution is not thrown up.
+// R18 with more than one contact: a falling body without restitution is not thrown up.
 template <int D>
 void heavyIsNotThrownUp(const Subject<D>& on, Draw& draw) {
   const auto before = heavyOnLight<D>(draw.real(1, 50), 1);
@@ -222,8 +224,8 @@ void heavyIsNotThrownUp(const Subject<D>& on, Draw& draw) {
   require<D>(after.motion(2).v[1], Real(1e-3), before, after);
 }
 
-// R6 of whole steps: where the first one has left nothing that closes, the second changes no velocity, from nothing or
-// from the impulses of the first. What turns within 10 us does change, by up to `turning`.
+// R6 of whole steps: if the first leaves no closing contact, the second changes no velocity, started cold or warm.
+// Bodies that turn within 10 us change by up to `turning`.
 template <int D>
 void secondStepChangesNothing(const Subject<D>& on, Draw& draw) {
   const auto before = on.draw(draw, {.fixed = draw.coin(), .contacts = 3});
@@ -246,9 +248,9 @@ void secondStepChangesNothing(const Subject<D>& on, Draw& draw) {
 template <int D>
 struct Named {
   const char* name;
-  const char* ofJoints;  // the same of joints: what a method declares of one it declares of the other
+  const char* ofJoints;  // the same property of joints: a failure declared of one is declared of the other
   void (*property)(const Subject<D>&, Draw&);
-  std::vector<Bug> bugs;  // that it must catch
+  std::vector<Bug> bugs;  // that the property must catch
 };
 
 template <int D>
@@ -277,7 +279,7 @@ void testOne(const Registered& entry, const Spec& spec) {
     const auto property =
         drawn<D>(p, {bySolving(registered<D>(entry, spec)), bySolving(twin<D>(Bug::none)), atMost(entry)});
     if (declares(entry, spec, p.name) || declares(entry, spec, p.ofJoints)) {
-      expectFalsified(name, property, 10 * kRuns);  // some are rare; the first ends the search
+      expectFalsified(name, property, 10 * kRuns);  // some faults are rare; the first one ends the search
     } else {
       check(name, property, kRuns);
     }
@@ -314,9 +316,9 @@ TEST(Convergence, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(Convergence, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
 // --- Whole steps ---
-// In f64 only: what moves positions has velocities by division by a part of this step.
+// In f64 only: methods that move positions compute velocities by division by a part of this step.
 constexpr Real kShort = Real(1e-5);
-// Sweeps that start from what springs have left, or from a problem that turning has changed, take more than kMany.
+// Sweeps that start after springs have acted, or from a problem that turning has changed, take more than kMany.
 constexpr int kSweeps = 4000;
 
 template <int D>
@@ -350,7 +352,7 @@ void testSolvers() {
   for (const Registered* entry : Registry::instance().list(StageKind::solver, D)) {
     const bool ofParts =
         std::any_of(entry->params.begin(), entry->params.end(), [](const ParamInfo& p) { return p.stage != nullptr; });
-    if (!competes(*entry) || ofParts) continue;  // what is put together has its resolver tested alone
+    if (!competes(*entry) || ofParts) continue;  // the resolver of a composed solver is tested alone
     const Subject<D> on = ofSteps<D>(
         byStepping<D>([entry](int n) { return createStage<Solver<D>>(withIterations(*entry, n, n)); }), kSweeps);
     for (const Named<D>& p : stepProperties<D>()) {

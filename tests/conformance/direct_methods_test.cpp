@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Methods that factorise: what they count, the sparse matrices that they solve, and what their answers are.
+// Methods that factorise: their counts of work, the sparse matrices that they solve, and their solutions.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_problem_test {
 
-/// `n` boxes one on the other, as gravity has just pushed them down.
+/// A tower of `n` boxes after one step of gravity.
 template <int D>
 ImpactScene<D> tower(int n) {
   ImpactScene<D> s;
@@ -35,8 +35,8 @@ ImpactScene<D> tower(int n) {
   return s;
 }
 
-// Counts are what was done: each method that is given rows counts multiply-adds; of one that factorises those of a
-// tower grow as it does, those of a matrix alone as its cube.
+// Work counts are true: each method that is given rows counts multiply-adds. A method that factorises counts
+// proportionally to the height of a tower, or to the cube of a dense matrix.
 template <int D>
 void countsAreWhatIsDone() {
   for (const Registered* r : Registry::instance().list(StageKind::velocity, D)) {
@@ -53,7 +53,8 @@ void countsAreWhatIsDone() {
     const auto of = [&](int n) {
       const auto resolver = createStage<VelocityResolver<D>>(Spec::parse(spec));
       auto scene = tower<D>(n);
-      scene.manifolds = solved(scene, *resolver).manifolds, scene.lastDt = scene.dt;  // who pushes is known
+      scene.manifolds = solved(scene, *resolver).manifolds,
+      scene.lastDt = scene.dt;  // warm: the pushing contacts are known
       auto end = solved(scene, *resolver);
       EXPECT_EQ(end.work[WorkCount::fallbacks], 0u) << spec;
       return static_cast<double>(end.work[WorkCount::multiplyAdds]);
@@ -72,8 +73,8 @@ void countsAreWhatIsDone() {
   expectCaught("Counts a tower as a dense matrix " + std::to_string(D) + 'D',
                std::abs(ofMatrix(40) / ofMatrix(20) - 2) < 0.3);
 }
-TEST(Counts, AreWhatIsDone2) { countsAreWhatIsDone<2>(); }
-TEST(Counts, AreWhatIsDone3) { countsAreWhatIsDone<3>(); }
+TEST(Counts, EqualTheWorkDone2) { countsAreWhatIsDone<2>(); }
+TEST(Counts, EqualTheWorkDone3) { countsAreWhatIsDone<3>(); }
 
 TEST(Counts, OfDenseFactorsGrowAsTheCube) {
   const auto counts = [](std::size_t n) {
@@ -98,7 +99,7 @@ TEST(Counts, OfDenseFactorsGrowAsTheCube) {
   EXPECT_NEAR(two[1] / one[1], 8, 0.5);
 }
 
-// A x = b of blocks between bodies, symmetric or not, against the same as one dense matrix.
+// A x = b with blocks between bodies, symmetric or not, equals the solution of the dense matrix.
 void blocksAreSolved(Draw& draw) {
   constexpr std::size_t kBlock = 3;
   using Block = std::array<double, kBlock * kBlock>;
@@ -162,7 +163,8 @@ TEST(BlockMatrix, IsSolved) {
       100);
 }
 
-// Four corners of a plate that slides and spins share its weight, or the method says that its forces are not unique.
+// Four corners of a plate that slides and spins share its weight, or the method declares that its forces are not
+// unique.
 double spreadOfCorners(const std::string& spec) {
   const auto resolver = createStage<VelocityResolver<3>>(Spec::parse(spec));
   const Real dt = Real(1) / 60, fall = 10 * dt, weight = 2 * fall;
@@ -170,7 +172,7 @@ double spreadOfCorners(const std::string& spec) {
   std::array<IndexedArray<Real, 3>, 4> impulse{};
   Real angle = 0, lastDt = 0;
   double spread = 0;
-  for (int step = 0; step < 20; ++step) {  // each begins with the impulses of the last, and gravity
+  for (int step = 0; step < 20; ++step) {  // each step starts with the last impulses, and gravity
     ImpactScene<3> s;
     s.lastDt = lastDt, lastDt = dt;
     s.add(0, Ang<3>::Zero(), {});
@@ -202,8 +204,9 @@ TEST(Corners, ShareAPlateThatSlides) {
   }
 }
 
-// Active sets that go round in circles are solved on a path, and without it and Lemke's method left to sweeps.
-TEST(DirectLcp, PathsSolveWhatActiveSetsDoNot) {
+// When active sets cycle, path following solves the problem. Without path following and Lemke's method it is left to
+// sweeps.
+TEST(DirectLcp, PathFollowingSolvesCyclingActiveSets) {
   PlainDraw draw(3);
   const auto whole = createStage<VelocityResolver<2>>(Spec::parse("direct_lcp{cfm=1e-5}"));
   const auto guesses = createStage<VelocityResolver<2>>(Spec::parse("direct_lcp{cfm=1e-5,max_pivots=0}"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// R3 over several steps, of whole worlds: what falls, bounces and rubs has no more energy in the end than it began
-// with, beyond what docs/properties.md says of its method.
+// R3 over several steps of whole worlds: falling, bouncing and rubbing bodies end with no more energy than they started
+// with, beyond the bound in docs/properties.md for the method.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -20,7 +20,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace ener
 
 constexpr double kDt = 1.0 / 60;
 constexpr int kSteps = 20;
-constexpr int kRuns = 25;                                      // cases of each property, and of each bug it must catch
+constexpr int kRuns = 25;                                      // cases of each property, and of each planted bug
 constexpr double kRounding = sizeof(Real) == 8 ? 1e-9 : 1e-3;  // of the energy at the start
 
 enum class Kind { smooth, rubbing, jointed };  // columns of the table
@@ -33,13 +33,13 @@ std::string nameOf(Kind kind) {
 template <int D>
 struct Bouncing {
   std::vector<BodyDef<D>> bodies;
-  bool joined = false;  // the first two that move, by a pivot
+  bool joined = false;  // the first two moving bodies, by a pivot
   WorldSettings<D> settings;
 };
 
-// One to four balls or cubes over a floor, on or beside each other, touching or not, each with a velocity and a spin.
-// Their inertia is the same about all axes: others gain energy by turning alone, without a gyroscopic term
-// (FreeTop.AddsNoEnergy). All bounce alike.
+// One to four balls or cubes above a floor, on or beside each other, touching or not, each with a velocity and a spin.
+// Their inertia is isotropic: other bodies gain energy by turning, without a gyroscopic term (FreeTop.AddsNoEnergy).
+// All have the same restitution.
 template <int D>
 Bouncing<D> drawBouncing(Draw& draw, Kind kind) {
   Bouncing<D> out;
@@ -69,8 +69,9 @@ Bouncing<D> drawBouncing(Draw& draw, Kind kind) {
   return out;
 }
 
-// What a step of Euler's makes of a bounce: m g dt v / 2 at the start and m g dt v / 2 now. Semi-implicit steps keep
-// E - m g dt v / 2 where E is kept in time, v upwards, and a bounce turns v round without an error of its own.
+// Energy error of an Euler step at a bounce: m g dt v / 2 at the start plus m g dt v / 2 now. Semi-implicit steps
+// conserve E - m g dt v / 2 where E is conserved in continuous time, v upwards. A bounce reverses v without an error of
+// its own.
 template <int D>
 double ofEuler(const World<D>& world) {
   const Bodies<D>& b = world.bodies();
@@ -81,8 +82,8 @@ double ofEuler(const World<D>& world) {
   return sum;
 }
 
-/// The largest gain of energy, kinetic and of height over the floor, after any step, beyond Euler's: as a share of the
-/// energy at the start.
+/// The largest gain of energy (kinetic and potential above the floor) after any step, beyond Euler's, as a share of the
+/// initial energy.
 template <int D>
 double worstGain(const std::string& solver, const Bouncing<D>& scene) {
   World<D> world(Pipeline::parse("solver=" + solver), scene.settings);
@@ -105,7 +106,7 @@ double worstGain(const std::string& solver, const Bouncing<D>& scene) {
   return worst;
 }
 
-/// What docs/properties.md allows: the first row of its table whose method stands in the name of the solver.
+/// The bounds of docs/properties.md: the first row of its table with a method that occurs in the name of the solver.
 struct Bounds {
   std::string method;
   double share[3];  // by Kind

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Hulls far from their own frame's origin, and posed so that they are near each other: made around their middles, they
-// are answered about by the scale of what is posed, whatever their frames are.
+// Hulls far from the origin of their own frames, posed so that they are near each other. They are stored about their
+// middles, so the error is relative to the scale of the posed shapes, whatever their frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace far_frames_test { namespace {
 
-constexpr double kBound = sizeof(Real) == 8 ? 1e-13 : 1e-5;  // of the scale of what is posed
+constexpr double kBound = sizeof(Real) == 8 ? 1e-13 : 1e-5;  // relative to the scale of the posed shapes
 
 Rot<2> turned(const Ang<2>& v) { return Rot<2>::angle(v[0]); }
 Rot<3> turned(const Ang<3>& v) { return Rot<3>::vector(v); }
@@ -39,7 +39,7 @@ class FarDrawer {
     for (Vec<D>& p : points) p += away;
     return Shape<D>::polytope(std::span<const Vec<D>>(points), m_random.below(3) == 0 ? Real(0.1) : Real(0));
   }
-  /// A shape of which a point near the middle is at `middle`: a hull far from its frame, or whatever else.
+  /// A shape with a point near its middle at `middle`: a hull far from its frame, or any other shape.
   ShapePart<D> part(bool far, const Vec<D>& middle) {
     Ang<D> v;
     for (Real& x : v) x = uniform(-2, 2);
@@ -69,13 +69,13 @@ struct FarPair {
   Pose<D> X_AB;
 };
 
-/// As bodies' parts are paired: both in one frame, here A's body's.
+/// As bodies' parts are paired: both in one frame, here that of A's body.
 template <int D>
 FarPair<D> pairOf(const ShapePart<D>& a, const ShapePart<D>& b) {
   return {a.shape, b.shape, a.X_SP.inverse() * b.X_SP};
 }
 
-/// By the scale of what is posed: of the distance, or what the separation along the normal lacks.
+/// Relative to the scale of the posed shapes: error of the distance, or of the separation along the normal.
 template <int D>
 double errorOf(const PairQuery<D>& method, const FarPair<D>& pair) {
   const ShapeView<D>&a = pair.a.view(), &b = pair.b.view();
@@ -128,7 +128,7 @@ void hullsAreRight() {
 TEST(FarFrames, HullsAreRightByTheScaleOfThePosedShapes2) { hullsAreRight<2>(); }
 TEST(FarFrames, HullsAreRightByTheScaleOfThePosedShapes3) { hullsAreRight<3>(); }
 
-// Vertices are moved without rounding, and the part is where it was but for that of its pose.
+// Vertices are moved without rounding. The part stays in place but for the rounding of its pose.
 template <int D>
 void isWhereItWas(ShapePart<D> (*centre)(const ShapePart<D>&), bool& exact, double& off) {
   FarDrawer<D> drawer(5);
@@ -141,7 +141,7 @@ void isWhereItWas(ShapePart<D> (*centre)(const ShapePart<D>&), bool& exact, doub
               Real(11) * (boundingBox(after, Pose<D>{}).hi - boundingBox(after, Pose<D>{}).lo).maxCoeff());
     const double far = double(before.half.maxCoeff());
     for (const Vec<D>& v : after.hull->vertices) {
-      double nearest = far;  // of those it was made of, in the world; vertices that rounding hid may not be there
+      double nearest = far;  // of the original vertices, in the world; vertices that rounding removed may be missing
       bool found = false;
       for (const Vec<D>& w : before.hull->vertices) {
         nearest = std::min(nearest, double((made.X_SP * v - given.X_SP * w).norm()));
@@ -170,8 +170,8 @@ void isWhereItWas() {
       exact, off);
   test::expectCaught("far frames: an offset that is not turned by the pose", off <= rounding);
 }
-TEST(FarFrames, APartIsWhereItWas2) { isWhereItWas<2>(); }
-TEST(FarFrames, APartIsWhereItWas3) { isWhereItWas<3>(); }
+TEST(FarFrames, PartsKeepTheirPlace2) { isWhereItWas<2>(); }
+TEST(FarFrames, PartsKeepTheirPlace3) { isWhereItWas<3>(); }
 
 template <int D>
 void nothingElseChanges() {
@@ -191,7 +191,7 @@ void nothingElseChanges() {
 }
 TEST(FarFrames, NothingElseChanges) { nothingElseChanges<2>(), nothingElseChanges<3>(); }
 
-// What a world is given, alone and in a compound.
+// Shapes given to a world, alone and in a compound.
 template <int D>
 void worldsCentre() {
   std::vector<Vec<D>> corners;
@@ -218,7 +218,7 @@ void worldsCentre() {
     EXPECT_EQ(world.bodies().mass[i], 1);
   }
 }
-TEST(FarFrames, WorldsCentreWhatTheyAreGiven) { worldsCentre<2>(), worldsCentre<3>(); }
+TEST(FarFrames, WorldsCentreGivenShapes) { worldsCentre<2>(), worldsCentre<3>(); }
 
 }  // namespace
 }}}  // namespace lpc::LPC_PRECISION::far_frames_test

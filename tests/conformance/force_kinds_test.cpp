@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Every registered kind of force, with the parameters that change what it does: pure, equal and opposite where it has
-// two ends, on nobody else, finite.
+// Every registered kind of force, with the parameters that change its behaviour: a pure function, equal and opposite at
+// two ends, no effect on other bodies, finite.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr int kRuns = 60;
 template <int D>
 using Kind = std::shared_ptr<const ForceKind<D>>;
 
-/// Five bodies, the last two of which forces do not move, and the contacts of a step before.
+/// Five bodies, the last two of which forces do not move, and the contacts of the previous step.
 template <int D>
 struct Scene {
   Bodies<D> bodies;
@@ -34,7 +34,7 @@ struct Scene {
   }
 };
 
-// `spread`: of places and speeds (m, m/s); `apart`: nobody is in anybody's place.
+// `spread`: of positions and speeds (m, m/s); `apart`: no two bodies in one place.
 template <int D>
 Scene<D> drawScene(Draw& draw, const Kind<D>& kind, double spread, bool apart) {
   Scene<D> s;
@@ -66,7 +66,7 @@ Scene<D> drawScene(Draw& draw, const Kind<D>& kind, double spread, bool apart) {
   try {
     kind->begin(s.force, Pose<D>{}, Pose<D>{at<D>(9, 9), {}});
   } catch (const UserError&) {
-    s.force.bodyA = -1;  // no such force from a body on all
+    s.force.bodyA = -1;  // such a force does not act from a body on all
   }
   return s;
 }
@@ -77,7 +77,7 @@ bool same(const std::vector<Wrench<D>>& a, const std::vector<Wrench<D>>& b) {
                     [](const auto& x, const auto& y) { return x.force == y.force && x.torque == y.torque; });
 }
 
-// Asked again, also after another question, it says the same.
+// A repeated evaluation gives the same result, also after another evaluation.
 template <int D>
 void isPure(const Kind<D>& kind, Draw& draw) {
   const Scene<D> s = drawScene<D>(draw, kind, 3, true), other = drawScene<D>(draw, kind, 3, true);
@@ -86,7 +86,7 @@ void isPure(const Kind<D>& kind, Draw& draw) {
   RC_ASSERT(same<D>(first, s.wrenches()));
 }
 
-// What one end gets the other gives, and there is no torque about the origin in all.
+// Forces at both ends are equal and opposite, and the total torque about the origin is zero.
 template <int D>
 void isEqualAndOpposite(const Kind<D>& kind, Draw& draw) {
   Scene<D> s = drawScene<D>(draw, kind, 3, true);
@@ -105,7 +105,7 @@ void isEqualAndOpposite(const Kind<D>& kind, Draw& draw) {
   RC_ASSERT(torque.norm() <= 1000 * kEps * size);
 }
 
-// On B and A alone, or on all whom forces move.
+// Acts on B and A only, or on all bodies that forces move.
 template <int D>
 void actsOnItsBodies(const Kind<D>& kind, Draw& draw) {
   const Scene<D> s = drawScene<D>(draw, kind, 3, true);
@@ -119,7 +119,7 @@ void actsOnItsBodies(const Kind<D>& kind, Draw& draw) {
   }
 }
 
-// Far, fast, and in one place.
+// Far, fast, and coincident.
 template <int D>
 void isFinite(const Kind<D>& kind, Draw& draw) {
   for (const Wrench<D>& w : drawScene<D>(draw, kind, draw.pick({0.0, 1.0, 1e6}), false).wrenches()) {
@@ -138,7 +138,7 @@ constexpr Property<D> kProperties[] = {{"is pure", isPure<D>},
                                        {"acts on its bodies", actsOnItsBodies<D>},
                                        {"is finite", isFinite<D>}};
 
-/// Every kind by its defaults, and what else changes its ways.
+/// Every kind with its defaults and with other parameters.
 template <int D>
 std::vector<std::string> everyKind() {
   std::vector<std::string> specs;
@@ -165,7 +165,7 @@ void conforms() {
           },
           kRuns);
     }
-    int acts = 0;  // who never does anything would have all of these properties
+    int acts = 0;  // a force that never acts would have all of these properties
     check(
         "a force acts, " + spec,
         [&] {
@@ -200,13 +200,13 @@ void conforms() {
 TEST(ForceConformance, EveryKind2) { conforms<2>(); }
 TEST(ForceConformance, EveryKind3) { conforms<3>(); }
 
-// Rolling resistance and motors stop at the speed that they are for, whatever the step: they turn nothing round.
+// Rolling resistance and motors stop at their target speed, whatever the step: they never reverse the motion.
 template <int D>
 void stopsInTime(const std::string& spec, ForceBug bug, Draw& draw) {
   const Kind<D> kind = std::make_shared<SpoiledForce<D>>(createStage<ForceKind<D>>(Spec::parse(spec)), bug);
   Scene<D> s = drawScene<D>(draw, kind, 3, true);
   s.force.bodyA = -1, s.force.bodyB = 0, s.contacts.assign(1, s.contacts[0]);
-  s.contacts[0].bodyB = 3, s.contacts[0].normal = Vec<D>::Unit(1);  // a ball on what is fixed
+  s.contacts[0].bodyB = 3, s.contacts[0].normal = Vec<D>::Unit(1);  // a ball on a static body
   s.contacts.push_back(s.contacts[0]);                              // by two parts
   s.bodies.invInertiaBody[0] = Inertia<D>::Identity() * draw.real(0.5, 4);
   const Ang<D> before = s.bodies.motion[0].w;
@@ -233,7 +233,7 @@ void everyBrake() {
 }
 TEST(ForceConformance, BrakesTurnNothingRound) { everyBrake<2>(), everyBrake<3>(); }
 
-// By hand: a spring stretched by 2 that gets longer; the report's drag; a body in gusts.
+// Known answers: a spring stretched by 2 that lengthens; the report's drag; a body in gusts.
 TEST(ForceConformance, Figures) {
   World<2> world;
   BodyDef<2> def = body<2>(Shape<2>::sphere(Real(0.5)), at<2>(3, 0));
@@ -260,7 +260,8 @@ TEST(ForceConformance, Figures) {
   EXPECT_NEAR(on({.kind = pull, .bodyB = a, .anchorA = at<2>(3.25, 0)}, 0), 36 * m / 0.5, 1e-4) << "half the floor";
 }
 
-// Records go with their bodies, wake whom they act on, and their handles are of one tenant.
+// Records are removed with their bodies, wake the bodies on which they act, and have handles that a new record in the
+// slot invalidates.
 TEST(ForceConformance, RecordsComeAndGo) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);

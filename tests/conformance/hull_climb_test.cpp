@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A climb along a hull's edges ends at the very vertex that a look at all of them finds, or says that it does not know.
+// A climb along a hull's edges ends at the same vertex as a search of all vertices, or reports that it is not certain.
 #include "algorithms/pair_query/core/hull_climb.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +18,8 @@ std::size_t drawIn(Draw& draw, std::size_t count) {
   return static_cast<std::size_t>(draw.below(static_cast<int>(count)));
 }
 
-/// Hulls that a climb may not take for convex: of the hard families, of points on a grid, turned (coplanar within
-/// rounding, four and more corners of a face), with two large faces, and thin; and round ones.
+/// Hulls that are hardly convex: of the hard families, of points on a grid, turned (coplanar within rounding, four and
+/// more corners of a face), with two large faces, and thin. Also round ones.
 std::vector<Polytope<3>> hulls(bool round) {
   PlainDraw draw(3);
   std::vector<Polytope<3>> out;
@@ -47,7 +47,8 @@ std::vector<Polytope<3>> hulls(bool round) {
   return out;
 }
 
-/// Any, and those along which several corners are as high: normals of faces, and between two of them, off by roundings.
+/// Any directions, and directions with several support points: normals of faces, and between two of them, off by
+/// roundings.
 std::vector<Vec<3>> directions(const Polytope<3>& hull, Draw& draw) {
   std::vector<Vec<3>> out;
   const auto leaning = [&](const Vec<3>& n) {
@@ -64,7 +65,7 @@ std::vector<Vec<3>> directions(const Polytope<3>& hull, Draw& draw) {
   return out;
 }
 
-// Of each edge one end knows the other no more.
+// One end of each edge loses the other end as its neighbour.
 void unlink(Polytope<3>& hull) {
   for (auto& s : hull.spokes) s.to = hull.edges[static_cast<std::size_t>(s.edge)].v0;
 }
@@ -90,7 +91,7 @@ Climbs climbs(bool round, Spoil spoil) {
   return out;
 }
 
-TEST(HullClimb, EndsWhereALookAtAllDoes) {
+TEST(HullClimb, EqualsAScanOfAllVertices) {
   const auto none = [](Polytope<3>&) {};
   const Climbs hard = climbs(false, none), round = climbs(true, none);
   std::printf("%d of %d climbs on hard hulls and %d of %d on round ones know no end\n", hard.stopped, hard.asked,
@@ -104,8 +105,8 @@ TEST(HullClimb, EndsWhereALookAtAllDoes) {
   expectCaught("neighbours are missing", climbs(true, unlink).wrong == 0);
 }
 
-// Asked along the same directions from corner to corner, gjk_epa has the same answers and does the same work. On pairs
-// that move, so that what it remembers is where it climbs from.
+// With `support=climb`, gjk_epa queries the same directions, gives the same answers and does the same work as with a
+// scan. The pairs move, so that the climb starts from remembered vertices.
 bool climbsAsItScans(bool unlinked) {
   const auto scan = createStage<PairQuery<3>>(Spec::parse("gjk_epa"));
   const auto climb = createStage<PairQuery<3>>(Spec::parse("gjk_epa{support=climb}"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is done for several vertices or faces at a time gives the very numbers that one at a time gives.
+// Computations on several vertices or faces at a time give the same numbers as one at a time.
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -17,7 +17,7 @@ using namespace pair_query;
 
 using Search = std::size_t (*)(const std::vector<Vec<3>>&, const Vec<3>&);
 
-// As coreSupport finds them, of vertices on a grid, where many are equally far, and of others.
+// Equals coreSupport on vertices of a grid, where many are equally far, and on others.
 bool findsTheSame(Search search) {
   PlainDraw draw(5);
   for (std::size_t count = kManyVertices; count < 90; ++count) {
@@ -47,13 +47,13 @@ std::size_t lastFarthest(const std::vector<Vec<3>>& vertices, const Vec<3>& d) {
   }
   return best;
 }
-TEST(HullLanes, FarthestVertexIsTheScans) {
+TEST(HullLanes, FarthestVertexEqualsTheScan) {
   forEachTarget([](std::int64_t target) { EXPECT_TRUE(findsTheSame(farthestVertex)) << hwy::TargetName(target); });
   expectCaught("of vertices that are equally far the last", findsTheSame(lastFarthest));
 }
 
-// Of two hulls, of few vertices and of many, what a search asks again and again: the numbers of the vectors' own
-// arithmetic, also from the second time on.
+// Support points of two hulls with few vertices and with many, also in repeated queries: the numbers of the vectors'
+// own arithmetic.
 using PairSearch = HullSupport (*)(HullPair&, const CorePair<3>&, const Vec<3>&);
 
 bool supportsAreVectors(PairSearch search) {
@@ -87,10 +87,10 @@ bool supportsAreVectors(PairSearch search) {
 HullSupport asked(HullPair& hulls, const CorePair<3>& pair, const Vec<3>& n) {
   return hulls.support(pair.p, pair.r, n);
 }
-// The second time it still looks at the vertices of the pair before.
+// Planted bug: a later pair is answered with the vertices of the first.
 HullSupport askedStale(HullPair& hulls, const CorePair<3>& pair, const Vec<3>& n) {
   static HullPair first;
-  static std::array<Polytope<3>, 2> kept;  // a HullPair reads the vertices where they are
+  static std::array<Polytope<3>, 2> kept;  // a HullPair keeps references to the vertices
   static bool begun = false;
   if (!std::exchange(begun, true)) {
     kept = {*pair.a.hull, *pair.b.hull};
@@ -104,13 +104,13 @@ HullSupport askedFromTheOtherEnd(HullPair& hulls, const CorePair<3>& pair, const
   found.point = pair.p + (v - pair.a.hull->vertices[found.a]);
   return found;
 }
-TEST(HullLanes, SupportsOfTwoHullsAreThoseOfVectors) {
+TEST(HullLanes, SupportPointsEqualVectorArithmetic) {
   forEachTarget([](std::int64_t target) { EXPECT_TRUE(supportsAreVectors(asked)) << hwy::TargetName(target); });
   expectCaught("rows of a pair before", supportsAreVectors(askedStale));
   expectCaught("three numbers added in another order", supportsAreVectors(askedFromTheOtherEnd));
 }
 
-// Vertices near the farthest, as one by one finds them, in their order.
+// Vertices near the farthest: those of a scan, in its order.
 using Gather = void (*)(const std::vector<Vec<3>>&, const Vec<3>&, Real, std::vector<Vec<3>>&);
 
 bool gathersTheSame(Gather gather) {
@@ -135,12 +135,12 @@ bool gathersTheSame(Gather gather) {
 void gatherInside(const std::vector<Vec<3>>& vertices, const Vec<3>& d, Real band, std::vector<Vec<3>>& out) {
   verticesWithin(vertices, d, band > 0 ? std::nextafter(band, Real(0)) : band, out);
 }
-TEST(HullLanes, VerticesNearTheFarthestAreTheScans) {
+TEST(HullLanes, VerticesNearTheFarthestEqualTheScan) {
   forEachTarget([](std::int64_t target) { EXPECT_TRUE(gathersTheSame(verticesWithin)) << hwy::TargetName(target); });
   expectCaught("those on the border of the band are left out", gathersTheSame(gatherInside));
 }
 
-// Planes of fans of each size, and those of triangles without one, to the last bit.
+// Planes of fans of each size equal those of single triangles, to the last bit.
 bool planesAreTriples(void (*spoil)(FacePlanes&)) {
   PlainDraw draw(6);
   for (int n = 0; n < 2000; ++n) {
@@ -168,15 +168,15 @@ bool planesAreTriples(void (*spoil)(FacePlanes&)) {
   }
   return true;
 }
-TEST(HullLanes, PlanesAreThoseOfOneFace) {
+TEST(HullLanes, PlanesEqualThoseOfSingleFaces) {
   forEachTarget(
       [](std::int64_t target) { EXPECT_TRUE(planesAreTriples([](FacePlanes&) {})) << hwy::TargetName(target); });
   expectCaught("a plane that is off by one rounding",
                planesAreTriples([](FacePlanes& f) { f.offset[0] = std::nextafter(f.offset[0], Real(9)); }));
 }
 
-// As Eigen's vectors, whose numbers stand in results.
-TEST(HullLanes, TripleIsAVector) {
+// Triples give the same numbers as Eigen's vectors, on which results depend.
+TEST(HullLanes, TriplesEqualVectors) {
   PlainDraw draw(7);
   int otherOrder = 0;
   for (int n = 0; n < 1000; ++n) {
@@ -191,7 +191,7 @@ TEST(HullLanes, TripleIsAVector) {
     ASSERT_EQ(sumOfSizes(Triple(a)), a.lpNorm<1>());
     const Rot<3> q = Rot<3>::vector(b);
     ASSERT_EQ((q * Triple(a)).vector(), q * a);
-    // Products with a matrix, of which Eigen takes two rows at a time.
+    // Products with a matrix: Eigen computes two rows at a time.
     const Shape<3> ball = Shape<3>::sphere(1);
     const PairView<3> view{ball.view(), ball.view(), {b, q}};
     const CorePair<3> pair(view);

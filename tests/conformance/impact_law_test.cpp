@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Laws of restitution, of solvers that have a choice of them, and the rod of Painleve for every solver: whole steps
-// without a world.
+// Laws of restitution, for solvers with a choice of them, and the Painleve rod for every solver: whole steps without a
+// world.
 #include <gtest/gtest.h>
 
 #include "tests/check_property.h"
@@ -24,8 +24,8 @@ ImpactScene<D> tiltedRod(Real half, Real mass, Real angle, const Vec<D>& v, Real
   return s;
 }
 
-// R3 where Newton's law does not promise it: several contacts with friction and e of their own, or the one of a rod
-// that falls obliquely and slides back in the middle of its impact (Kane and Levinson 1985).
+// R3 where Newton's law does not promise it. One case has several contacts with friction and different e. The other has
+// the single contact of a rod that falls obliquely and starts to slide back during the impact (Kane and Levinson 1985).
 template <int D>
 void addsNoEnergy(const Step<D>& step, Draw& draw) {
   ImpactScene<D> before;
@@ -43,8 +43,8 @@ void addsNoEnergy(const Step<D>& step, Draw& draw) {
   require<D>(gain <= (kDouble ? Real(1e-9) : Real(1e-3)) * (1 + before.energy()), before, after, gain);
 }
 
-// A body that cannot turn, on a fixed one: normal and tangent have nothing to do with each other. It leaves with e v_n,
-// and slides mu (1 + e) v_n slower, or not any more.
+// A body that cannot turn, on a static one: normal and tangential motion are independent. It leaves with e v_n, and
+// slides mu (1 + e) v_n slower, or stops sliding.
 template <int D>
 void rubsWhileItBounces(const Step<D>& step, Draw& draw) {
   ImpactScene<D> before;
@@ -78,8 +78,8 @@ void keepsMomenta(const Step<D>& step, Draw& draw) {
   require<D>(angular <= Real(4e-3) * before.speed(), before, after, angular);
 }
 
-// A rod slides on its tip, which goes ahead. For mu > 4/3 there are angles at which forces can neither keep the tip on
-// the floor nor let it lift off (Painleve 1895); impulses can. It must end finite, without more energy.
+// A rod slides on its tip, with the tip ahead. For mu > 4/3 there are angles at which no forces can either keep the tip
+// on the floor or let it lift off (Painleve 1895); impulses can. The result must be finite, without more energy.
 template <int D>
 void painleve(const Step<D>& step, Draw& draw) {
   const Real half = draw.real(0.2, 2), mass = draw.real(0.5, 5);
@@ -94,7 +94,7 @@ void painleve(const Step<D>& step, Draw& draw) {
   for (int i = 0; i < 3; ++i) {
     step(after);
     require<D>(after.finite(), before, after, 0);
-    // What an Euler step of free fall can make, and rounding.
+    // The energy that an Euler step of free fall adds, and rounding.
     const Real fallen = mass * std::pow(Real(9.81) * before.dt, Real(2)) * static_cast<Real>(i + 1);
     const Real gain = energy(after) - energy(before);
     require<D>(gain <= fallen + (kDouble ? Real(1e-9) : Real(1e-3)) * (1 + energy(before)), before, after, gain);
@@ -106,10 +106,10 @@ struct Named {
   const char* name;
   void (*property)(const Step<D>&, Draw&);
   Step<D> bug;
-  bool ofAll;  // or of solvers with a choice of laws, and those
+  bool ofAll;  // false: of solvers with a choice of laws only
 };
 
-// Poisson's law with one thing changed.
+// Poisson's law with one change.
 template <int D>
 Step<D> spoilt(const std::function<void(ImpactScene<D>&)>& spoil) {
   const std::shared_ptr<Solver<D>> solver = createStage<Solver<D>>(Spec::parse("split_solver{impact=poisson}"));
@@ -133,9 +133,9 @@ std::vector<Named<D>> properties() {
           {"Painleve.AddsNoEnergy", painleve<D>, spoiledStep<D>(Bug::frictionForward), true}};
 }
 
-constexpr int kRuns = 25;  // cases of each property, and of each bug that it must catch
+constexpr int kRuns = 25;  // cases of each property, and of each planted bug
 
-/// Is the law of impacts one of those that were made to be without the faults of the default?
+/// Is the law of impacts one of those designed to avoid the faults of the default?
 bool hasOtherLaw(const std::string& spec) {
   const Spec parsed = Spec::parse(spec);
   const Spec* law = parsed.find("impact");
@@ -189,7 +189,7 @@ TEST(ImpactLaws, EverySolver3) { testAll<3>(); }
 TEST(ImpactLaws, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(ImpactLaws, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
-// What is cut off is told. Two balls hit three that touch: the middle pair is hit twice.
+// Limits that end an impact early are counted. Two balls hit three touching balls: the middle pair collides twice.
 TEST(ImpactLaws, LimitsAreCounted) {
   const auto limits = [](const std::string& text) {
     ImpactScene<2> s;

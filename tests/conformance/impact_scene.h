@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Bodies, contacts and joints made by hand or drawn at random, without a world: what a solver owes does not depend on
-// where contacts come from.
+// Bodies, contacts and joints made by hand or drawn at random, without a world: a solver's duties do not depend on the
+// origin of its contacts.
 #pragma once
 
 #include <cmath>
@@ -16,12 +16,12 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// A constant acceleration, a spring to the origin, and what draws all together, on every body that has mass.
+/// A constant acceleration, a spring to the origin, and mutual attraction, on every body with mass.
 template <int D>
 struct Field final : Forces<D> {
   Vec<D> gravity = Vec<D>::Zero();  // m/s^2
   Real spring = 0;                  // 1/s^2
-  Real pull = 0;  // 1/s^2, to the common centre of mass: between each two bodies equal, opposite and along their line
+  Real pull = 0;  // 1/s^2, to the common centre of mass: between each pair equal, opposite and along their line
   void eval(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
     const std::vector<Real>& mass = state.bodies.mass;
     Vec<D> moment = Vec<D>::Zero();
@@ -52,7 +52,7 @@ struct ImpactScene {
   Profiler profiler;
   ContactGraph<D> graph;
 
-  /// Mass 0: fixed. `inertia` are the principal moments.
+  /// Mass 0: a static body. `inertia` holds the principal moments.
   int add(Real mass, const Ang<D>& inertia, const Pose<D>& pose, const Motion<D>& motion = {}) {
     Bodies<D>& b = bodies;
     const bool dynamic = mass > 0;
@@ -87,9 +87,9 @@ struct ImpactScene {
     c.separation = separation, c.feature = static_cast<std::uint32_t>(m.count);
     ++m.count;
   }
-  /// A pivot whose two ends are `error` apart.
+  /// A pivot with its two ends `error` apart.
   void join(int a, int b, const Vec<D>& p, const Vec<D>& error) { join("pivot", a, b, {p, {}}, {p + error, {}}); }
-  /// A joint whose frames are where they should be at X_WJa and X_WJb; a -1: the world.
+  /// A joint with its frames at X_WJa and X_WJb, without error; a = -1: the world.
   void join(const std::string& kind, int a, int b, const Pose<D>& X_WJa, const Pose<D>& X_WJb) {
     JointDef<D> def{.kind = kind, .X_WJ = X_WJa, .X_WJb = X_WJb};
     def.bodyA.slot = a, def.bodyB.slot = b;
@@ -104,7 +104,7 @@ struct ImpactScene {
     resolver.solve(
         {dt, lastDt, bodies, manifolds, active, joints, position, features, kRestitutionThreshold, work, profiler});
   }
-  /// One step, after which contacts are where their anchors went.
+  /// One step; then contacts follow their anchors.
   void step(Solver<D>& solver) {
     NoDetection detect;
     graph.reset(bodies, manifolds, joints, work);
@@ -122,7 +122,7 @@ struct ImpactScene {
     }
   }
 
-  // --- what is measured ---
+  // --- measured quantities ---
   Vec<D> momentum() const {
     Vec<D> sum = Vec<D>::Zero();
     for (int i = 0; i < bodies.size(); ++i) sum += bodies.mass[static_cast<std::size_t>(i)] * motion(i).v;
@@ -149,7 +149,7 @@ struct ImpactScene {
     }
     return sum;
   }
-  /// Of B against A midway between the anchors.
+  /// Velocity of B relative to A, midway between the anchors.
   Vec<D> contactVelocity(const Manifold<D>& m, const ContactPoint<D>& c) const {
     const Vec<D> p = (pose(m.bodyA) * c.localA + pose(m.bodyB) * c.localB) / 2;
     const auto at = [&](int i) -> Vec<D> { return motion(i).v + cross(motion(i).w, (p - pose(i).p).eval()); };
@@ -165,7 +165,7 @@ struct ImpactScene {
     const Motion<D> a = j.bodyA < 0 ? Motion<D>{} : motion(j.bodyA);
     return rowSpeed(row, a.v, a.w, motion(j.bodyB).v, motion(j.bodyB).w);
   }
-  /// Largest velocity (m/s, rad/s) along a row that allows none.
+  /// Largest velocity (m/s, rad/s) along a rigid row.
   Real jointVelocity(const JointRecord<D>& j) const {
     Real worst = 0;
     const JointRows<D> now = rows(j);  // named: a loop over a part of a temporary would outlive it
@@ -195,7 +195,7 @@ struct ImpactScene {
     }
     return true;
   }
-  /// What speeds, momenta and energies of this scene are compared with.
+  /// Scale to which speeds, momenta and energies of this scene are compared.
   Real speed() const {
     Real s = 1;
     for (int i = 0; i < bodies.size(); ++i) s = std::max({s, motion(i).v.norm(), motion(i).w.norm()});
@@ -203,7 +203,7 @@ struct ImpactScene {
   }
 };
 
-/// After one solve of velocities; positions ask for nothing.
+/// The scene after one solve of velocities, without position correction.
 template <int D>
 ImpactScene<D> solved(ImpactScene<D> scene, VelocityResolver<D>& resolver) {
   const struct : PositionResolver<D> {
@@ -245,7 +245,7 @@ struct Drawn {
   int contacts = 5;  // at most
 };
 
-/// Two to five bodies, contacts anywhere between them. Where shapes would be does not matter.
+/// Two to five bodies with contacts anywhere between them. The places of shapes do not matter.
 template <int D>
 ImpactScene<D> drawImpact(Draw& draw, const Drawn& wanted) {
   ImpactScene<D> s;
@@ -279,7 +279,7 @@ ImpactScene<D> drawImpact(Draw& draw, const Drawn& wanted) {
   return s;
 }
 
-/// One step of whoever is tested.
+/// One step of the tested method.
 template <int D>
 using Step = std::function<void(ImpactScene<D>&)>;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Every registered integrator against closed forms: free fall, an oscillator, a free top. What info().failures names
-// must be seen to fail.
+// Every registered integrator against closed forms: free fall, an oscillator, a free top. A failure that
+// info().failures declares must be observed.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -44,7 +44,7 @@ Real fallError(Integrator<D>& integrator, int steps) {  // against -g T^2 / 2 af
   return s.pose(0).p[1] + Real(9.81) * 2;
 }
 
-// x'' = -w^2 x, w = 2 pi, from x = 1 at rest, for `periods`; energy relative to the start.
+// x'' = -w^2 x, w = 2 pi, from x = 1 at rest, for `periods`. Energy relative to the start.
 template <int D>
 Real oscillatorEnergy(Integrator<D>& integrator, Real wdt, int periods) {
   const Real w = Real(6.283185307179586);
@@ -57,7 +57,8 @@ Real oscillatorEnergy(Integrator<D>& integrator, Real wdt, int periods) {
 }
 
 template <int D>
-Real oscillatorError(Integrator<D>& integrator, int steps) {  // after 0.7 periods: a whole one flatters symmetry
+Real oscillatorError(Integrator<D>& integrator,
+                     int steps) {  // errors cancel over a whole period, so 0.7 of one
   const Real w = Real(6.283185307179586);
   ImpactScene<D> s;
   s.add(2, Ang<D>::Ones(), {Vec<D>::Unit(0), {}});
@@ -68,11 +69,11 @@ Real oscillatorError(Integrator<D>& integrator, int steps) {  // after 0.7 perio
   return (s.pose(0).p - x * Vec<D>::Unit(0)).norm() + (s.motion(0).v - v * Vec<D>::Unit(0)).norm() / w;
 }
 
-// Turning the inertia into the world and back costs some eight roundings of the momentum a step, in the worst case all
-// to the same side.
+// Rotating the inertia into the world frame and back costs about eight roundings of the momentum a step, at worst all
+// in one direction.
 constexpr Real kTurnRounding = 8 * std::numeric_limits<Real>::epsilon();
 
-// A top with moments 1, 2, 3 that starts about its middle axis, which is unstable (Dzhanibekov).
+// A top with moments 1, 2, 3 that spins about its middle axis, which is unstable (Dzhanibekov).
 ImpactScene<3> top(Real dt) {
   ImpactScene<3> s;
   s.add(1, Ang<3>(1, 2, 3), {}, {Vec<3>::Zero(), Ang<3>(Real(0.01), 1, Real(0.01))});
@@ -80,7 +81,7 @@ ImpactScene<3> top(Real dt) {
   return s;
 }
 
-// --- properties: each says whether it holds, so that declared failures and twins can be seen to fail ----------------
+// --- properties: each returns whether it holds, so that declared failures and planted bugs can fail ------------------
 
 template <int D>
 bool oscillatorBounded(Integrator<D>& integrator) {  // no growth
@@ -93,7 +94,7 @@ bool oscillatorKeepsEnergy(Integrator<D>& integrator) {  // for a thousand perio
 }
 template <int D>
 bool freeTopKeepsAngularMomentum(Integrator<D>&) {
-  return true;  // nothing can turn a plane's angular momentum
+  return true;  // nothing changes the direction of a plane's angular momentum
 }
 template <>
 bool freeTopKeepsAngularMomentum<3>(Integrator<3>& integrator) {
@@ -103,9 +104,9 @@ bool freeTopKeepsAngularMomentum<3>(Integrator<3>& integrator) {
   return (s.angularMomentum() - before).norm() < kTurnRounding * 4000 * before.norm();
 }
 
-// A thin rod of moments 0.01, 1, 1 at 100 rad/s, 1.7 rad a step, at an angle to its axis: what adds energy drives it to
-// spin about that axis, up to a hundred times as fast.
-double fastRodEnergy(Integrator<3>& integrator) {  // the largest of a minute, of that at the start
+// A thin rod of moments 0.01, 1, 1 at 100 rad/s, 1.7 rad a step, at an angle to its axis. A method that adds energy
+// makes it spin about that axis, up to a hundred times as fast.
+double fastRodEnergy(Integrator<3>& integrator) {  // largest energy within a minute, relative to the start
   ImpactScene<3> s;
   s.add(1, Ang<3>(Real(0.01), 1, 1), {}, {Vec<3>::Zero(), Ang<3>(80, 60, 0)});
   s.dt = Real(1) / 60;
@@ -153,7 +154,7 @@ void testAll() {
       for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
       EXPECT_EQ(p.property(*integrator), !known) << entry->info.name << ' ' << p.name << ' ' << D << "D";
     }
-    // Kinematic and fixed bodies are not theirs.
+    // Integrators do not move kinematic and static bodies.
     ImpactScene<D> s;
     s.add(0, Ang<D>::Zero(), {}, {Vec<D>::Unit(0), Ang<D>::Ones()});
     s.bodies.type[0] = BodyType::kinematic;
@@ -205,7 +206,7 @@ TEST(IntegratorConformance, Ballistic3) { ballistic<3>(); }
 TEST(IntegratorConformance, Order2) { order<2>(); }
 TEST(IntegratorConformance, Order3) { order<3>(); }
 
-// Both are stable up to w dt = 2. Of semi-implicit Euler v^2 + w^2 x^2 - w^2 dt x v does not change at all, of Verlet
+// Both are stable up to w dt = 2. Semi-implicit Euler conserves v^2 + w^2 x^2 - w^2 dt x v exactly; Verlet conserves
 // v^2 + w^2 x^2 (1 - (w dt / 2)^2).
 TEST(IntegratorConformance, SymplecticLimitsAndInvariants) {
   for (const char* name : {"semi_implicit_euler", "velocity_verlet"}) {
@@ -229,14 +230,14 @@ TEST(IntegratorConformance, SymplecticLimitsAndInvariants) {
   }
 }
 
-// Explicit Euler grows by sqrt(1 + (w dt)^2) a step: 1.2177 in amplitude per second at dt = 0.01, w = 2 pi.
+// The amplitude of explicit Euler grows by sqrt(1 + (w dt)^2) a step: 1.2177 per second at dt = 0.01, w = 2 pi.
 TEST(IntegratorConformance, ExplicitGrowth) {
   const auto integrator = createStage<Integrator<2>>({"explicit_euler", {}});
   const Real energy = oscillatorEnergy(*integrator, Real(0.06283185307179586), 1);
   EXPECT_NEAR(std::sqrt(double(energy)), 1.2177482712932757, kDouble ? 2e-3 : 5e-3);
 }
 
-// The middle component comes back after 4 K(m) / r = 39.1057341973 s, two flips a period.
+// The middle component returns after 4 K(m) / r = 39.1057341973 s, two flips a period.
 TEST(IntegratorConformance, DzhanibekovPeriod) {
   const auto rk4 = createStage<Integrator<3>>({"rk4", {}});
   ImpactScene<3> s = top(Real(39.10573419728772) / 4000);
@@ -253,7 +254,7 @@ TEST(IntegratorConformance, DzhanibekovPeriod) {
   EXPECT_NEAR(s.energy(), energy, std::max(1e-8, double(kTurnRounding) * 4000 * double(energy)));
 }
 
-// In turns, too, and of a top that tumbles.
+// Also in rotations, and for a tumbling top.
 TEST(IntegratorConformance, VerletIsOfOrderTwoInTurns) {
   const auto integrator = createStage<Integrator<3>>({"velocity_verlet", {}});
   const auto rk4 = createStage<Integrator<3>>({"rk4", {}});
@@ -272,7 +273,7 @@ TEST(IntegratorConformance, VerletIsOfOrderTwoInTurns) {
   EXPECT_NEAR(std::log2(error(25) / error(50)), 2, 0.15);
 }
 
-// Backward Euler's loss of energy is in proportion to the step; of angular momentum, too.
+// Backward Euler loses energy and angular momentum in proportion to the step.
 TEST(IntegratorConformance, ImplicitGyroscopicOnlyLoses) {
   for (const int iterations : {1, 20}) {
     SCOPED_TRACE(iterations);
@@ -285,7 +286,7 @@ TEST(IntegratorConformance, ImplicitGyroscopicOnlyLoses) {
       const double start = energy;
       for (int i = 0; i < 1000 * (k + 1); ++i) {
         fly(s, *integrator, 1);
-        // Twice the momentum's rounding, of either.
+        // Twice the rounding of the momentum, up or down.
         ASSERT_LE(double(s.energy()), energy * (1 + 4 * double(kTurnRounding))) << i;
         energy = double(s.energy());
       }
@@ -296,7 +297,7 @@ TEST(IntegratorConformance, ImplicitGyroscopicOnlyLoses) {
   }
 }
 
-// A thousandth too much force, a hundredth too much way, a little spin from nowhere.
+// Planted bug: a thousandth too much force, a hundredth too much displacement, and some spin without cause.
 template <int D>
 class Generous final : public Integrator<D> {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Every registered kind of joint, between bodies that are made by hand or drawn at random, without a world.
+// Every registered kind of joint, between bodies made by hand or drawn at random, without a world.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ Kind<D> kindOf(const std::string& spec) {
   return createStage<JointKind<D>>(Spec::parse(spec));
 }
 
-/// All kinds as they are, each with each of its choices, and what numbers make of some.
+/// All kinds with their defaults, with each of their choices, and some with other numbers.
 template <int D>
 std::vector<std::string> everyKind() {
   std::vector<std::string> specs;
@@ -43,7 +43,7 @@ std::vector<std::string> everyKind() {
   return specs;
 }
 
-/// Every solver, but for the orders in which contacts are solved: there are none.
+/// Every solver, except variants of the order of contacts: there are no contacts.
 template <int D>
 std::vector<std::string> everySolverOfJoints() {
   std::vector<std::string> specs = everySolver<D>();
@@ -51,14 +51,14 @@ std::vector<std::string> everySolverOfJoints() {
   return specs;
 }
 
-/// At frames that are apart, or some rows would be absent.
+/// Rows of frames that are apart; otherwise some rows would be absent.
 template <int D>
 JointRows<D> someRows(const Kind<D>& kind) {
   JointRows<D> rows;
   kind->rows({}, {}, {Vec<D>::Unit(0), {}}, rows);
   return rows;
 }
-/// Does it stay as it is when nothing pushes: no motor, but for one that brakes?
+/// Does it stay at rest without load? So no motor, except one that brakes.
 template <int D>
 bool passive(const Kind<D>& kind) {
   const JointRows<D> rows = someRows(kind);
@@ -66,7 +66,7 @@ bool passive(const Kind<D>& kind) {
     return row.law == RowLaw::motor && !row.absent() && row.speed != 0;
   });
 }
-/// Are all its rows rigid? What a spring or a motor does takes time, and no solve ends it.
+/// Are all its rows rigid? Springs and motors take time, and no single solve ends their work.
 template <int D>
 bool rigid(const Kind<D>& kind) {
   const JointRows<D> rows = someRows(kind);
@@ -74,7 +74,7 @@ bool rigid(const Kind<D>& kind) {
                      [](const ConstraintRow<D>& row) { return row.law == RowLaw::rigid || row.absent(); });
 }
 
-/// Does it hold something one way only, or by a row of its own?
+/// Does it have a one-sided row, or a rigid row solved on its own?
 template <int D>
 bool hasStop(const Kind<D>& kind) {
   const JointRows<D> rows = someRows(kind);
@@ -83,7 +83,7 @@ bool hasStop(const Kind<D>& kind) {
   });
 }
 
-/// Is something far from where it should be, or pulled there?
+/// Is an error large, or does a spring pull it in?
 template <int D>
 bool strained(const JointRows<D>& rows) {
   return std::any_of(rows.all().begin(), rows.all().end(), [](const ConstraintRow<D>& row) {
@@ -91,7 +91,7 @@ bool strained(const JointRows<D>& rows) {
   });
 }
 
-/// Each frame is a point of its body, `apart` from each other where the kind has two ends. a -1: the world.
+/// Each frame is a point of its body; they are `apart` from each other if the kind has two ends. a = -1: the world.
 template <int D>
 void join(ImpactScene<D>& s, const Kind<D>& kind, int a, int b, const Pose<D>& X_WJ, const Vec<D>& apart) {
   JointRecord<D> j;
@@ -104,12 +104,12 @@ void join(ImpactScene<D>& s, const Kind<D>& kind, int a, int b, const Pose<D>& X
     kind->begin(j, X_WA, s.pose(b)), kind->weigh(j, massBetween(s.bodies, a, b));
   };
   place(apart);
-  if (strained(s.rows(j))) place(Vec<D>::Zero());  // a kind whose ends are one point
+  if (strained(s.rows(j))) place(Vec<D>::Zero());  // a kind with both ends at one point
   s.joints.push_back(j);
 }
 
-/// The state of joints that are made anew, from where the bodies are: the same seen from elsewhere, but for what counts
-/// against the world.
+/// Starts the state of the joints anew from the poses of the bodies. A moved scene gets the same state, except where
+/// joints refer to the world.
 template <int D>
 void beginAnew(ImpactScene<D>& s) {
   for (JointRecord<D>& j : s.joints) {
@@ -152,14 +152,14 @@ void nudge(ImpactScene<D>& s, Draw& draw, Real amount) {
   s.bodies.invInertia[1] = rotateInertia(s.bodies.pose[1].q, s.bodies.invInertiaBody[1]);
 }
 
-/// One step, after which each joint may remember.
+/// One step; then each joint updates its state.
 template <int D>
 void stepJoined(ImpactScene<D>& s, Solver<D>& solver) {
   s.step(solver);
   for (JointRecord<D>& j : s.joints) j.kind->finish(j, poseOf(s.bodies, j.bodyA), s.pose(j.bodyB));
 }
 
-/// One of a table of properties, of `on`, with draws of RapidCheck's.
+/// One property of a table, applied to `on`, with RapidCheck's draws.
 template <class Named, class Subject>
 auto drawn(const Named& p, const Subject& on) {
   return [&p, on] {

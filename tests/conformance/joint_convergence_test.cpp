@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What sweeps over joints come to, for every registered kind under every velocity resolver: the same whatever the
-// order, nearer with more of them, and as fast as theory says.
+// Convergence of sweeps over joints, for every registered kind under every velocity resolver. The result must not
+// depend on the order, must improve with more sweeps, and must converge at the predicted rate.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,14 +15,14 @@ constexpr bool kDouble = sizeof(Real) == 8;
 constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
 constexpr int kRuns = 20, kFew = 3, kMany = 3000;
 
-/// What a property is given: a kind, who solves, and somebody who is known to come to the end.
+/// Input of a property: a kind, the resolver under test, and one that is known to converge.
 template <int D>
 struct Subject {
   Kind<D> kind;
   Solves<D> solves, right;
 };
 
-/// Three bodies in a chain, of which the first may be fixed.
+/// Three bodies in a chain; the first may be fixed.
 template <int D>
 ImpactScene<D> drawChain(Draw& draw, const Kind<D>& kind) {
   auto s = drawJointed(draw, kind, draw.coin());
@@ -33,7 +33,7 @@ ImpactScene<D> drawChain(Draw& draw, const Kind<D>& kind) {
   return s;
 }
 
-// R9: joints that are stored in another order come to the same end.
+// R9: joints stored in another order give the same result.
 template <int D>
 void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
   const auto before = drawChain(draw, on.kind);
@@ -43,8 +43,8 @@ void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
   require<D>(difference(a, b), kConverged * 100 * before.speed(), a, b);
 }
 
-// R10: twice as many iterations are no further from the end, by the energy of the difference: each step of Gauss and
-// Seidel is a projection in that norm. Springs and motors do not move it down every time.
+// R10: twice as many iterations are no farther from the solution, in the energy norm of the difference: each
+// Gauss-Seidel step is a projection in that norm. Springs and motors do not reduce it in every step.
 template <int D>
 void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
   if (!rigid(on.kind)) return;
@@ -61,7 +61,7 @@ void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
   require<D>(away(twice), away(few) + kConverged * before.speed(), few, twice);
 }
 
-/// About the z of 3D.
+/// About z in 3D.
 template <int D>
 Rot<D> quarterTurn() {
   const Real half = std::sqrt(Real(0.5));
@@ -72,9 +72,9 @@ Rot<D> quarterTurn() {
   }
 }
 
-// R12: what is fixed, a light body and a heavy one in a line, pulled along it; a kind that slides that way is turned,
-// one that holds no place is spun. After a sweep the light one moves by M/(M+m) of what it did after the one before.
-// Some resolvers sweep several times for one iteration.
+// R12: a static body, a light one and a heavy one in a line, pulled along it. A kind that slides along the line is
+// turned; a kind without linear rows is spun. Each sweep reduces the light body's speed by the factor M/(M+m). Some
+// resolvers sweep several times per iteration.
 template <int D>
 void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
   if (!rigid(on.kind)) return;
@@ -95,7 +95,7 @@ void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
   const bool spun = !chain({}) && !chain(quarterTurn<D>());
   if (spun) {
     for (Motion<D>& m : before.bodies.motion) m = {Vec<D>::Zero(), m.v[0] * aboutZ};
-    // By another ratio nncg comes nearer by no whole number of sweeps.
+    // At another gear ratio nncg does not converge by a whole number of sweeps.
     if (before.rows(before.joints[1]).row[0].armA.norm() != 1) return;
   }
   const auto speed = [&](int iterations) {
@@ -112,7 +112,7 @@ template <int D>
 struct Named {
   const char* name;
   void (*property)(const Subject<D>&, Draw&);
-  Bug bug;  // that it must catch, in a pivot
+  Bug bug;  // that the property must catch, in a pivot
 };
 
 template <int D>
@@ -132,7 +132,7 @@ void testAll() {
         const std::string name =
             std::string(p.name) + " " + spec + " " + entry->info.name + " " + std::to_string(D) + "D";
         SCOPED_TRACE(name);
-        bool known = false;  // what a resolver says that it cannot, it cannot with a rod
+        bool known = false;  // a declared failure must be observed with a rod
         for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
         if (!known) {
           check(name, drawn(p, on), kRuns);

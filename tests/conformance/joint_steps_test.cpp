@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What whole steps owe to joints, for every registered kind under every solver: the symmetries of mechanics, fixed
-// bodies, and errors that go without leaving speed.
+// Duties of whole steps with joints, for every registered kind under every solver: the symmetries of mechanics, static
+// bodies, and errors that shrink without leaving speed.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -20,7 +20,7 @@ constexpr Real kTolerance = kDouble ? Real(1e-9) : Real(2e-4);
 
 const std::string kLimited = "hinge{lower=-0.1,upper=0.2}";
 
-/// What a property is given: a kind by its text, how it is made, and who steps.
+/// Input of a property: a kind by its text, how it is made, and the solver.
 template <int D>
 struct Subject {
   Spec spec;
@@ -50,13 +50,13 @@ ImpactScene<D> drawFalling(Draw& draw, const Kind<D>& kind, bool fixed, std::vec
   return s;
 }
 
-// A mirror turns rotations round: limits, motors and rests would have to be others. They are the same when it also
-// turns the frames' own z round, about which hinges turn. 2D has no frame to turn: there a hinge is the same with A and
-// B exchanged, what slides along A's x is the same when its frames look the other way, and a kind whose rows turn with
-// A is the same as it is.
+// A mirror reverses rotations, so limits, motors and rest angles would have to change. They stay the same if the mirror
+// also reverses the frames' z axes, about which hinges turn. 2D has no such axis. There, a hinge stays the same with A
+// and B exchanged. A joint that slides along A's x stays the same with its frames reversed. A kind with rows that turn
+// with A needs no change.
 enum class Image { asItIs, exchanged, turnedRound };
 
-// Its joints are made where the bodies were before the nudge.
+// Joints are created at the poses before the nudge.
 template <int D>
 ImpactScene<D> image(const ImpactScene<D>& scene, const std::vector<Pose<D>>& made, Image how) {
   auto s = scene;
@@ -76,7 +76,7 @@ ImpactScene<D> image(const ImpactScene<D>& scene, const std::vector<Pose<D>>& ma
   return s;
 }
 
-// R8
+// R8: in a mirror.
 template <int D>
 void mirrors(const Subject<D>& on, Draw& draw) {
   std::vector<Pose<D>> made;
@@ -104,13 +104,13 @@ Spec heavier(const Spec& spec, Real k) {
     try {
       entry.create(with);
       out = with;
-    } catch (const UserError&) {  // refused where it means nothing: a rod's stiffness
+    } catch (const UserError&) {  // not valid in this mode: a rod's stiffness
     }
   }
   return out;
 }
 
-// R11
+// R11: in another unit of mass.
 template <int D>
 void weighs(const Subject<D>& on, Draw& draw) {
   const auto before = drawFalling(draw, on.kind(), draw.coin());
@@ -125,7 +125,7 @@ void weighs(const Subject<D>& on, Draw& draw) {
   require<D>(error, 10 * kTolerance * before.speed(), expected, found);
 }
 
-// R13: a fixed body stays, to the last bit, and is the limit of one of 1e9 times the mass.
+// R13: a static body does not move by one bit, and is the limit of a body with 1e9 times the mass.
 template <int D>
 void heavyIsFixed(const Subject<D>& on, Draw& draw) {
   auto fixed = drawFalling(draw, on.kind(), true);
@@ -139,7 +139,7 @@ void heavyIsFixed(const Subject<D>& on, Draw& draw) {
   RC_ASSERT(expected.pose(0).p == fixed.pose(0).p && expected.motion(0).v.isZero(0) && expected.motion(0).w.isZero(0));
 }
 
-// R15: what is pulled together rests when it is. A spring's error is no error.
+// R15: joined bodies rest once the error is gone. The extension of a spring is no error.
 template <int D>
 void leavesNoSpeed(const Subject<D>& on, Draw& draw) {
   if (!rigid(asRegistered<D>(on.spec))) return;
@@ -153,9 +153,9 @@ void leavesNoSpeed(const Subject<D>& on, Draw& draw) {
 template <int D>
 struct Named {
   const char* name;
-  const char* declared;  // what solvers say in info().failures that they fail, with a pivot
+  const char* declared;  // the failure that a solver declares with a pivot
   std::function<void(const Subject<D>&, Draw&)> property;
-  JointBug bug;  // that it must catch in `of`
+  JointBug bug;  // that the property must catch in `of`
   const char* of;
 };
 
@@ -199,7 +199,7 @@ void plantedBugs() {
     const Subject<D> on{Spec::parse(p.of), wrong, *steps};
     expectFalsified(std::string(p.name) + " planted bug " + std::to_string(D) + "D", drawn(p, on), kRuns);
   }
-  // What no kind can spoil: a solver to which fixed is only heavy.
+  // A fault that does not depend on the kind: a solver in which a static body is only heavy.
   const Named<D> heavy = properties<D>()[3];
   TwinSolver<D> right(Bug::none, 10), moves(Bug::movesFixed, 10);
   check("JointStep.HeavyIsFixed twin", drawn(heavy, Subject<D>{Spec{"pivot", {}}, asRegistered<D>, right}), kRuns);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Every registered kind of joint, with the parameters that change what it does, under every solver and resolver.
+// Every registered kind of joint, with the parameters that change its behaviour, under every solver and resolver.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -14,16 +14,16 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace join
 
 constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(5e-4);  // of one solve, relative to the speeds in it
 constexpr Real kConverged = sizeof(Real) == 8 ? Real(1e-6) : Real(2e-3);
-constexpr int kRuns = 15;  // cases of each property, and of each bug that it must catch
+constexpr int kRuns = 15;  // cases of each property, and of each planted bug
 
-/// What a property is given: the kind, who solves, and the kind that it should be.
+/// Input of a property: the kind under test, the resolvers, and the correct kind.
 template <int D>
 struct Subject {
   Kind<D> kind;
   VelocityResolver<D>*normal, *patient;
   Kind<D> law;
 
-  /// What the joint owes.
+  /// The rows of the correct kind.
   JointRows<D> owed(const ImpactScene<D>& s) const {
     JointRecord<D> joint = s.joints[0];
     joint.kind = law;
@@ -31,7 +31,8 @@ struct Subject {
   }
 };
 
-// R1, R2: whatever the rows are, both bodies get them. A gear's torques are not equal: the world bears the rest.
+// R1, R2: impulses act on both bodies, whatever the rows. A gear's torques are not equal: the world takes the
+// difference.
 template <int D>
 void keepsMomenta(const Subject<D>& on, Draw& draw) {
   auto before = drawJointed(draw, on.kind);
@@ -42,7 +43,7 @@ void keepsMomenta(const Subject<D>& on, Draw& draw) {
   require<D>(change <= kTolerance * 50 * before.speed(), before, after, change);
 }
 
-// R3: at rest in itself a joint takes energy or leaves it, unless it has a motor.
+// R3: a joint without a motor adds no energy.
 template <int D>
 void addsNoEnergy(const Subject<D>& on, Draw& draw) {
   const auto before = drawJointed(draw, on.kind, draw.coin());
@@ -52,7 +53,7 @@ void addsNoEnergy(const Subject<D>& on, Draw& draw) {
   require<D>(gain <= kTolerance * 50 * (before.energy() + 1), before, after, gain);
 }
 
-// R4: a stop only pushes, a motor not more than it can.
+// R4: a stop only pushes, and a motor keeps its limit.
 template <int D>
 void keepsItsLimits(const Subject<D>& on, Draw& draw) {
   auto before = drawJointed(draw, on.kind, draw.coin());
@@ -67,7 +68,7 @@ void keepsItsLimits(const Subject<D>& on, Draw& draw) {
   }
 }
 
-// R5, R18: what may not move along a row, does not.
+// R5, R18: the velocity along a rigid row is zero.
 template <int D>
 void stopsDrifting(const Subject<D>& on, Draw& draw) {
   const auto before = drawJointed(draw, on.kind, draw.coin());
@@ -77,7 +78,7 @@ void stopsDrifting(const Subject<D>& on, Draw& draw) {
   require<D>(v <= kConverged * 100 * before.speed(), before, after, v);
 }
 
-// R6: what is solved stays as it is.
+// R6: a second solve changes nothing.
 template <int D>
 void secondSolveChangesNothing(const Subject<D>& on, Draw& draw) {
   const auto before = drawJointed(draw, on.kind, draw.coin());
@@ -89,7 +90,7 @@ void secondSolveChangesNothing(const Subject<D>& on, Draw& draw) {
   require<D>(change <= kConverged * 10 * before.speed(), once, twice, change);
 }
 
-// R7: moved, turned, driven past.
+// R7: in a moved, turned and translating frame the motion is the same.
 template <int D>
 void turnsWithTheFrame(const Subject<D>& on, Draw& draw) {
   const auto before = drawJointed(draw, on.kind);
@@ -103,7 +104,7 @@ void turnsWithTheFrame(const Subject<D>& on, Draw& draw) {
   require<D>(error <= kConverged * 20 * before.speed(), before, there, error);
 }
 
-// R13: the world is a fixed body that needs no body.
+// R13: the world acts as a static body.
 template <int D>
 void worldIsAFixedBody(const Subject<D>& on, Draw& draw) {
   auto body = drawJointed(draw, on.kind, true);
@@ -116,7 +117,7 @@ void worldIsAFixedBody(const Subject<D>& on, Draw& draw) {
   require<D>(a.motion(1).v == b.motion(1).v && a.motion(1).w == b.motion(1).w, a, b, 0);
 }
 
-// R19: what cannot move or turn, two joints in one place, both ends in one point, both at the centres of mass.
+// R19: bodies that cannot move or turn, two joints in one place, both ends in one point, both at the centres of mass.
 template <int D>
 void degenerateIsFinite(const Subject<D>& on, Draw& draw) {
   auto before = drawJointed(draw, on.kind, draw.coin());
@@ -140,7 +141,7 @@ template <int D>
 struct Named {
   const char* name;
   std::function<void(const Subject<D>&, Draw&)> property;
-  JointBug bug;    // that it must catch ...
+  JointBug bug;    // that the property must catch ...
   const char* of;  // ... in this kind
 };
 
@@ -180,7 +181,7 @@ void testAll() {
           RapidCheckDraw draw;
           p.property(on, draw);
         };
-        // What a resolver says that it cannot, it cannot with a pivot.
+        // A failure that a resolver declares must be observed with a pivot.
         const bool known = declares(*entry, {entry->info.name, {}}, p.name);
         if (!known) {
           check(name, run, kRuns);
@@ -214,7 +215,7 @@ TEST(JointConformance, EveryKind3) { testAll<3>(); }
 TEST(JointConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(JointConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
-/// A flywheel on the world: moment of inertia 2, about z, its centre of mass on the axis.
+/// A flywheel hinged to the world: moment of inertia 2, about z, its centre of mass on the axis.
 template <int D>
 struct Flywheel {
   ImpactScene<D> scene;
@@ -244,9 +245,9 @@ struct Flywheel {
 template <int D>
 using HingeProperty = bool (*)(const Kind<D>&, const std::string&);
 
-// R3 of a motor: it gives not more than its torque, and no more speed than it was told to.
+// R3 of a motor: it keeps its limits of torque and speed.
 template <int D>
-bool motorKeepsItsTorque(const Kind<D>& motor, const std::string& solver) {  // 5 rad/s by at most 4 N m
+bool motorKeepsItsTorque(const Kind<D>& motor, const std::string& solver) {  // 5 rad/s, at most 4 N m
   Flywheel<D> wheel(motor, solver, 0);
   for (int i = 1; i <= 300; ++i) {
     wheel.step();
@@ -271,7 +272,7 @@ bool countsTurns(const Kind<D>& hinge, const std::string& solver) {  // upper = 
   return std::abs(before - kTwoTurns) < 0.02;
 }
 
-// Who leaves a stop is not held.
+// A body that leaves a stop is not held.
 template <int D>
 bool letsGo(const Kind<D>& hinge, const std::string& solver) {  // lower = 0
   Flywheel<D> wheel(hinge, solver, 1);
@@ -279,7 +280,7 @@ bool letsGo(const Kind<D>& hinge, const std::string& solver) {  // lower = 0
   return std::abs(double(wheel.speed()) - 1) < 1e-4;
 }
 
-// However strong a motor is, its stop is stronger.
+// A stop holds against a motor of any strength.
 template <int D>
 bool motorStopsAtTheStop(const Kind<D>& hinge, const std::string& solver) {  // upper = 0.5, 1 rad/s
   Flywheel<D> wheel(hinge, solver, 0);
@@ -302,7 +303,7 @@ void hinges() {
     }
     EXPECT_EQ(held == 3, !declares<D>(solver, "Joint.StopHoldsAgainstItsMotor")) << solver << " " << held;
   }
-  // The ablations of what avbd and pgs_soft declare.
+  // Ablations of the failures that avbd and pgs_soft declare.
   const auto strong = kindOf<D>("hinge{upper=0.5,motor_speed=1,motor_torque=1000000}");
   EXPECT_TRUE(motorStopsAtTheStop<D>(strong, "pgs_soft{joints=rigid}"));
   EXPECT_TRUE(motorStopsAtTheStop<D>(strong, "avbd{tries=3}"));
@@ -314,17 +315,17 @@ void hinges() {
                countsTurns<D>(wrong(turns, JointBug::jumps), "split_solver"));
   expectCaught("a stop that pulls" + dimension, letsGo<D>(wrong(stop, JointBug::pulls), "split_solver"));
 }
-TEST(JointConformance, HingesTurnAsTold2) { hinges<2>(); }
-TEST(JointConformance, HingesTurnAsTold3) { hinges<3>(); }
+TEST(JointConformance, HingeMotorsAndStopsHold2) { hinges<2>(); }
+TEST(JointConformance, HingeMotorsAndStopsHold3) { hinges<3>(); }
 
-// What hinges declare: of two stops that both lie within a step only the nearer holds.
+// Hinges declare: if both stops are within reach of a step, only the nearer one holds.
 TEST(JointConformance, AHingeKeepsTheNearerStopAlone) {
   Flywheel<2> wheel(kindOf<2>("hinge{lower=-0.01,upper=0.011}"), "split_solver{position=none}", 10);
   wheel.step();
   EXPECT_GT(wheel.angle(), 0.1);
 }
 
-// The same of what slides, and of a cone, whose two sides are stops in 2D.
+// The same of prismatic joints and wheels, and of a cone: in 2D its two sides are stops.
 TEST(JointConformance, OfTwoStopsTheNearerHoldsAlone) {
   const auto solver = createStage<Solver<2>>(Spec::parse("split_solver{position=none}"));
   for (const char* kind :
@@ -337,7 +338,7 @@ TEST(JointConformance, OfTwoStopsTheNearerHoldsAlone) {
   }
 }
 
-/// Two flywheels on hinges to the world, the second driven, joined by this kind.
+/// Two flywheels hinged to the world and joined by this kind; the second is driven.
 template <int D>
 struct Geared {
   ImpactScene<D> scene;
@@ -355,9 +356,9 @@ struct Geared {
   Real turned(std::size_t i) const { return scene.joints[i].state[0]; }
 };
 
-// Ten turns of B, thirty of A, to a hundredth of a radian all the way.
+// Ten turns of B and thirty of A, in step to a hundredth of a radian.
 template <int D>
-bool turnsInRatio(const Kind<D>& gear, const std::string& solver) {  // 3
+bool turnsInRatio(const Kind<D>& gear, const std::string& solver) {  // ratio 3
   Geared<D> pair(gear, solver, "hinge{motor_speed=2,motor_torque=100}");
   for (int i = 0; i < 1900; ++i) {
     stepJoined(pair.scene, *pair.solver);
@@ -379,7 +380,7 @@ void gears() {
 TEST(JointConformance, GearsTurnInTheirRatio2) { gears<2>(); }
 TEST(JointConformance, GearsTurnInTheirRatio3) { gears<3>(); }
 
-// What gears declare: more than half a turn in a step is less than that, the other way.
+// Gears declare: more than half a turn in a step is taken for less than half a turn backwards.
 TEST(JointConformance, AGearLosesTurnsOfHalfATurnAStep) {
   const auto error = [](Real turn) {
     ImpactScene<2> s;
@@ -395,8 +396,8 @@ TEST(JointConformance, AGearLosesTurnsOfHalfATurnAStep) {
   EXPECT_NEAR(error(Real(3.2)), 0.1 - 2 * std::numbers::pi, 1e-6);
 }
 
-// Of a body that may not turn, an angular error is nobody's to mend: the others are mended all the same.
-TEST(JointConformance, WhatNobodyCanTurnStarvesNobody) {
+// An angular error of a body that cannot turn cannot be corrected. The other errors must still be corrected.
+TEST(JointConformance, UncorrectableErrorsDoNotBlockOthers) {
   const auto solver = createStage<Solver<2>>(Spec::parse("split_solver{position=nonlinear}"));
   ImpactScene<2> s;
   s.add(1, Ang<2>::Zero(), {});
@@ -408,7 +409,7 @@ TEST(JointConformance, WhatNobodyCanTurnStarvesNobody) {
   EXPECT_GT(s.manifolds[0].points[0].separation, -0.01);
 }
 
-/// Errors in m and rad after two seconds, over those at the beginning (where there was one).
+/// Errors (m, rad) after two seconds, relative to the initial ones (where there was one).
 template <int D>
 JointError errorAfter(const Kind<D>& kind, const std::string& text, Real apart) {
   const auto solver = createStage<Solver<D>>(Spec::parse(text));
@@ -420,7 +421,7 @@ JointError errorAfter(const Kind<D>& kind, const std::string& text, Real apart) 
   j.X_CaJ.p = Vec<D>::Unit(0) / 2, j.X_CbJ.p = -Vec<D>::Unit(0) / 2;
   try {
     kind->begin(j, s.pose(0), s.pose(1));
-  } catch (const UserError&) {  // two ends
+  } catch (const UserError&) {  // a kind with two ends
     j.X_CbJ.p.setZero();
     kind->begin(j, s.pose(0), s.pose(1));
   }
@@ -434,7 +435,7 @@ JointError errorAfter(const Kind<D>& kind, const std::string& text, Real apart) 
   return {share(after.linear, before.linear), share(after.angular, before.angular)};
 }
 
-// R16: metres and radians.
+// R16: errors in metres and radians shrink.
 template <int D>
 void errorsShrink() {
   for (const std::string& kind : everyKind<D>()) {

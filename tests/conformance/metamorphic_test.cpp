@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What must not matter to a pair query, by two of its own answers: the images are what they are said to be, ours pass,
-// and for each relation there is a bug that it catches.
+// Relations between two answers of one pair query. The images of a pair must be what they claim, our methods must
+// satisfy each relation, and each relation must catch a planted bug.
 #include "oracles/verify/metamorphic.h"
 
 #include <gtest/gtest.h>
@@ -31,8 +31,8 @@ void forKinds(int dimension, ShapeKind last, const F& f) {
 }
 constexpr auto kLastKind = static_cast<ShapeKind>(kShapeKinds - 1);
 
-// The referee has no method's faults: its interval of the image must be that of the pair, in the image's unit. So a
-// wrong image, and not a wrong method, is what this would find.
+// The referee has no method's faults: its interval for the image must be that for the pair, in the image's unit. So
+// this test finds a wrong image, not a wrong method.
 template <int D>
 std::string imageFault(const RelatedPairs<D>& pairs) {
   const PairTruth<D> before = pairTruth(pairs.before.view()), after = pairTruth(pairs.after.view());
@@ -78,8 +78,8 @@ TEST(Metamorphic, WrongImagesAreSeen) {
   }
 }
 
-// To the last bit: what is exact in its numbers is no matter of tolerance.
-TEST(Metamorphic, MirroredTwiceIsThePair) {
+// To the last bit: the mirror rounds nothing, so no tolerance is needed.
+TEST(Metamorphic, MirroringTwiceRestoresThePair) {
   const HardPair<3> pair = hardPair<3>(ShapeKind::polytope, ShapeKind::polytope, 11, 2);
   for (std::uint64_t choice = 0; choice < 20; ++choice) {
     HardPair<3> image = pair;
@@ -108,7 +108,7 @@ void oursPass() {
       EXPECT_EQ(key.axis, kRelationAxis);
       EXPECT_EQ(faultsOfOurs(key, entry), 0) << key.method << ' ' << key.value << ' ' << key.kindA << ' ' << key.kindB
                                              << ": " << entry[Tally::wrong] << " violated, by " << entry.maxError;
-      // No rounding knows the unit of length, but single precision, whose small numbers end sooner.
+      // Rounding does not depend on the unit of length, except in single precision, which underflows sooner.
       const bool isScale = sizeof(Real) == 8 && key.value == kRelationNames[static_cast<std::size_t>(Relation::scale)];
       EXPECT_TRUE(!isScale || entry[Tally::tie] == 0) << key.method << ' ' << key.kindA << ' ' << key.kindB;
       asked[key.value] += entry[Tally::asked];
@@ -138,7 +138,7 @@ template <int D>
 class Right final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>&, PairMemory*) override {}
 };
-/// Another order of the points, and there is no answer.
+/// Planted bug: no answer for some orders of the vertices.
 template <int D>
 class RefusesSomeOrders final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -169,7 +169,7 @@ void bugsAreCaught() {
 TEST(Metamorphic, PlantedBugsAreCaught2) { bugsAreCaught<2>(); }
 TEST(Metamorphic, PlantedBugsAreCaught3) {
   bugsAreCaught<3>();
-  // In 2D the hull is sorted: no query sees what it was made of.
+  // In 2D the hull is sorted: queries do not see the original order of its points.
   isCaught<3, EverySecondVertex<3>>("every second vertex", Relation::extraVertices);
   const LedgerEntry entry = violations<3, RefusesSomeOrders<3>>(Relation::extraVertices);
   EXPECT_GT(entry[Tally::notFinite], 0);

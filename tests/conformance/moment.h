@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Contacts as a cache sees them: those of a moment ago, and where the bodies are now.
+// Contacts as input of a cache: those of a moment ago, and the present poses of the bodies.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// A ground and two bodies on it, one of two parts, and where they are a moment later: against each other by anything
-/// from nothing to a decimetre, all together anywhere.
+/// A ground, two bodies on it (one composite), and their poses a moment later. Relative motion is from zero to a
+/// decimetre; the whole scene moves anywhere.
 template <int D>
 struct Moment {
   std::vector<ShapeRecord<D>> shapes;

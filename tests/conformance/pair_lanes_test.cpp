@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Many pairs at once, by each instruction set that this processor has, against the same pairs one after the other: the
-// same bits, and the same work. And the lanes must answer most pairs themselves, or they would be proved of nothing.
+// Many pairs at once, with each instruction set of this processor, give the same bits and the same work as the pairs
+// one after the other. The lanes must answer most pairs themselves; otherwise the test would prove nothing about them.
 #include "algorithms/pair_query/lanes/pair_lanes.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using Kinds = std::pair<ShapeKind, ShapeKind>;
 constexpr Kinds kOfLanes[] = {
     {ShapeKind::sphere, ShapeKind::sphere}, {ShapeKind::capsule, ShapeKind::capsule}, {ShapeKind::box, ShapeKind::box}};
 
-// Shapes and views of pairs of two kinds: hard ones, and from every eighth one that no formula likes.
+// Shapes and views of pairs of two kinds: hard ones, and every eighth degenerate for any formula.
 class PairPool {
  public:
   PairPool(Kinds kinds, int count) {
@@ -54,7 +54,7 @@ bool sameBits(const PairAnswer<3>& a, const PairAnswer<3>& b) {
   return all;
 }
 
-// Batches of 1, 2, 3 and so on, as many as there are pairs. How many pairs differ, of the batch's work as well.
+// Batches of 1, 2, 3 and so on, as many as the pairs allow. Returns how many pairs or batch counts of work differ.
 int differences(PairQuery<3>& many, PairQuery<3>& one, std::span<const PairView<3>> pairs, QueryNeed need) {
   int out = 0;
   std::vector<PairAnswer<3>> answers, wanted;
@@ -111,7 +111,8 @@ TEST(PairLanes, AnswerMostPairs) {
       }
       std::printf("%s by %s: %d of %zu\n", std::string(shapeKindName(kinds.first)).c_str(), hwy::TargetName(target),
                   answered, pool.views().size());
-      // Of the worst that there are a third; none where there is a lane alone, or where a wider one is not compiled.
+      // At least a third, on the hardest pairs. No answers where the target has one lane, or where a wider one is not
+      // compiled.
       if (target == HWY_AVX2 || target == HWY_SSE4 || target == HWY_NEON) {
         EXPECT_GT(3 * answered, static_cast<int>(pool.views().size()));
       }
@@ -119,8 +120,8 @@ TEST(PairLanes, AnswerMostPairs) {
   }
 }
 
-// Of batches that lanes would have taken, one pair each: its last bit is off, as by a fused multiply-add; or it has
-// the answer of its neighbour, as by a lane that is stored one off; or its work is not counted.
+// Planted bugs, each in one pair of a batch that lanes would answer. Either the last bit differs, as by a fused
+// multiply-add. Or the answer is the neighbour's, as by a lane stored one off. Or the work is not counted.
 class Spoiled final : public PairQuery<3> {
  public:
   enum Way { lastBit, neighbour, uncounted };

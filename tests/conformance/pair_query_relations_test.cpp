@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Every competing pair query on two or three pairs whose distances are related: a shape and a larger one, its halves,
-// the same shape as another kind or in another dimension. No other method need be right.
+// Every competing pair query on two or three pairs with related distances: a shape and a larger one, its halves, the
+// same shape as another kind or in another dimension. No second method needs to be right.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair
 
 using namespace wrong_queries;
 
-constexpr int kRuns = 400;  // cases of each property, and of each bug that it must catch
+constexpr int kRuns = 400;  // cases of each property, and of each planted bug
 
 template <int D>
 double distanceOf(PairQuery<D>& method, const Asked<D>& pair) {
@@ -23,7 +23,7 @@ double distanceOf(PairQuery<D>& method, const Asked<D>& pair) {
   return static_cast<double>(answer.distance);
 }
 
-/// A property of which nothing is left when single precision takes a sliver for flat as its hull is built anew.
+/// Skips cases in which single precision rounds a thin hull to a flat one when the property builds it anew.
 template <class Property>
 void unlessFlat(const Property& property) {
   try {
@@ -33,7 +33,7 @@ void unlessFlat(const Property& property) {
   }
 }
 
-/// A drawn pair that the method takes, or none.
+/// A drawn pair that the method supports, if any.
 template <int D>
 std::optional<Asked<D>> drawAsked(const PairQuery<D>& method) {
   const auto c = *shapePairs<D>();
@@ -70,7 +70,7 @@ Shape<D> larger(const Shape<D>& shape, Draw& draw) {
   return Shape<D>::polytope(std::span<const Vec<D>>(points), v.radius + rounding);
 }
 
-// N12
+// N12: a larger shape is not farther away.
 template <int D>
 void supersetIsNearer(PairQuery<D>& method) {
   const auto pair = drawAsked<D>(method);
@@ -85,10 +85,10 @@ void supersetIsNearer(PairQuery<D>& method) {
 template <int D>
 struct Half {
   Shape<D> shape;
-  Pose<D> X_WhH;  // of the half in the whole
+  Pose<D> X_WhH;  // pose of the half in the whole
 };
 
-/// Two shapes whose union it is, where there is a simple way.
+/// Two shapes with `shape` as their union; empty for kinds that are not easily cut.
 template <int D>
 std::vector<Half<D>> halvesOf(const Shape<D>& shape, Draw& draw) {
   const ShapeView<D>& v = shape.view();
@@ -125,8 +125,8 @@ std::vector<Half<D>> halvesOf(const Shape<D>& shape, Draw& draw) {
   return out;
 }
 
-// N13: of shapes whose cores lie apart the distance is that of the nearer half; a core that is penetrated is deeper
-// than its halves, one of which at least is penetrated.
+// N13: if the cores are apart, the distance is that of the nearer half. A penetrated core is deeper than its halves,
+// and at least one half is penetrated.
 template <int D>
 void nearerHalfDecides(PairQuery<D>& method) {
   const auto pair = drawAsked<D>(method);
@@ -146,7 +146,7 @@ void nearerHalfDecides(PairQuery<D>& method) {
   if (phi < -radii - T) RC_ASSERT(nearest <= -radii + T);
 }
 
-// N14: the same box as a hull.
+// N14: a box and its hull have the same distance.
 template <int D>
 void boxIsItsHull(PairQuery<D>& method) {
   const auto pair = drawAsked<D>(method);
@@ -188,10 +188,10 @@ void polygonNearsItsCircle(PairQuery<2>& method) {
   RC_ASSERT(more <= r * (1 - std::cos(pi / n)) + T);
 }
 
-/// Drawn out along z by `h` to both sides; nothing for kinds whose prism is no shape of ours.
+/// The shape extruded along z by `h` to both sides; none for kinds without a supported prism.
 struct Prism {
   Shape<3> shape;
-  Pose<3> X_SP;  // of the prism in the frame whose x and y are the flat shape's
+  Pose<3> X_SP;  // of the prism, in a frame with the x and y axes of the 2D shape
 };
 std::optional<Prism> prismOf(const Shape<2>& flat, Real h) {
   const ShapeView<2>& v = flat.view();
@@ -209,7 +209,7 @@ std::optional<Prism> prismOf(const Shape<2>& flat, Real h) {
         for (const Real z : {-h, h}) points.push_back({p[0], p[1], z});
       }
       const Shape<3> prism = Shape<3>::polytope(points, v.radius);
-      // In single precision the hull of a knife that is thinner than rounding loses corners: it is no prism.
+      // In single precision, a hull thinner than rounding loses corners and is no prism.
       if (sizeof(Real) == 4 && prism.view().hull->vertices.size() < points.size()) return std::nullopt;
       return Prism{prism, X};
     }
@@ -218,7 +218,7 @@ std::optional<Prism> prismOf(const Shape<2>& flat, Real h) {
   }
 }
 
-// N18: prisms as high as the pair is wide, so that the way out along z is never the shortest.
+// N18: prisms higher than the pair is wide, so that the shortest way out is never along z.
 void prismsAreFlat(PairQuery<2>& flat, PairQuery<3>& solid) {
   const auto pair = drawAsked<2>(flat);
   if (!pair) return;
@@ -248,8 +248,8 @@ std::vector<Named<D>> properties() {
   return list;
 }
 
-// What an approximate method declares must fail; there is nothing here that others may. Ties, in which alone some of it
-// shows, are seldom drawn: ten times as many cases.
+// A failure that an approximate method declares must be observed; exact methods may not declare one here. Some show in
+// ties only, which are rarely drawn: ten times as many cases.
 void checkOrDeclared(const AlgorithmInfo& info, const std::string& property, const std::string& dimension,
                      const Property& holds) {
   const bool declared =
@@ -277,7 +277,7 @@ TEST(PairQueryRelations, ThreeDimensions) { everyMethod<3>(); }
 
 TEST(PairQueryRelations, PrismsAreFlat) {
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 2)) {
-    if (r->info.role != AlgorithmRole::competitor) continue;  // witnesses in 2D are prisms themselves
+    if (r->info.role != AlgorithmRole::competitor) continue;  // witnesses in 2D use prisms themselves
     const auto flat = createStage<PairQuery<2>>(Spec{r->info.name, {}});
     const auto solid = createStage<PairQuery<3>>(Spec{r->info.name == "closed_form" ? "sat" : r->info.name, {}});
     checkOrDeclared(r->info, "N18 prisms", "", [&] { unlessFlat([&] { prismsAreFlat(*flat, *solid); }); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Every competing pair query on generated pairs: it must satisfy every property. An approximate one names those that it
-// does not have in info().failures, and must fail each.
+// Every competing pair query must satisfy every property on generated pairs. An approximate one declares in
+// info().failures the properties that it lacks, and must fail each of them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct Method {
   std::unique_ptr<PairQuery<D>> query;
 };
 
-// As they are, and with each other value of each choice.
+// Competitors with their defaults, and with each other value of each choice.
 template <int D>
 std::vector<Method<D>> methods(AlgorithmRole role) {
   std::vector<Method<D>> out;
@@ -48,7 +48,7 @@ Asked<D> asked(const ShapePairCase<D>& c) {
   return {c.a, c.b, c.X_AB()};
 }
 
-constexpr int kRuns = 2000;  // cases of the properties, and of each bug that one of them must catch
+constexpr int kRuns = 2000;  // cases of each property, and of each planted bug
 
 /// All properties, or the one with that name.
 template <int D>
@@ -66,7 +66,7 @@ auto holdsFor(PairQuery<D>& query, const std::string& only = "") {
   };
 }
 
-// What nobody is excused from: the side, a normal, and no claim that this normal does not prove.
+// Properties that every method must have: the right side, a normal, and no distance that the normal does not prove.
 bool isOwedByAll(const std::string& property) {
   return property == "N8 certificate" || property == "N9 boolean" || property == "N10 always a normal";
 }
@@ -112,7 +112,7 @@ void properties() {
 TEST(PairQuery, Properties2) { properties<2>(); }
 TEST(PairQuery, Properties3) { properties<3>(); }
 
-// Each property alone sees the bug that was planted for it.
+// Each property alone catches the bug planted for it.
 template <int D>
 void bugsAreCaught() {
   std::map<std::string, std::unique_ptr<PairQuery<D>>> twins;
@@ -139,14 +139,14 @@ void bugsAreCaught() {
     ASSERT_TRUE(twins.contains(property.name)) << property.name << " has no planted bug";
     caught(property.name, "", *twins[property.name]);
   }
-  NoEdgeAxes<D> noEdges;  // the 2009 engine's mistake; without edges in 2D it is none
+  NoEdgeAxes<D> noEdges;  // the fault of the 2009 engine; in 2D there are no edge axes
   if (D == 3) caught("N5 depth is minimal", "no edge axes, ", noEdges);
 }
 TEST(PairQuery, PlantedBugs2) { bugsAreCaught<2>(); }
 TEST(PairQuery, PlantedBugs3) { bugsAreCaught<3>(); }
 
-// Each method's answer against the best bound that any of them proves: no two may differ, and none may be wrong. An
-// approximate one may prove less, on the right side.
+// Each method's answer against the best bound proved by any of them: all exact answers must equal it. An approximate
+// method may prove less, on the right side.
 template <int D>
 void agreement() {
   const auto all = methods<D>(AlgorithmRole::competitor);
@@ -182,7 +182,7 @@ void agreement() {
 TEST(PairQuery, Agreement2) { agreement<2>(); }
 TEST(PairQuery, Agreement3) { agreement<3>(); }
 
-// N17: running into the cap is a status, not a silent answer, and the work until then is bounded and counted.
+// N17: reaching a limit is reported as a status. The work until then is bounded and counted.
 int answersWithStatusOfLimit(PairQuery<3>& method) {
   PlainDraw draw(5);
   int limited = 0;
@@ -195,7 +195,7 @@ int answersWithStatusOfLimit(PairQuery<3>& method) {
   }
   return limited;
 }
-TEST(PairQuery, CapIsAStatus) {
+TEST(PairQuery, ReachingALimitIsAStatus) {
   const auto capped = createStage<PairQuery<3>>(Spec::parse("gjk_epa{iterations=1,faces=8}"));
   EXPECT_GT(answersWithStatusOfLimit(*capped), 100);
   SilentLimit<3> silent(*capped);
@@ -203,15 +203,15 @@ TEST(PairQuery, CapIsAStatus) {
   recordPlantedBug("N17: silent limit", 1, 200);
 }
 
-// Support points and axes for hulls that pass by each other, a hundredth of their size and 0.01 rad a step: without
-// memory, and with what is left of it after `keep`.
+// Support points and axes for hulls that pass each other, a hundredth of their size and 0.01 rad a step: without
+// memory, and with the memory that `keep` leaves.
 struct Searched {
   double cold = 0, warm = 0, queries = 0;
 };
 double searched(const WorkDone& work) {
   return static_cast<double>(work[WorkCount::supportCalls] + work[WorkCount::axisTests]);
 }
-// Of an approximate method the distance is a bound, which may be another one when it began elsewhere: it owes the side.
+// The distance of an approximate method is a bound that may depend on the start of the search: only its side must stay.
 template <int D>
 Searched passingBy(const Method<D>& asked, QueryNeed need, const std::function<void(PairMemory&)>& keep) {
   PlainDraw draw(seedOf("pairs that pass by"));
@@ -258,8 +258,8 @@ void memorySaves() {
       const Searched kept = passingBy<D>(m, need, [](PairMemory&) {});
       std::printf("%dD %s, %s: %.0f support points and axes cold, %.0f warm\n", D, m.name.c_str(), text, kept.cold,
                   kept.warm);
-      // gjk_epa needs less than half; sat, which is left with few axes when cold, half, and asked for the side two or
-      // three directions anyway, hardly a search that could be saved.
+      // gjk_epa needs less than half; sat, which tests few axes without memory, half. For the side alone, sat needs two
+      // or three directions anyway, so memory saves little.
       const auto allowed = [](const Searched& s) { return (s.cold < 3 * s.queries ? 0.97 : 2. / 3) * s.cold; };
       EXPECT_LT(kept.warm, allowed(kept)) << m.name;
       const Searched wiped = passingBy<D>(m, need, [](PairMemory& memory) { memory = {}; });
@@ -272,8 +272,8 @@ void memorySaves() {
 }
 TEST(PairQuery, MemorySavesSupportPoints) { memorySaves<2>(), memorySaves<3>(); }
 
-// The part of hulls that are apart whose features, asked about once more, are at once the nearest: one step, and one or
-// two directions that prove it.
+// The share of separated hulls where a repeated query ends at once at the remembered features: one step, and one or two
+// directions that prove it.
 double arrived(const char* spec) {
   const auto method = createStage<PairQuery<3>>(Spec::parse(spec));
   PlainDraw draw(seedOf("hulls apart"));
@@ -293,7 +293,7 @@ double arrived(const char* spec) {
   EXPECT_GT(apart, 500);
   return few / apart;
 }
-// Right answers alone do not tell whether v_clip walks: where it does not arrive, separating axes give them.
+// Right answers alone do not show that v_clip walks: where its walk fails, separating axes give the answer.
 TEST(PairQuery, VClipWalks) {
   const double walked = arrived("v_clip"), gaveUp = arrived("v_clip{iterations=1}");
   std::printf("v_clip arrives on %.2f %%, on %.1f %% when it gives up at once\n", 100 * walked, 100 * gaveUp);
@@ -302,8 +302,8 @@ TEST(PairQuery, VClipWalks) {
   recordPlantedBug("v_clip gives up at once", 1, 1);
 }
 
-// Beyond the end of an edge, in the plane of a flat hull: no face is above it, though the edge's own line is. Also when
-// memory says that the side there was the nearest feature.
+// A point beyond the end of an edge, in the plane of a flat hull: above no face, but beside the line of the edge. Also
+// when memory names a wrong feature as the nearest.
 TEST(PairQuery, APointBesideATriangleInItsPlane) {
   const std::vector<Vec<3>> corners = {{-10, 0, 0}, {10, 0, 0}, {0, 1, 0}};
   const Shape<3> triangle = Shape<3>::ofCorners(ShapeKind::triangle, corners);
@@ -314,7 +314,7 @@ TEST(PairQuery, APointBesideATriangleInItsPlane) {
     if (m.info->guarantee != Guarantee::exact || !m.query->supports(ShapeKind::sphere, ShapeKind::triangle)) continue;
     for (int turn = 0; turn < 400; ++turn) {
       const Rot<3> q = turn == 0 ? Rot<3>{} : drawRotation<3>(draw);
-      // B's corners lie around its own origin: the ball is at (-11, 3, 0) of them.
+      // In the frame of B's corners the ball is at (-11, 3, 0).
       const PairView<3> view{point.view(), triangle.view(), Pose<3>{q * Vec<3>(11, -3, 0), q}};
       PairMemory memory;
       if (turn % 2) {

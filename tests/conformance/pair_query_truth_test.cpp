@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Every competing pair query against the referee, on pairs from all families: the error measure of all accuracy claims.
+// Every competing pair query against the referee, on pairs of all families: the error measure of all accuracy claims.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,11 +17,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_query_truth_test {
 
-// |phi - phi_ref| / s, and how much less than phi_ref the separation along the returned normal is.
+// |phi - phi_ref| / s, and by how much the separation along the returned normal is less than phi_ref.
 constexpr double kBound = sizeof(Real) == 8 ? 1e-12 : 1e-5;
 
 struct Tally {
-  std::vector<double> errors;  // of distance and of normal, the larger one
+  std::vector<double> errors;  // the larger error of distance and normal
   int wrongSigns = 0, unanswered = 0;
   std::string worst;
 
@@ -36,12 +36,12 @@ struct JudgedPair {
   double s = 0;
 };
 
-// The methods are asked with X_AB: the referee judges that very input, not the world poses it was rounded from.
+// Methods are queried with X_AB. The referee judges that same input, not the world poses that were rounded to it.
 template <int D>
 std::vector<JudgedPair<D>> judgedPairs(int count) {
   PlainDraw draw(17);
   std::vector<JudgedPair<D>> out;
-  int refused = 0;  // slivers that are flat in single precision: the hull says so
+  int refused = 0;  // slivers that are flat in single precision: the hull refuses them
   while (static_cast<int>(out.size()) < count) {
     JudgedPair<D> p;
     try {
@@ -59,8 +59,8 @@ std::vector<JudgedPair<D>> judgedPairs(int count) {
   return out;
 }
 
-// `errors` comes out sorted. Of an approximate method they are what it claims beyond the truth, or beyond the
-// separation along its own normal; the side is judged as everybody's.
+// `errors` is sorted. For an approximate method, an error is the excess of its distance over the truth, or over the
+// separation along its own normal. The side is judged for every method.
 template <int D>
 Tally against(PairQuery<D>& method, QueryNeed need, const std::vector<JudgedPair<D>>& pairs,
               Guarantee guarantee = Guarantee::exact) {
@@ -78,7 +78,7 @@ Tally against(PairQuery<D>& method, QueryNeed need, const std::vector<JudgedPair
     }
     const Interval phi = p.truth.interval();
     if ((distance < 0) != (phi.lo < 0) && std::abs(phi.middle()) > kBound * p.s) ++tally.wrongSigns;
-    double error = 0;  // of a boolean there is only the sign
+    double error = 0;  // a boolean query has only a sign
     if (need != QueryNeed::boolean) {
       const Vecd<D> n = answer.normal.template cast<double>();
       const bool unit = std::abs(n.norm() - 1) <= static_cast<double>(kUnitTolerance);
@@ -125,8 +125,8 @@ void competitorsAgree() {
 TEST(PairQueryTruth, CompetitorsAgreeWithTheReferee2) { competitorsAgree<2>(); }
 TEST(PairQueryTruth, CompetitorsAgreeWithTheReferee3) { competitorsAgree<3>(); }
 
-// In f32 a box and a far larger hull that overlap by some roundings of its size: to GJK the origin is outside, EPA's
-// needles end at a depth that is a third too large, and only the edges at contact tell it.
+// In f32, a box and a far larger hull that overlap by some roundings of the hull's size. GJK places the origin outside,
+// and EPA's thin triangles end at a depth a third too large; only the edges at the contact give the right depth.
 TEST(PairQueryTruth, RoundingDoesNotDecideTheSide) {
   const HardPair<3> c = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 7001, 13658);
   const auto truth = referee(c.a.view(), Pose<3>{}, c.b.view(), c.X_AB);
@@ -138,7 +138,7 @@ TEST(PairQueryTruth, RoundingDoesNotDecideTheSide) {
   EXPECT_LE(truth.interval().distanceTo(static_cast<double>(answer.distance)), kBound / 10 * s);
 }
 
-// Wrong twins around a right method: each must be seen within the ordinary number of pairs.
+// Planted bugs around a right method: each must be found within the usual number of pairs.
 template <int D>
 class Spoiled final : public PairQuery<D> {
  public:
@@ -153,7 +153,7 @@ class Spoiled final : public PairQuery<D> {
       if (m_way == flippedNormal) answer.normal = -answer.normal;
       if (m_way == missedTouch && answer.distance < 0 && answer.distance > Real(-0.01)) answer.distance = Real(0.01);
       if (m_way == neverAnswers && answer.distance == 0) answer.status = QueryStatus::failed;
-      if (m_way == halfTheDigits) {  // as if the lower precision had slipped in
+      if (m_way == halfTheDigits) {  // as if computed in a lower precision
         int exponent = 0;
         const Real kept = std::ldexp(Real(1), std::numeric_limits<Real>::digits / 2);
         const Real mantissa = std::round(std::frexp(answer.distance, &exponent) * kept) / kept;
@@ -190,8 +190,8 @@ TEST(PairQueryTruth, SpoiledMethodsAreSeen) {
 
 // --- N21: the same numbers in both precisions -----------------------------------------------------------------------
 
-// Sizes, points, positions and turns that float holds exactly, so that both builds are asked the very same question and
-// differ by no more than their bounds against the referee together.
+// Sizes, points, positions and rotations that float holds exactly. Both builds then answer the same query, and differ
+// by no more than the sum of their bounds against the referee.
 template <int D>
 class FloatPairs {
  public:
@@ -223,7 +223,7 @@ class FloatPairs {
       for (int k = 0; k < D; ++k) half[k] = number(0.1, 1);
       return Shape<D>::box(half, m_draw.coin() ? number(0.01, 0.1) : Real(0));
     }
-    std::vector<Vec<D>> points;  // on both sides of each axis, so that they have volume, turned as chance will have it
+    std::vector<Vec<D>> points;  // on both sides of each axis, so that they span a volume, turned at random
     for (int k = 0; k < 2 * D; ++k) {
       Vec<D> p;
       for (int d = 0; d < D; ++d) p[d] = number(-0.3, 0.3);
@@ -232,7 +232,7 @@ class FloatPairs {
     }
     return Shape<D>::polytope(std::span<const Vec<D>>(points));
   }
-  // All components are 0, 1 or a half.
+  // All components are 0, 1 or 1/2.
   Rot<D> turn() {
     const int k = m_draw.below(D == 2 ? 4 : 12);
     m_numbers << k << ' ';

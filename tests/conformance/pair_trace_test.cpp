@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a query shows of its steps is what it does: the same answer and the same work, step by step without a gap.
+// The trace of a query shows the steps that it takes: the same answer and the same work, without a missing step.
 #include "framework/stage/pair_trace.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair
 template <int D>
 struct Asked {
   PairAnswer<D> answer;
-  WorkDone work, ofSearch;  // the latter without that for witnesses, which no step shows
+  WorkDone work, ofSearch;  // the latter without the work for closest points, which no step shows
 };
 
 template <int D>
@@ -49,7 +49,7 @@ Real scaleOf(const PairView<D>& pair) {
   return std::max({pair.a.half.maxCoeff(), pair.b.half.maxCoeff(), pair.X_AB.p.cwiseAbs().maxCoeff()});
 }
 
-// How far the shape reaches along d, its rounding left out; of a hull by a look at all vertices.
+// The extent of the core along d, by a search of all vertices of a hull.
 template <int D>
 Real reach(const ShapeView<D>& shape, const Vec<D>& d) {
   if (!shape.hull) return coreSupport(shape, d).dot(d);
@@ -58,13 +58,13 @@ Real reach(const ShapeView<D>& shape, const Vec<D>& d) {
   return most;
 }
 
-// Is what a step asks answered rightly? Empty: yes.
+// Checks the support points and the bound of a step. Empty: no fault.
 template <int D>
 std::string stepFault(const PairView<D>& pair, const TraceStep<D>& step) {
   const Real rounding = 64 * kEps * scaleOf(pair);
   const Vec<D>& n = step.direction;
   const Vec<D> back = pair.X_AB.q.inverse() * Vec<D>(-n);
-  // It may be a column of X_AB's matrix: of the product of two rotations.
+  // The direction may be a column of X_AB's matrix, so of the product of two rotations.
   if (!(std::abs(n.norm() - 1) <= 32 * kEps)) return "a direction is not unit";
   if (!(step.supportA.dot(n) >= reach(pair.a, n) - rounding)) return "a point of A is not the farthest";
   const Vec<D> onB = pair.X_AB.q.inverse() * Vec<D>(step.supportB - pair.X_AB.p);
@@ -87,14 +87,14 @@ std::string stepFault(const PairView<D>& pair, const TraceStep<D>& step) {
   return "";
 }
 
-// A curved core has last steps that are not shown one by one.
+// The last steps on a curved core are not shown one by one.
 template <int D>
 bool isCounted(const PairView<D>& pair) {
   return pair.a.core() != CoreClass::curved && pair.b.core() != CoreClass::curved;
 }
 
-// How many times the rounding of its corners the nearest point of a simplex is off by: the normal of a thin triangle
-// leans by their rounding over its height, over its length.
+// The error of a simplex's nearest point, in roundings of its corners. The normal of a thin triangle tilts by its
+// corners' rounding over its height, times its length.
 template <int D>
 Real thinness(const std::vector<Vec<D>>& corners) {
   if (D == 2 || corners.size() != 3) return 1;
@@ -104,8 +104,8 @@ Real thinness(const std::vector<Vec<D>>& corners) {
   return 1 + longest2 / (u.norm() * height.norm());
 }
 
-// What is wrong with the trace of this pair. `counted`: each support call and each axis is a step, but where axes are
-// tried to mend what support points found.
+// Faults in the trace of a pair. `counted`: each support call and each axis is a step, except axes that refine the
+// result of support points.
 template <int D>
 std::string fault(const PairTrace<D>& trace, const Asked<D>& asked, bool counted) {
   const PairView<D>& pair = trace.pair;
@@ -156,7 +156,7 @@ std::string fault(const PairTrace<D>& trace, const Asked<D>& asked, bool counted
   return "";
 }
 
-// All pairs of kinds, some of each, that the query traces: f(pair, query).
+// Calls f(pair, query) for some pairs of each two kinds that the query traces.
 template <int D, class F>
 void forPairs(const char* query, int count, F f) {
   const auto method = createStage<PairQuery<D>>(Spec::parse(query));
@@ -189,7 +189,7 @@ constexpr const char* kQueries[] = {"gjk_epa",
 template <int D>
 void holdTraces() {
   for (const std::string query : kQueries) {
-    // In single precision these two take a wrong nearest point, as gjk_epa says of itself (`failures`).
+    // In single precision these two choose a wrong nearest point, as gjk_epa declares in `failures`.
     const bool fails = query.find("johnson") != query.npos || query.find("volumes") != query.npos;
     if (fails && sizeof(Real) == 4) continue;
     int pairs = 0, longest = 0;
@@ -215,10 +215,10 @@ void holdTraces() {
     EXPECT_EQ(kinds[TraceKind::expansion] > 0, !ofAxes);
   }
 }
-TEST(PairTrace, IsWhatTheQueryDoes2) { holdTraces<2>(); }
-TEST(PairTrace, IsWhatTheQueryDoes3) { holdTraces<3>(); }
+TEST(PairTrace, EqualsTheQuery2) { holdTraces<2>(); }
+TEST(PairTrace, EqualsTheQuery3) { holdTraces<3>(); }
 
-// Every one of the spoiled traces is seen, not just some.
+// Every spoiled trace must be caught, not just some.
 template <int D, class Bug>
 void catchEach(const char* query, Bug bug) {
   int spoiled = 0, seen = 0;
@@ -251,7 +251,7 @@ std::string refusal(const char* query, const Shape<2>& a, const Shape<2>& b) {
   }
   return "";
 }
-TEST(PairTrace, WhoCannotSaysWhoCan) {
+TEST(PairTrace, UntracedMethodsNameTracedOnes) {
   const Shape<2> box = Shape<2>::box({1, 1}), ball = Shape<2>::sphere(1), plane = Shape<2>::plane();
   EXPECT_EQ(refusal("mpr", box, box), "'mpr' shows no steps with box against box; valid: by_kind, gjk_epa, sat");
   EXPECT_EQ(refusal("by_kind", ball, ball), "'by_kind' shows no steps with sphere against sphere; valid: gjk_epa, sat");
@@ -269,8 +269,8 @@ TEST(PairTrace, AnyOrderOfKinds) {
   EXPECT_EQ(describe(one), describe(other));
 }
 
-TEST(PairTrace, ThePageShowsWhatIsSaid) {
-  if (sizeof(Real) == 4) return;  // other digits
+TEST(PairTrace, ThePageShowsTheTrace) {
+  if (sizeof(Real) == 4) return;  // different digits
   std::ifstream in(LPC_SOURCE_DIR "/docs/pair_queries.md");
   const std::string page((std::istreambuf_iterator<char>(in)), {});
   const Shape<2> a = Shape<2>::box({0.5, 0.5}), b = Shape<2>::box({0.5, 0.25});
@@ -281,7 +281,7 @@ TEST(PairTrace, ThePageShowsWhatIsSaid) {
   }
 }
 
-// What is drawn, as it was drawn.
+// The drawing shows the trace as recorded.
 template <int D>
 struct Drawn final : DebugDraw<D> {
   std::vector<Vec<D>> points;
@@ -316,7 +316,7 @@ void drawAllSteps() {
         drawTrace(trace, i, apart);
         drawTraceOnShapes(trace, i, X_WA, onShapes);
         EXPECT_TRUE(allFinite(apart) && allFinite(onShapes)) << family;
-        EXPECT_GE(apart.lines.size(), static_cast<std::size_t>(D));  // the cross in the origin
+        EXPECT_GE(apart.lines.size(), static_cast<std::size_t>(D));  // the cross at the origin
         for (const Vec<D>& w : step.corners) EXPECT_TRUE(apart.has(w));
         for (const auto& face : step.faces) {
           const auto corner = [&](std::size_t k) { return step.corners[static_cast<std::size_t>(face[k])]; };
@@ -330,7 +330,7 @@ void drawAllSteps() {
           for (const Vec<D>& v : step.featureB) EXPECT_TRUE(onShapes.has(X_WA * v));
         }
         if (!step.nearest) continue;
-        // The two points whose difference is the nearest one.
+        // The nearest point is the difference of these two points.
         ++nearest;
         const Real owed = rounding * thinness(step.corners);
         const auto isIt = [&](const auto& line) { return (line.second - line.first - *step.nearest).norm() <= owed; };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Every position resolver inside split_solver, and every solver that has none, away from gravity: errors shrink, no
-// speed is left behind (R15), nothing fixed moves. What info().failures names must be seen to fail.
+// Every position resolver inside split_solver, and every solver without one, without gravity: errors shrink, no speed
+// remains (R15), static bodies stay. A failure that info().failures declares must be observed.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -14,7 +14,7 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace position_test {
 
 constexpr int kSteps = 60;
-constexpr Real kRounding = sizeof(Real) == 8 ? Real(1e-13) : Real(1e-4);  // kg m^2/s, of some 10
+constexpr Real kRounding = sizeof(Real) == 8 ? Real(1e-13) : Real(1e-4);  // kg m^2/s, of about 10
 
 // Two resting bodies that overlap in one point.
 template <int D>
@@ -42,7 +42,7 @@ void errorShrinks(const Step<D>& step, Draw& draw) {
   const auto before = overlap<D>(draw, draw.coin());
   auto after = before;
   for (int i = 0; i < kSteps; ++i) step(after);
-  // Down to the slop, and not thrown apart either: bodies may not gain more than the depth that there was.
+  // The depth shrinks to the slop, without throwing the bodies apart: they separate by no more than the initial depth.
   const Real depth = -after.manifolds[0].points[0].separation;
   require<D>(depth <= kLinearSlop * Real(1.1), before, after, depth);
 }
@@ -61,19 +61,19 @@ void endsInTouch(const Step<D>& step, Draw& draw) {
   auto after = before;
   for (int i = 0; i < kSteps; ++i) step(after);
   const Real gap = after.manifolds[0].points[0].separation;
-  require<D>(gap <= std::numeric_limits<Real>::epsilon(), before, after, gap);  // but for the rounding of places
+  require<D>(gap <= std::numeric_limits<Real>::epsilon(), before, after, gap);  // but for the rounding of positions
 }
 
 template <int D>
 void turnsPinnedBodies(const Step<D>& step, Draw& draw) {
   auto before = overlap<D>(draw, false);
   for (std::size_t i = 0; i < 2; ++i) before.bodies.pinned[i] = 1, before.bodies.invMass[i] = 0;
-  // An arm that can turn out of the contact: not along the normal.
+  // An arm along the normal could not turn out of the contact.
   const Manifold<D>& m = before.manifolds[0];
   const Vec<D> r = before.pose(1).q * m.points[0].localB;
   RC_PRE((r - r.dot(m.normal) * m.normal).norm() > 6 * deepest(before));
   auto after = before;
-  for (int i = 0; i < kSteps / 3; ++i) step(after);  // Baumgarte's bodies go on turning, and come round again
+  for (int i = 0; i < kSteps / 3; ++i) step(after);  // Baumgarte's bodies keep turning
   require<D>(deepest(after) < Real(0.6) * deepest(before), before, after, deepest(after));
   require<D>(after.pose(0).p == before.pose(0).p && after.pose(1).p == before.pose(1).p, before, after, 0);
 }
@@ -102,7 +102,7 @@ void jointErrorShrinks(const Step<D>& step, Draw& draw) {
   require<D>(error < Real(0.002), before, after, error);
 }
 
-// Who moves bodies while they fly past each other moves what their momenta turn about.
+// A correction that moves translating bodies also moves the points about which their momenta act.
 template <int D>
 void keepsAngularMomentum(const Step<D>& step, Draw& draw) {
   auto before = overlap<D>(draw, false);
@@ -129,13 +129,13 @@ std::vector<Named<D>> properties() {
           {"JointError.Shrinks", jointErrorShrinks<D>}};
 }
 
-constexpr int kRuns = 40;  // cases of each property, and of each bug that it must catch
+constexpr int kRuns = 40;  // cases of each property, and of each planted bug
 
 template <int D>
 void testAll() {
   int subjects = 0;
   for (const std::string& spec : everySolver<D>()) {
-    // Every position resolver, and every solver that has its own way.
+    // Every position resolver, and every solver without one.
     if (spec.starts_with("split_solver") && spec.find("{position=") == spec.npos) continue;
     ++subjects;
     const auto solver = createStage<Solver<D>>(Spec::parse(spec));
@@ -156,7 +156,7 @@ void testAll() {
   ASSERT_GE(subjects, 6);
 }
 
-// Twins run alone, without a velocity resolver.
+// Planted resolvers run alone, without a velocity resolver.
 template <int D>
 Step<D> alone(PositionResolver<D>& twin) {
   return [&twin](ImpactScene<D>& s) {
@@ -168,7 +168,7 @@ Step<D> alone(PositionResolver<D>& twin) {
   };
 }
 
-// Resolvers alone: what a whole step does to momenta, solver_test.cpp asks.
+// Resolvers alone; solver_test.cpp checks the momenta of whole steps.
 template <int D>
 void momentaStay() {
   for (const Registered* entry : Registry::instance().list(StageKind::position, D)) {
@@ -207,8 +207,8 @@ void plantedBugs() {
   caught("joint shrinks, wrong sign", jointErrorShrinks<D>, wrongSign);
   caught("fixed stays, wrong body", fixedBodiesStay<D>, wrongBody);
   caught("pinned turns, wrong body", turnsPinnedBodies<D>, wrongBody);
-  // Velocity left behind is what Baumgarte does, and changed angular momentum what all do that move bodies: they are
-  // the planted bugs of these properties, declared by the methods themselves.
+  // Baumgarte leaves velocity, and all methods that move bodies change angular momentum. The methods declare these
+  // failures, which serve as the planted bugs of these properties.
 }
 
 TEST(PositionConformance, EveryResolver2) { testAll<2>(); }
@@ -218,8 +218,7 @@ TEST(PositionConformance, MomentaStay3) { momentaStay<3>(); }
 TEST(PositionConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(PositionConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
-// What `factor` says: that share of the depth beyond the slop goes in a step, where one contact pushes through both
-// centres.
+// `factor` is the share of the depth beyond the slop that a step removes, for one contact through both centres.
 template <int D>
 double depthAfterAStep(const std::string& position, double factor, double depth) {
   ImpactScene<D> s;
@@ -239,10 +238,10 @@ void removesItsShare() {
           << position << " " << factor;
     }
   }
-  // Planted bug: the share of all the depth, slop and all.
+  // Planted bug: the share of the whole depth, including the slop.
   EXPECT_GT(std::abs(depthAfterAStep<D>("linear", 0.5, kDepth) - 0.5 * kDepth), 0.1 * kSlop);
 }
-TEST(PositionConformance, FactorIsTheShareThatGoes) { removesItsShare<2>(), removesItsShare<3>(); }
+TEST(PositionConformance, FactorIsTheShareRemoved) { removesItsShare<2>(), removesItsShare<3>(); }
 
 TEST(PositionConformance, NonlinearsSearchesAgree) {
   const auto scan = createStage<Solver<3>>(Spec::parse("split_solver{position=nonlinear{search=scan}}"));

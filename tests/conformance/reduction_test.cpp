@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Which four of many contact points are kept: what every rule must do, what each promises of the area, and how the
-// rules compare.
+// Selection of four contact points out of many: the duties of every rule, the area that each rule guarantees, and a
+// comparison of the rules.
 #include "algorithms/contacts/patch/reduction.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace redu
 
 using namespace contacts;
 
-constexpr Real kAlike = Real(1e-4);  // depths that differ by less are alike (m)
+constexpr Real kAlike = Real(1e-4);  // depths that differ by less count as equal (m)
 
 struct NamedRule {
   std::string name;
@@ -31,7 +31,7 @@ const std::vector<NamedRule>& rules() {
   return all;
 }
 
-// Corners of a flat, convex face somewhere in space, in one case of four with a few points inside.
+// Corners of a flat, convex face at a random place; in one case of four with a few points inside.
 struct FlatPatch {
   Vec<3> n, t1, t2;
   bool level = false;  // all are equally deep
@@ -64,7 +64,7 @@ FlatPatch drawPatch(Draw& draw) {
   const int shift = draw.below(corners + inside);
   for (int i = 0; i < corners + inside; ++i) {
     const Real angle = Real(6.283185307179586) * (Real(i) + Real(0.8) * draw.real(0, 1)) / Real(corners);
-    const Real size = i < corners ? Real(1) : draw.real(0, 0.3);  // the smallest polygon has a larger inner circle
+    const Real size = i < corners ? Real(1) : draw.real(0, 0.3);  // the smallest polygon has a larger inscribed circle
     const Real x = size * a * std::cos(angle), y = size * b * std::sin(angle);
     const Vec<2> p(std::cos(turned) * x - std::sin(turned) * y, std::sin(turned) * x + std::cos(turned) * y);
     const Real separation = slope * (std::cos(towards) * p[0] + std::sin(towards) * p[1]);
@@ -75,7 +75,7 @@ FlatPatch drawPatch(Draw& draw) {
   return c;
 }
 
-// Of the convex hull, by monotone chains (m^2).
+// Area of the convex hull, by monotone chains (m^2).
 Real hullArea(std::vector<Vec<2>> points) {
   const auto less = [](const Vec<2>& p, const Vec<2>& q) { return p[0] < q[0] || (p[0] == q[0] && p[1] < q[1]); };
   std::sort(points.begin(), points.end(), less);
@@ -105,8 +105,8 @@ Real deepestAmong(const std::vector<PatchPoint<3>>& points) {
 
 // --- properties ------------------------------------------------------------------------------------------------------
 
-// One to four of the given points as they were, by their features, one of the deepest among them; and the same whatever
-// the order in which they come.
+// One to four of the given points, unchanged, identified by their features, one of the deepest among them; independent
+// of the order of the input.
 void keepsFourOfThem(const NamedRule& rule) {
   const auto c = *Gen(drawPatch);
   auto kept = c.points, other = c.points;
@@ -128,7 +128,7 @@ void keepsFourOfThem(const NamedRule& rule) {
   for (std::size_t i = 0; i < kept.size(); ++i) RC_ASSERT(other[i].feature == kept[i].feature);
 }
 
-// Four points and fewer are left as they are.
+// Four points and fewer are all kept, in order.
 void leavesFour(const NamedRule& rule) {
   const auto c = *Gen(drawPatch);
   std::vector<PatchPoint<3>> few(c.points.begin(), c.points.begin() + static_cast<int>(1 + drawIndex(4)));
@@ -138,7 +138,7 @@ void leavesFour(const NamedRule& rule) {
   for (std::size_t i = 0; i < few.size(); ++i) RC_ASSERT(few[i].feature == before[i].feature);
 }
 
-// Besides `share` of the area, what points narrower than the tolerance would have spanned may be lost.
+// Beyond `share` of the area, points narrower than the tolerance may be lost.
 void keepsShare(const NamedRule& rule, Real share, bool levelOnly) {
   const auto c = *Gen(drawPatch);
   if (levelOnly && !c.level) return;
@@ -152,7 +152,7 @@ void keepsShare(const NamedRule& rule, Real share, bool levelOnly) {
   RC_ASSERT(left >= share * whole - 4 * kAlike * longest);
 }
 
-// A quarter by proof, 1/2 where both ends are free, each less what ties are left for: see reduction.h.
+// A quarter by proof, 1/2 where both ends are free, each less the margin for ties: see reduction.h.
 const Real kTies = std::pow(kClearGain, Real(-1.5)) - Real(0.01);
 
 // --- planted rules ---------------------------------------------------------------------------------------------------
@@ -184,7 +184,7 @@ const NamedRule kAsTheyCome{"the first four", [](const Vec<3>&, std::vector<Patc
 const NamedRule kAlways{"drops the last of four", [](const Vec<3>&, std::vector<PatchPoint<3>>& points) {
                           if (points.size() > 3) points.pop_back();
                         }};
-// Far from the middle is not far from each other.
+// Far from the middle does not mean far from each other.
 const NamedRule kFarFromMiddle{"far from the middle", [](const Vec<3>& n, std::vector<PatchPoint<3>>& points) {
                                  Vec<3> middle = Vec<3>::Zero();
                                  for (const auto& p : points) middle += p.p2 / Real(points.size());
@@ -192,7 +192,7 @@ const NamedRule kFarFromMiddle{"far from the middle", [](const Vec<3>& n, std::v
                                  points.resize(4, points[0]);
                                }};
 
-TEST(Reduction, EveryRuleKeepsFourOfThem) {
+TEST(Reduction, EveryRuleKeepsFourPoints) {
   for (const NamedRule& rule : rules()) {
     check(
         "keeps four of them " + rule.name, [&] { keepsFourOfThem(rule); }, 1000);
@@ -222,8 +222,8 @@ TEST(Reduction, AreaIsKept) {
 
 // --- a table ---------------------------------------------------------------------------------------------------------
 
-// The part of the patch's breadth on which a weight would tip it, though all of the points together carry it there: the
-// largest over all directions (1).
+// The share of the patch's breadth on which a weight would tip the kept points, although all points together carry it:
+// the largest over all directions (1).
 Real lostLever(const std::vector<Vec<2>>& all, const std::vector<Vec<2>>& kept) {
   constexpr int kDirections = 64;
   const auto reach = [](const std::vector<Vec<2>>& points, const Vec<2>& u) {
@@ -240,7 +240,7 @@ Real lostLever(const std::vector<Vec<2>>& all, const std::vector<Vec<2>>& kept) 
   return lost;
 }
 
-// The four that span most, by trying all.
+// The four points of largest area, by trying all.
 NamedRule best() {
   return {"(best four)", [](const Vec<3>& n, std::vector<PatchPoint<3>>& points) {
             FlatPatch c;
@@ -264,8 +264,8 @@ NamedRule best() {
           }};
 }
 
-// Of the points of faces that slide and turn on each other by a millimetre and a milliradian in a step, with a tilt
-// that jitters by a microradian: the part that was not there in the step before.
+// The share of new contact points per step, for faces that slide by a millimetre and turn by a milliradian a step, with
+// a tilt that jitters by a microradian.
 Real churn(const std::string& reduction) {
   constexpr int kScenes = 60, kSteps = 40;
   const auto generator = createStage<ContactGenerator<3>>(Spec::parse("sat_clip{reduction=" + reduction + "}"));
@@ -296,8 +296,8 @@ Real churn(const std::string& reduction) {
   return Real(fresh) / Real(asked);
 }
 
-// No four points span more than the best, and these span 2/pi of any convex figure at least (Sas, 1939): the measure is
-// checked by it. The numbers are for people.
+// No four points span more than the best, and those span at least 2/pi of any convex figure (Sas, 1939): this checks
+// the measure of area. The printed numbers are not tested.
 TEST(Reduction, RulesCompared) {
   const int patches = caseCount(1000);
   auto compared = rules();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The sequential resolvers have kernels of their own for contacts. Here are the same methods written over rows, as
-// joints have them, with nothing shared but the rows: the impulses must be equal to rounding.
+// The sequential resolvers have specialised kernels for contacts. This file writes the same methods over rows, as
+// joints have them, sharing nothing but the rows. The impulses must be equal up to rounding.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct NoCorrection final : PositionResolver<D> {
   Real bias(Real separation, Real dt) const override { return -separation / (8 * dt); }
 };
 
-/// One contact's rows and what has accumulated on them.
+/// One contact's rows and their accumulated impulses.
 template <int D>
 struct RowContact {
   int a, b;
@@ -27,7 +27,7 @@ struct RowContact {
   std::array<Real, D> impulse{};
 };
 
-/// Velocities, and what impulses do to them.
+/// Velocities, and the effect of impulses on them.
 template <int D>
 struct RowProblem {
   Bodies<D> bodies;
@@ -74,8 +74,8 @@ struct RowProblem {
     const Real least = normal.open() ? -normal.error / dt : position.bias(normal.error, dt);
     return std::max(least, normal.bounce);
   }
-  /// Sliding is ended, or as far as the cone allows: first the exact answer, else a step down the gradient and back
-  /// onto the cone.
+  /// Friction: stops sliding, or as far as the cone allows. First the exact solution; if it is outside, a gradient step
+  /// and a projection onto the cone.
   void rub(RowContact<D>& c) {
     if (c.row[1].absent()) return;
     RealMatrix<D - 1, D - 1> k;
@@ -114,7 +114,7 @@ void accumulated(RowProblem<D>& p, const VelocityInput<D>& in, int iterations) {
   }
 }
 
-// What bounces is decided with the velocity of now by the two that do not accumulate.
+// The two methods that do not accumulate decide restitution with the current velocity.
 template <int D>
 Real wantedNow(RowProblem<D>& p, const VelocityInput<D>& in, std::size_t k) {
   ConstraintRow<D> normal = p.contacts[k].row[0];
@@ -126,7 +126,7 @@ Real wantedNow(RowProblem<D>& p, const VelocityInput<D>& in, std::size_t k) {
   return p.target(normal, in.dt) - v;
 }
 
-// 2009: each contact once, friction of what it has just pushed.
+// 2009: each contact once, then friction of the impulse just applied.
 template <int D>
 void pushedOnce(RowProblem<D>& p, const VelocityInput<D>& in, int) {
   for (std::size_t k = 0; k < p.contacts.size(); ++k) {
@@ -139,7 +139,7 @@ void pushedOnce(RowProblem<D>& p, const VelocityInput<D>& in, int) {
   }
 }
 
-// Millington 2007: the worst first, normal and tangents as one block, on the edge of the cone where they slide.
+// Millington 2007: the worst contact first, normal and tangents as one block; if it slides, on the edge of the cone.
 template <int D>
 void worstFirst(RowProblem<D>& p, const VelocityInput<D>& in, int factor) {
   for (std::size_t turn = 0; turn < static_cast<std::size_t>(factor) * p.contacts.size(); ++turn) {
@@ -173,8 +173,8 @@ void worstFirst(RowProblem<D>& p, const VelocityInput<D>& in, int factor) {
   }
 }
 
-// Catto 2024 over rows that keep their directions: sub-steps that begin with the impulses of the one before, make
-// overlap a damped spring, move, and take the spring's velocity out again; restitution at the end.
+// Catto 2024 over rows with constant directions. Each sub-step starts with the impulses of the previous one, treats
+// overlap as a damped spring, moves the bodies, and removes the spring's velocity. Restitution comes at the end.
 template <int D>
 void softly(RowProblem<D>& p, const VelocityInput<D>& in, int substeps) {
   constexpr Real kHertz = 30, kDampingRatio = 10, kPushSpeed = 3;  // the defaults of soft_step
@@ -196,7 +196,7 @@ void softly(RowProblem<D>& p, const VelocityInput<D>& in, int substeps) {
     Real v = p.speed(c, 0) + (s > 0 ? s / h : Real(0)), softness = 0;
     if (springs && !(s > 0)) {
       const Real hertz = std::min(kHertz, Real(0.25) / h) * (massOf(c.a) > 0 && massOf(c.b) > 0 ? Real(1) : Real(2));
-      // Stiffness and damping of an oscillator of the row's own mass, taken at the end of the sub-step.
+      // Stiffness and damping of an oscillator with the row's own mass, implicit over the sub-step.
       const Real omega = Real(6.283185307179586) * hertz;
       const Real stiffness = omega * omega / response, damping = 2 * kDampingRatio * omega / response;
       v += std::max(s * stiffness / (damping + h * stiffness), -kPushSpeed);
@@ -233,7 +233,7 @@ void softly(RowProblem<D>& p, const VelocityInput<D>& in, int substeps) {
       if (c.impulse[0] < old) p.rub(c);
     }
   }
-  for (RowContact<D>& c : p.contacts) {  // as of a whole step
+  for (RowContact<D>& c : p.contacts) {  // scaled to a whole step
     for (Real& impulse : c.impulse) impulse *= static_cast<Real>(substeps);
   }
 }
@@ -241,7 +241,7 @@ void softly(RowProblem<D>& p, const VelocityInput<D>& in, int substeps) {
 template <int D>
 using Method = void (*)(RowProblem<D>&, const VelocityInput<D>&, int);
 
-// The planted bug: a cone that is one per cent too wide.
+// The planted bug: a cone one per cent too wide.
 template <int D, Method<D> right>
 void wideCone(RowProblem<D>& p, const VelocityInput<D>& in, int iterations) {
   for (RowContact<D>& c : p.contacts) c.row[1].friction *= Real(1.01);
@@ -303,8 +303,8 @@ void everyKernel() {
                   equal(velocity("catto{iterations=7}"), wideCone<D, accumulated<D>>, 7), 200);
   expectFalsified("sub-steps with a wide cone" + dimension, equal(soft(), wideCone<D, softly<D>>, 3), 200);
 }
-TEST(Rows, ContactKernelsAreEqualToThem2) { everyKernel<2>(); }
-TEST(Rows, ContactKernelsAreEqualToThem3) { everyKernel<3>(); }
+TEST(Rows, ContactKernelsEqualRows2) { everyKernel<2>(); }
+TEST(Rows, ContactKernelsEqualRows3) { everyKernel<3>(); }
 
 }  // namespace rows_test
 }}}  // namespace lpc::LPC_PRECISION::test

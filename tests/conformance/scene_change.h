@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The same scene as somebody else sees it: who stands elsewhere, drives past, looks into a mirror, or weighs in other
-// units. Physics does not tell them apart; an algorithm that does has something absolute in it.
+// The same scene for another observer: displaced, moving past, in a mirror, or with another unit of mass. Physics is
+// invariant; an algorithm that is not contains something absolute.
 #pragma once
 
 #include "tests/check_property.h"
@@ -8,21 +8,21 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Fails the property, and shows both scenes, where the error between them is over the limit.
+/// Fails the property and shows both scenes if the error exceeds the limit.
 template <int D>
 void require(Real error, Real limit, const ImpactScene<D>& expected, const ImpactScene<D>& found) {
   if (!(error <= limit)) RC_LOG() << "error " << error << "\nexpected\n" << expected << "found\n" << found;
   RC_ASSERT(error <= limit);
 }
 
-/// The same, of what holds or not; `value` is what was compared.
+/// The same for a condition; `value` is the compared quantity.
 template <int D>
 void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
   if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
   RC_ASSERT(holds);
 }
 
-/// Seen from a frame in which the old one has pose X, moving with -boost (m/s, old axes). Fixed bodies then move, too.
+/// Seen from a frame in which the old one has pose X, moving with -boost (m/s, old axes). Static bodies then move, too.
 template <int D>
 ImpactScene<D> moved(ImpactScene<D> s, const Pose<D>& X, const Vec<D>& boost) {
   for (std::size_t i = 0; i < s.bodies.pose.size(); ++i) {
@@ -34,7 +34,7 @@ ImpactScene<D> moved(ImpactScene<D> s, const Pose<D>& X, const Vec<D>& boost) {
     if (s.bodies.type[i] == BodyType::fixed && !boost.isZero(0)) s.bodies.type[i] = BodyType::kinematic;
   }
   for (Manifold<D>& m : s.manifolds) m.normal = X.q * m.normal;
-  for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot, whose rows lie along the world's axes
+  for (JointRecord<D>& j : s.joints) {  // of a cold joint, or a pivot: its rows lie along the world's axes
     for (auto* kept : {&j.impulse, &j.memory}) {
       Eigen::Map<Vec<D>> rows(kept->data());
       rows = (X.q * Vec<D>(rows)).eval();
@@ -63,7 +63,7 @@ ImpactScene<D> mirrored(ImpactScene<D> s) {
     mirror(m.normal);
     for (ContactPoint<D>& c : m.points) mirror(c.localA), mirror(c.localB);
   }
-  for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot
+  for (JointRecord<D>& j : s.joints) {  // of a cold joint, or a pivot
     for (Pose<D>* X : {&j.X_CaJ, &j.X_CbJ}) mirror(X->p), mirror(X->q);
     j.impulse[0] = -j.impulse[0];
   }
@@ -82,8 +82,8 @@ ImpactScene<D> heavier(ImpactScene<D> s, Real k) {
   return s;
 }
 
-/// Differences of place (m), attitude, speed (m/s) and angular speed (rad/s), summed over the bodies from `first` on:
-/// NaN stays NaN.
+/// Differences of position (m), attitude, speed (m/s) and angular speed (rad/s), summed over the bodies from `first`
+/// on. NaN stays NaN.
 template <int D>
 Real difference(const ImpactScene<D>& a, const ImpactScene<D>& b, int first = 0) {
   Real d = 0;

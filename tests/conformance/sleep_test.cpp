@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Every registered sleep policy, in both dimensions, on hand-made inputs. What a policy says in info().failures that it
-// fails, it must be seen to fail.
+// Every registered sleep policy, in both dimensions, on hand-made inputs. A failure that info().failures declares must
+// be observed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void conform() {
 TEST(Sleep, EveryPolicy2) { conform<2>(); }
 TEST(Sleep, EveryPolicy3) { conform<3>(); }
 
-// Each duty is broken by a twin that lacks just what it asks for.
+// For each duty, a planted policy that lacks just this duty must fail.
 template <int D>
 void twinsFail() {
   AveragesOnly<D> dreamer;
@@ -56,7 +56,7 @@ void twinsFail() {
   EXPECT_FALSE(pendulumSleeps<D>(wall));
   CountsSteps<D> steps;
   EXPECT_FALSE(sleepsBySeconds<D>(steps));
-  // Of the book's method alone: what the report had to repair, and what the house asks besides.
+  // The book's method alone fails the duties that the report had to add, and further ones that LPC requires.
   BookAlone<D> book;
   EXPECT_FALSE(staysAwakeInFlight<D>(book));
   EXPECT_FALSE(wakesWhenSupportGoes<D>(book));
@@ -70,15 +70,15 @@ void twinsFail() {
   IslandOfTheGround<D> everybody;
   EXPECT_FALSE(othersMaySleep<D>(everybody));
   EXPECT_FALSE(gentleTouchWakesNobody<D>(everybody));
-  // And what no policy of ours can do is possible.
+  // A planted policy has the properties that no policy of ours has, so they are possible.
   CountsSeconds<D> seconds;
   EXPECT_TRUE(slowSliderStaysAwake<D>(seconds) && sleepsBySeconds<D>(seconds) && pendulumSleeps<D>(seconds));
   EXPECT_TRUE(slowRollerStaysAwake<D>(seconds));
 }
 TEST(Sleep, PlantedBugsAreCaught) { twinsFail<2>(), twinsFail<3>(); }
 
-// What is looked at to wake a pile of n is counted: the event, each contact for it, and each again in each round of
-// those that pass it on, from the ground that the user moves or the sledge that slides away below.
+// The visits needed to wake a pile of n are counted: the event, each contact for it, and each contact again in each
+// round that passes it on. The cause is a ground that the user moves, or a sledge that slides away below.
 template <int D>
 std::uint64_t visitsOfWaking(SleepPolicy<D>& policy, int n, bool sledge) {
   Stage<D> s;
@@ -101,13 +101,13 @@ void wakesAreCounted() {
   for (const char* policy : {"split_average", "millington"}) {
     for (const int n : {1, 4, 20}) {
       const auto each = static_cast<std::uint64_t>(n);
-      // By blows a level a round, and one that finds nobody; by slides up and down the pile, and once more.
+      // Blows: one level a round, and a last round that finds none. Slides: up and down the pile, and once more.
       EXPECT_EQ(visitsOfWaking<D>(*make<D>(policy), n, false), 1 + each + each * each) << policy << ' ' << n;
       EXPECT_EQ(visitsOfWaking<D>(*make<D>(policy), n, true), (n > 1 ? 4 : 2) * each) << policy << ' ' << n;
     }
   }
 }
-TEST(Sleep, WhoWakesWhomIsCounted) { wakesAreCounted<2>(), wakesAreCounted<3>(); }
+TEST(Sleep, VisitsOfWakingAreCounted) { wakesAreCounted<2>(), wakesAreCounted<3>(); }
 
 // --- split_average --------------------------------------------------------------------------------------------------
 
@@ -126,12 +126,12 @@ void times() {
   // b^n * 2 < 1 for b = 0.9: n = 7.
   s = resting<D>(ground, body);
   EXPECT_EQ(splitAverageSleeps<D>(s, body, "split_average{bias=0.9}"), 7);
-  // However fast it was, the average is at most ten thresholds: 10 / 2^n < 1 for n = 4.
+  // From any speed, the average is at most ten thresholds: 10 / 2^n < 1 for n = 4.
   s = resting<D>(ground, body);
   EXPECT_EQ(splitAverageSleeps<D>(s, body, "split_average",
                                   [&](int step) { s.motion(body).v[0] = step <= 10 ? Real(1000) : Real(0); }),
             14);
-  // Each threshold by itself.
+  // Each threshold alone.
   s = resting<D>(ground, body);
   EXPECT_EQ(splitAverageSleeps<D>(s, body, "split_average", [&](int) { s.motion(body).w[0] = Real(0.011); }), -1);
   s = resting<D>(ground, body);
@@ -145,14 +145,14 @@ TEST(SplitAverage, TimeToSleep) { times<2>(), times<3>(); }
 
 template <int D>
 void supports() {
-  {  // a pile sleeps from the ground up to its top in the same step, whatever the order of slots
+  {  // a pile falls asleep from the ground to its top in one step, in any order of slots
     Stage<D> s;
     const int top = s.add(BodyType::dynamic), middle = s.add(BodyType::dynamic), ground = s.add(BodyType::fixed);
     s.touch(top, middle, -Vec<D>::Unit(1)), s.touch(middle, ground, -Vec<D>::Unit(1));
     EXPECT_EQ(splitAverageSleeps<D>(s, top), 2);
     EXPECT_FALSE(s.awake(middle));
   }
-  {  // near is not carried
+  {  // a body near a support is not carried
     Stage<D> s;
     const int ground = s.add(BodyType::fixed), body = s.add(BodyType::dynamic);
     s.touch(ground, body, Vec<D>::Unit(1), Real(0.015));
@@ -164,14 +164,14 @@ void supports() {
     s.manifolds[0].ignored = 1;
     EXPECT_EQ(splitAverageSleeps<D>(s, body), -1);
   }
-  {  // without gravity any touch will do
+  {  // without gravity any touch suffices
     Stage<D> s;
     s.gravity.setZero();
     const int wall = s.add(BodyType::fixed), body = s.add(BodyType::dynamic);
     s.touch(wall, body, Vec<D>::Unit(0));
     EXPECT_EQ(splitAverageSleeps<D>(s, body), 2);
   }
-  {  // nobody sleeps on a moving platform, and one that starts takes its sleepers along
+  {  // no sleep on a moving platform; a platform that starts wakes the bodies on it
     Stage<D> s;
     const int platform = s.add(BodyType::kinematic), body = s.add(BodyType::dynamic);
     s.stack(platform, body);
@@ -182,7 +182,7 @@ void supports() {
     EXPECT_EQ(splitAverageSleeps<D>(s, body), -1);
   }
 }
-TEST(SplitAverage, SleepsOnlyWhereCarried) { supports<2>(), supports<3>(); }
+TEST(SplitAverage, SleepsOnlyOnASupport) { supports<2>(), supports<3>(); }
 
 template <int D>
 void joints() {
@@ -213,7 +213,7 @@ void gentle() {
     s.touch(ball, struck, Vec<D>::Unit(0)), s.touch(struck, behind, Vec<D>::Unit(0));
     s.stack(ground, struck), s.stack(ground, behind);
     const auto policy = make<D>("split_average");
-    s.motion(ball).v = Real(0.19) * Vec<D>::Unit(0);  // slower than what bounces
+    s.motion(ball).v = Real(0.19) * Vec<D>::Unit(0);  // slower than the restitution threshold
     s.decide(*policy);
     EXPECT_FALSE(s.awake(struck));
     s.motion(ball).v = Real(0.3) * Vec<D>::Unit(0);
@@ -222,9 +222,9 @@ void gentle() {
     EXPECT_EQ(s.awake(behind), mass > Real(0.5)) << "a pea wakes whom it hits and nobody behind";
   }
 }
-TEST(SplitAverage, BlowsWakeAsFarAsTheyReach) { gentle<2>(), gentle<3>(); }
+TEST(SplitAverage, ImpactsWakeAsFarAsTheyReach) { gentle<2>(), gentle<3>(); }
 
-// Who slides below a sleeper wakes him and what stands on him; beside him and above him he does not.
+// A body that slides below a sleeper wakes it and the bodies on it. A body beside or above it does not.
 template <int D>
 void slides() {
   const auto woken = [](const std::string& spec, const auto& build) {
@@ -232,7 +232,7 @@ void slides() {
     const int mover = s.add(BodyType::dynamic), sleeper = s.add(BodyType::dynamic, false);
     const int above = s.add(BodyType::dynamic, false), beside = s.add(BodyType::dynamic, false);
     const int top = s.add(BodyType::dynamic, false);
-    // The upper contacts first: an order that a single walk would not find.
+    // The upper contacts first: in this order a single pass would not suffice.
     s.stack(above, top), s.stack(sleeper, above), s.touch(sleeper, beside, Vec<D>::Unit(0));
     build(s, mover, sleeper);
     s.decide(*make<D>(spec));
@@ -262,14 +262,14 @@ void slides() {
     EXPECT_FALSE(woken(name, [](Stage<D>& s, int mover, int sleeper) {
       s.stack(mover, sleeper), s.manifolds.back().ignored = 1, s.motion(mover).v = Vec<D>::Unit(0);
     })) << "vetoed";
-    // A roller: its top goes twice as fast as its middle; a shape that is half a metre high turns by 0.2 rad/s.
+    // A roller: its top moves twice as fast as its middle. A shape of half a metre turns at 0.2 rad/s.
     EXPECT_TRUE(woken(name, [](Stage<D>& s, int mover, int sleeper) {
       s.stack(mover, sleeper), s.manifolds.back().points[0].localA = Real(0.5) * Vec<D>::Unit(1);
       s.motion(mover).w[kAngDim<D> - 1] = Real(0.2);
     })) << "turning";
   }
 }
-TEST(SplitAverage, WakesWhatStandsOnWhatSlides) { slides<2>(), slides<3>(); }
+TEST(SplitAverage, SlidingSupportsWakeTheBodiesOnThem) { slides<2>(), slides<3>(); }
 
 // --- millington -----------------------------------------------------------------------------------------------------
 
@@ -284,11 +284,11 @@ void bookTimes() {
   EXPECT_NEAR(steps(s, "millington"), 60, 1);
   s = resting<D>(ground, body);
   EXPECT_NEAR(steps(s, "millington{bias=0.9}"), 60 * 6.578813, 1);
-  // However fast it was, the average is at most ten thresholds: 10 b^t < 1 after 3.32 s.
+  // From any speed, the average is at most ten thresholds: 10 b^t < 1 after 3.32 s.
   s = resting<D>(ground, body);
   EXPECT_NEAR(steps(s, "millington", [&](int step) { s.motion(body).v[0] = step <= 10 ? Real(1000) : Real(0); }),
               10 + 60 * 3.321928, 1);
-  // The squares of both speeds count alike, and together.
+  // The squares of both speeds are added with equal weight.
   for (const auto& [v, w, sleeps] : {std::tuple(0.54, 0.0, true),
                                      {0.0, 0.54, true},
                                      {0.56, 0.0, false},
@@ -317,7 +317,7 @@ void timers() {
   EXPECT_EQ(steps(s, "timer_island{time=2}"), 120);
   s = resting<D>(ground, body);
   EXPECT_EQ(steps(s, "timer_island{time=0}"), 1);
-  // One fast step, and it waits anew.
+  // One fast step restarts the timer.
   s = resting<D>(ground, body);
   EXPECT_EQ(steps(s, "timer_island", [&](int step) { s.motion(body).v[0] = step == 29 ? Real(0.06) : Real(0); }), 59);
   for (const auto& [v, w, sleeps] : {std::tuple(0.049, 0.034, true), {0.051, 0.0, false}, {0.0, 0.036, false}}) {
@@ -331,8 +331,7 @@ void timers() {
 }
 TEST(TimerIsland, TimeToSleep) { timers<2>(), timers<3>(); }
 
-// Two stacks on one ground are two islands; what touches or is jointed is one, and the ground and a lift at rest are
-// no bridge.
+// Two stacks on one ground are two islands. Contacts and joints connect; the ground and a lift at rest do not.
 template <int D>
 void islands() {
   for (const bool bridged : {false, true}) {
@@ -361,8 +360,8 @@ void islands() {
 }
 TEST(TimerIsland, SleepsAndWakesAsAWhole) { islands<2>(), islands<3>(); }
 
-// Two bodies that are jointed to each other fall, and need somebody who holds one of them: a floor, the world, a pin,
-// or that nothing draws them. A wall beside them, a vetoed floor and one that is only near do not.
+// Two bodies jointed to each other only are falling. To sleep, one of them needs a support: a floor, the world, a pin,
+// or no gravity on both. A wall, a vetoed floor and a floor that is only near do not count.
 template <int D>
 void hanging() {
   using Change = std::function<void(Stage<D>&, int ground, int body)>;

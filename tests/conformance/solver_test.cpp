@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Every registered solver, and split_solver with every part exchanged, through whole steps without a world.
+// Every registered solver, and split_solver with each part exchanged, through whole steps without a world.
 #include <gtest/gtest.h>
 
 #include "tests/check_property.h"
@@ -20,20 +20,20 @@ void keepsLinearMomentum(const Step<D>& step, Draw& draw) {
   require<D>(error <= (kDouble ? Real(1e-9) : Real(5e-3)) * before.speed(), before, after, error);
 }
 
-// In a plane only: an Euler step of a turning body in space does not keep it anyway (see FreeTop).
+// In 2D only: in 3D an Euler step of a turning body does not conserve it (see FreeTop).
 template <int D>
 void keepsAngularMomentum(const Step<D>& step, Draw& draw) {
   if (D == 3) return;
   auto before = drawImpact<D>(draw, {.friction = true, .restitution = Real(0.3)});
-  before.dt = Real(1e-4);  // the arms are those of the start of the step: the error grows with its length
+  before.dt = Real(1e-4);  // arms are those of the start of the step: the error grows with dt
   auto after = before;
   step(after);
   const Real error = (after.angularMomentum() - before.angularMomentum()).norm();
   require<D>(error <= Real(4e-3) * before.speed(), before, after, error);
 }
 
-/// Two to four bodies in a row, face on face, that draw each other together and turn as one about an axis across it.
-/// The inertias are those of spheres: of another body in space an Euler step does not keep the momentum (see FreeTop).
+/// Two to four bodies in a row, face on face, that attract each other and turn as one about an axis across the row. The
+/// inertias are those of spheres: an Euler step of another body in 3D does not conserve the momentum (see FreeTop).
 template <int D>
 ImpactScene<D> drawTurningRow(Draw& draw) {
   ImpactScene<D> s;
@@ -58,12 +58,12 @@ ImpactScene<D> drawTurningRow(Draw& draw) {
       corner == 0 ? s.touch(i, i + 1, along, X * p, 0, friction, 0) : s.addPoint(s.manifolds.back(), X * p, 0);
     }
   }
-  s.field.pull = draw.real(2, 10) * spin.squaredNorm();  // more than what would take them apart
+  s.field.pull = draw.real(2, 10) * spin.squaredNorm();  // more than the centrifugal force
   return s;
 }
 
-/// The contacts anew, as a generator makes them: faces turn with their bodies. What has sunk in touches again:
-/// positions that are pushed apart are another matter.
+/// Updates the contacts as a generator would: faces turn with their bodies. Penetrating points are reset to touching:
+/// position correction is not tested here.
 template <int D>
 void touchAgain(ImpactScene<D>& s, const ImpactScene<D>& first) {
   for (std::size_t i = 0; i < s.manifolds.size(); ++i) {
@@ -80,7 +80,7 @@ void touchAgain(ImpactScene<D>& s, const ImpactScene<D>& first) {
   }
 }
 
-// R2 over a second: what bodies that turn together press on each other with, acts on both along one line.
+// R2 over a second: contact forces between bodies that turn together act on both along one line.
 template <int D>
 void turningKeepsAngularMomentum(const Step<D>& step, Draw& draw) {
   const auto before = drawTurningRow<D>(draw);
@@ -95,7 +95,7 @@ void turningKeepsAngularMomentum(const Step<D>& step, Draw& draw) {
     touchAgain(after, before);
   }
   const Real error = (after.angularMomentum() - before.angularMomentum()).norm();
-  require<D>(error <= 400 * kEps * scale, before, after, error / scale);  // of each step some roundings
+  require<D>(error <= 400 * kEps * scale, before, after, error / scale);  // some roundings of each step
 }
 
 template <int D>
@@ -119,7 +119,7 @@ void degenerateIsFinite(const Step<D>& step, Draw& draw) {
     if (what == 1 || what == 3) before.bodies.invMass[i] = 0, before.bodies.pinned[i] = 1;
     if (what == 2 || what == 3) before.bodies.invInertia[i].setZero(), before.bodies.invInertiaBody[i].setZero();
   }
-  if (draw.coin()) {  // two joints where there is one, at the centres of two bodies that lie in each other
+  if (draw.coin()) {  // two joints instead of one, at the centres of two bodies that coincide
     before.bodies.pose[1].p = before.bodies.pose[0].p;
     for (JointRecord<D>& j : before.joints) {
       j.bodyA = 0, j.bodyB = 1;
@@ -132,7 +132,7 @@ void degenerateIsFinite(const Step<D>& step, Draw& draw) {
   require<D>(after.finite(), before, after, 0);
 }
 
-// A kinematic body goes where its velocity says, through whatever is in its way.
+// A kinematic body follows its velocity through any obstacle.
 template <int D>
 void kinematicObeys(const Step<D>& step, Draw& draw) {
   auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05)});
@@ -175,7 +175,7 @@ void staysInTheCone(const Step<D>& step, Draw& draw) {
 template <int D>
 void inelasticStops(const Step<D>& step, Draw& draw) {
   auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .approaching = true, .contacts = 1});
-  before.dt = Real(1e-4);  // arms turn by w dt within the step, and what was stopped seems to move by as much
+  before.dt = Real(1e-4);  // arms turn by w dt within the step, which looks like a residual velocity
   auto after = before;
   step(after);
   const Manifold<D>& m = after.manifolds[0];
@@ -198,7 +198,7 @@ std::vector<Named<D>> properties() {
                                 {"Solver.StaysInTheCone", staysInTheCone<D>, Bug::frictionUnbounded},
                                 {"Solver.InelasticStops", inelasticStops<D>, Bug::addsEnergy},
                                 {"Solver.DegenerateIsFinite", degenerateIsFinite<D>, Bug::dividesByNothing}};
-  // In f32 a second's rounding is more than what those lose that declare it.
+  // In f32, rounding over a second exceeds the loss of the methods that declare it.
   if (kDouble) {
     list.push_back({"Solver.TurningKeepsAngularMomentum", turningKeepsAngularMomentum<D>, Bug::twoPoints});
   }
@@ -206,7 +206,7 @@ std::vector<Named<D>> properties() {
   return list;
 }
 
-constexpr int kRuns = 25;  // cases of each property, and of each bug that it must catch
+constexpr int kRuns = 25;  // cases of each property, and of each planted bug
 
 template <int D>
 void testAll() {
@@ -250,7 +250,7 @@ TEST(SolverConformance, EverySolver3) { testAll<3>(); }
 TEST(SolverConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(SolverConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
-// A box on the ground, by its corners. What rests stays at rest, with the impulse m g dt.
+// A box on the ground, by its corners. It stays at rest, with the impulse m g dt.
 template <int D>
 ImpactScene<D> restingBox() {
   ImpactScene<D> s;
@@ -278,7 +278,7 @@ void rests() {
     const auto solver = createStage<Solver<D>>(Spec::parse(text));
     auto s = restingBox<D>();
     for (int i = 0; i < 240; ++i) s.step(*solver);
-    // Without accumulation friction is uneven from corner to corner, and the box trembles; explicit integrators float.
+    // Without accumulation friction differs between corners, and the box trembles; explicit integrators float.
     const bool trembles = text.find("=naive") != text.npos || text.find("=millington") != text.npos;
     EXPECT_NEAR(s.pose(1).p[1], 0.5, 0.02) << text;
     EXPECT_LT(std::abs(s.motion(1).v[0]), trembles ? 0.1 : 1e-3) << text;
@@ -293,7 +293,7 @@ void rests() {
 TEST(SolverConformance, RestingBoxRests2) { rests<2>(); }
 TEST(SolverConformance, RestingBoxRests3) { rests<3>(); }
 
-// Two contacts of one sliding body, of which the first bounces and lifts the second: where load goes, friction goes.
+// Two contacts of one sliding body. The first bounces and unloads the second: friction must shrink with the load.
 template <int D>
 void bouncesKeepTheCone() {
   for (const std::string& text : everySolver<D>()) {
@@ -358,7 +358,8 @@ void jointsHold() {
 TEST(SolverConformance, JointsHold2) { jointsHold<2>(); }
 TEST(SolverConformance, JointsHold3) { jointsHold<3>(); }
 
-// Impulses in the manifolds are those of a whole step: half the step, half the impulse, without a jump in between.
+// Impulses in manifolds are those of a whole step: a shorter step needs proportionally less impulse, and the box does
+// not jump.
 TEST(SolverConformance, StepsOfAnotherLengthKeepTheForce) {
   for (const char* text : {"split_solver", "soft_step"}) {
     const auto solver = createStage<Solver<2>>(Spec::parse(text));
@@ -379,7 +380,7 @@ TEST(SoftStep, SagIsThatOfASpring) {
   const auto sag = [](const std::string& text) {
     const auto solver = createStage<Solver<2>>(Spec::parse(text));
     auto s = restingBox<2>();
-    s.bodies.mass[0] = 1e6;  // two bodies that can move, so that the softer constant is the one in use
+    s.bodies.mass[0] = 1e6;  // two dynamic bodies, so that the softer constant is used
     s.bodies.invMass[0] = Real(1e-6), s.bodies.type[0] = BodyType::dynamic;
     s.field.gravity.setZero();
     s.add(0, Ang<2>::Zero(), {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Each rule by which gjk_epa stops, as a parameter: it spares work, and what it leaves is no more than it says.
+// Each stopping rule of gjk_epa, as a parameter: it saves work, and the remaining error is within its tolerance.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::unique_ptr<PairQuery<D>> made(const std::string& spec) {
   return createStage<PairQuery<D>>(Spec::parse(spec));
 }
 
-// Polytopes and cylinders, apart or deep in each other: nearer than rounding, no rule but rounding counts.
+// Polytopes and cylinders, apart or deep in each other. Closer to touching, rounding alone decides when to stop.
 template <int D>
 Pairs<D> drawPairs(bool apart) {
   PlainDraw draw(11);
@@ -43,12 +43,12 @@ Pairs<D> drawPairs(bool apart) {
   return out;
 }
 
-// What a method did with all of them.
+// Results of a method on all pairs.
 struct Outcome {
   std::uint64_t supports = 0, faces = 0;
-  int limited = 0;   // ended at a limit and said so
-  int tooShort = 0;  // farther below the truth than `error` parts of the measure
-  int tooLong = 0;   // above the truth by more than roundings: never
+  int limited = 0;   // ended at a limit and reported it
+  int tooShort = 0;  // below the truth by more than `error` of the measure
+  int tooLong = 0;   // above the truth by more than rounding: never
 };
 
 template <int D>
@@ -63,7 +63,7 @@ Outcome ask(PairQuery<D>& method, const Pairs<D>& pairs, Real error, bool ofDist
     const Real scale = std::max({v.a.half.maxCoeff(), v.b.half.maxCoeff(), v.X_AB.p.cwiseAbs().maxCoeff()});
     const Real truth = pairs.truth[i].distance, core = std::abs(truth + v.a.radius + v.b.radius);
     const Real rounding = (sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5)) * scale;
-    // A gap is left of what is reached, which may be more than the truth of a depth.
+    // The tolerance is relative to the result, which may exceed the true depth.
     const Real left = error * (ofDistance ? core / (1 - error) : scale) + rounding;
     out.limited += answers[i].status == QueryStatus::iterationLimit;
     out.tooShort += !(answers[i].distance >= truth - left);
@@ -74,7 +74,7 @@ Outcome ask(PairQuery<D>& method, const Pairs<D>& pairs, Real error, bool ofDist
 
 constexpr Real kLoose = Real(0.03);
 
-// The rule spares work (of `spared`), and no answer is off by more than it says.
+// The rule saves work (of `spared`), and no error exceeds its tolerance.
 template <int D>
 bool sparesWithin(PairQuery<D>& method, const Pairs<D>& pairs, bool ofDistance, std::uint64_t Outcome::*spared) {
   const Outcome exact = ask<D>(*made<D>("gjk_epa"), pairs, 0, false);
@@ -83,7 +83,7 @@ bool sparesWithin(PairQuery<D>& method, const Pairs<D>& pairs, bool ofDistance, 
   return loose.*spared < exact.*spared && loose.tooShort + loose.tooLong + loose.limited == 0;
 }
 
-// A limit ends the search of some, who say so; what they give is a bound, and nobody is asked for more work.
+// A limit ends some searches, which report it. Their result is a bound, and they do less work.
 template <int D>
 bool endsAtLimit(PairQuery<D>& method, const Pairs<D>& pairs) {
   const Outcome exact = ask<D>(*made<D>("gjk_epa"), pairs, 0, false);
@@ -92,7 +92,7 @@ bool endsAtLimit(PairQuery<D>& method, const Pairs<D>& pairs) {
          limited.supports < exact.supports;
 }
 
-// Gives more than its tolerance away.
+// Planted bug: errors above the tolerance.
 template <int D>
 class Careless : public PairQuery<D> {
  public:
@@ -130,16 +130,16 @@ void toleranceIsWhatIsLeft() {
     }
   }
   expectCaught("deaf to the tolerance", sparesWithin<D>(*made<D>("gjk_epa"), apart, false, &Outcome::supports));
-  // A depth's own tolerance leaves distances as they are.
+  // The tolerance of depths does not change distances.
   const Outcome exact = ask<D>(*made<D>("gjk_epa"), apart, 0, false);
   const Outcome same = ask<D>(*made<D>("gjk_epa{depth_tolerance=" + loose + "}"), apart, 0, false);
   EXPECT_EQ(same.tooShort + same.tooLong, 0);
   EXPECT_EQ(same.supports, exact.supports);
 }
-TEST(StoppingRules, ToleranceIsWhatIsLeft2) { toleranceIsWhatIsLeft<2>(); }
-TEST(StoppingRules, ToleranceIsWhatIsLeft3) { toleranceIsWhatIsLeft<3>(); }
+TEST(StoppingRules, ErrorIsWithinTheTolerance2) { toleranceIsWhatIsLeft<2>(); }
+TEST(StoppingRules, ErrorIsWithinTheTolerance3) { toleranceIsWhatIsLeft<3>(); }
 
-// The bound of the last direction is no better than the best: whoever waits for it asks no less.
+// The bound of the last direction is no better than the best one, so waiting for it takes more support points.
 TEST(StoppingRules, LastGapIsNoSmaller) {
   const Pairs<3> apart = drawPairs<3>(true);
   const Outcome best = ask<3>(*made<3>("gjk_epa{tolerance=0.03}"), apart, kLoose, false);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// All support points of a query are counted, by cores that count for themselves; a looser tolerance asks for no more.
+// All support points of a query are counted, as checked by cores with their own counter. A looser tolerance needs no
+// more of them.
 #include <gtest/gtest.h>
 
 #include "framework/shape/support_gap.h"
@@ -32,7 +33,7 @@ class CountingCore final : public CurvedCore<D> {
   const CurvedCore<D>& m_core;
 };
 
-// Pairs of these kinds, half of them within reach of each other; `views` have cores that count.
+// Pairs of these kinds, half of them within reach of each other. `views` have cores that count.
 template <int D>
 struct Pairs {
   std::vector<Shape<D>> shapes;
@@ -62,7 +63,7 @@ Pairs<D> drawPairs(ShapeKind a, ShapeKind b, int count) {
 }
 
 struct Asked {
-  std::uint64_t counted = 0, calls = 0;  // an axis that is tested is a support point of either core
+  std::uint64_t counted = 0, calls = 0;  // a tested axis counts as a support point of each core
 };
 
 template <int D>
@@ -76,7 +77,7 @@ Asked ask(PairQuery<D>& method, const Pairs<D>& pairs, QueryNeed need) {
 
 constexpr QueryNeed kNeeds[] = {QueryNeed::boolean, QueryNeed::distance, QueryNeed::witnesses};
 
-// Asks for one more point of A than it counts.
+// Planted bug: one support point of A is not counted.
 template <int D>
 class InSecret final : public PairQuery<D> {
  public:
@@ -92,7 +93,7 @@ class InSecret final : public PairQuery<D> {
   PairQuery<D>& m_right;
 };
 
-// Of two curved cores each support point, and each support face, is one that was counted.
+// On two curved cores, each call of a support point or support face is counted.
 template <int D>
 void allAreCounted() {
   int asked = 0;
@@ -136,7 +137,8 @@ std::unique_ptr<PairQuery<D>> made(const std::string& name, const std::string& t
   return createStage<PairQuery<D>>(Spec::parse(name + "{tolerance=" + tolerance + "}"));
 }
 
-// Looks for witnesses within every band that is smaller than its tolerance, too, by twenty points of either core.
+// Planted bug: counts a search for closest points in every band below the tolerance, too, with twenty points of each
+// core.
 template <int D>
 class EveryBand final : public PairQuery<D> {
  public:
@@ -154,8 +156,8 @@ class EveryBand final : public PairQuery<D> {
   double m_tolerance;
 };
 
-// The support points of all pairs grow by no more than a fiftieth from tolerance to tolerance, and end as less.
-// `text`: their means.
+// From one tolerance to the next looser one, the support points of all pairs grow by at most a fiftieth; at the end
+// they are no more than at the start. `text`: their means.
 template <int D, class Made>
 bool loosenessIsFree(const Pairs<D>& pairs, QueryNeed need, std::string& text, const Made& method) {
   std::vector<std::uint64_t> counts;
@@ -191,8 +193,8 @@ void looserAsksNoMore() {
     }
   }
 }
-TEST(SupportCounts, LooserAsksNoMore2) { looserAsksNoMore<2>(); }
-TEST(SupportCounts, LooserAsksNoMore3) { looserAsksNoMore<3>(); }
+TEST(SupportCounts, LooserTolerancesNeedNoMore2) { looserAsksNoMore<2>(); }
+TEST(SupportCounts, LooserTolerancesNeedNoMore3) { looserAsksNoMore<3>(); }
 
 }  // namespace support_counts_test
 }}}  // namespace lpc::LPC_PRECISION::test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a whole step owes to the symmetries of mechanics, for every solver: the same scene seen from elsewhere, in a
-// mirror, or in another unit of mass is the same motion; and a body of infinite mass is the limit of a heavy one.
+// Symmetries of mechanics that a whole step must keep, for every solver. The scene in another frame, in a mirror, or
+// with another unit of mass has the same motion. A body of infinite mass is the limit of a heavy one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,13 +21,13 @@ constexpr int kSteps = 3, kRuns = 20;
 // Rounding over a few steps of a few bodies, relative to the speeds.
 constexpr Real kTolerance = kDouble ? Real(1e-9) : Real(1e-4);
 
-// Where a speed lies at a threshold, or where a wedged body may stay or go by Coulomb's law, rounding chooses. Such a
-// case is no fault of the method if the method moves as far when nothing changes but the last digits of the scene. It
-// is counted, and few may be so.
+// Where a speed is at a threshold, or where Coulomb's law lets a wedged body stay or move, rounding decides. This is no
+// fault of the method if its result moves as far when only the last digits of the scene change. Such cases are counted
+// and must be few.
 constexpr Real kLastDigits = 100 * std::numeric_limits<Real>::epsilon();
 constexpr int kOthers = 64;
-constexpr int kFew = 20;      // one scene of so many
-std::vector<char> undecided;  // by scene, in the order in which they were judged
+constexpr int kFew = 20;      // one scene in twenty
+std::vector<char> undecided;  // by scene, in the order of judging
 
 template <int D>
 ImpactScene<D> after(ImpactScene<D> s, Solver<D>& solver) {
@@ -35,7 +35,7 @@ ImpactScene<D> after(ImpactScene<D> s, Solver<D>& solver) {
   return s;
 }
 
-// The scene with numbers that are others in their last digits.
+// The scene with other last digits.
 template <int D>
 ImpactScene<D> nudged(ImpactScene<D> s, Real digits, Random& random) {
   const auto nudge = [&](auto&& vector, Real scale) {
@@ -64,7 +64,7 @@ Real places(const ImpactScene<D>& one, const ImpactScene<D>& other) {
   return difference(one, other);
 }
 
-// The property: no further from each other than the limit, or than the method's own answer moves.
+// The results differ by no more than the limit, or than the method's own result moves.
 template <int D, typename Error>
 void agree(const Error& error, Real limit, const ImpactScene<D>& before, const ImpactScene<D>& expected,
            const ImpactScene<D>& found, Solver<D>& solver, Real digits = kLastDigits) {
@@ -91,7 +91,7 @@ ImpactScene<D> drawImpacts(Draw& draw) {
   return s;
 }
 
-// R7: turned, shifted, and seen in passing.
+// R7: turned, shifted, and moving past.
 template <int D>
 void moves(Solver<D>& solver, Draw& draw) {
   const auto before = drawImpacts<D>(draw);
@@ -104,8 +104,8 @@ void moves(Solver<D>& solver, Draw& draw) {
   agree<D>(places<D>, 10 * kTolerance * (1 + boost.norm()) * before.speed(), before, expected, found, solver);
 }
 
-// R7 of joints that are warm: they start from impulses and from what the solver remembers. Without contacts, which
-// would come and go by rounding.
+// R7 with warm joints: they start from impulses and the solver's memory. Without contacts, which would appear and
+// vanish by rounding.
 template <int D>
 void movesWarm(Solver<D>& solver, Draw& draw) {
   auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .joints = 2});
@@ -126,7 +126,7 @@ void mirrors(Solver<D>& solver, Draw& draw) {
   agree<D>(places<D>, kTolerance * before.speed(), before, expected, found, solver);
 }
 
-// R11: in another unit of mass the motion is the same, and impulses scale.
+// R11: with another unit of mass the motion is the same, and impulses scale.
 template <int D>
 void weighs(Solver<D>& solver, Draw& draw) {
   const auto before = drawImpacts<D>(draw);
@@ -144,7 +144,7 @@ void weighs(Solver<D>& solver, Draw& draw) {
   agree<D>(error, 10 * kTolerance * before.speed(), before, expected, found, solver);
 }
 
-// R13: nobody can tell a fixed body from one of 1e12 times the mass.
+// R13: a static body acts as one of 1e12 times the mass.
 template <int D>
 void heavyIsFixed(Solver<D>& solver, Draw& draw) {
   const auto fixed = drawImpact<D>(
@@ -163,7 +163,7 @@ template <int D>
 struct Named {
   const char* name;
   void (*property)(Solver<D>&, Draw&);
-  std::vector<Bug> bugs;  // that it must catch
+  std::vector<Bug> bugs;  // that the property must catch
 };
 template <int D>
 std::vector<Named<D>> properties() {
@@ -188,15 +188,15 @@ void run(const std::string& name, const Named<D>& p, Solver<D>& solver, bool mus
   } else {
     undecided.clear();
     check(name, property, kRuns);
-    // Those of an input that was kept from an earlier run come before, with all steps of its shrinking.
+    // The cases of a kept input of an earlier run come first, with all steps of its shrinking.
     const auto all = std::min<std::ptrdiff_t>(std::ssize(undecided), caseCount(kRuns));
     EXPECT_LE(std::count(undecided.end() - all, undecided.end(), true), 1 + caseCount(kRuns) / kFew)
         << "too many scenes in which rounding chooses";
   }
 }
 
-// What is fixed takes no colour and joins no islands, what is heavy does: to these another order, or another step size
-// or end of an unfinished iteration.
+// A static body takes no colour and joins no islands; a heavy one does. For these methods this changes the order, a
+// step size, or the end of an unfinished iteration.
 bool joinsByMass(const std::string& spec) {
   for (const char* part : {"order=coloured", "velocity=admm", "velocity=proximal_newton", "impact=poisson"}) {
     if (spec.find(part) != spec.npos) return true;
@@ -209,7 +209,7 @@ void everySolverHolds() {
   for (const std::string& spec : everySolver<D>()) {
     const auto solver = createStage<Solver<D>>(Spec::parse(spec));
     for (const Named<D>& p : properties<D>()) {
-      // Heights turn with the frame: another order, another unfinished iteration.
+      // Heights turn with the frame, which changes the order and so the unfinished iteration.
       if (p.property == moves<D> && spec.find("bottom_up") != spec.npos) continue;
       if (p.property == heavyIsFixed<D> && joinsByMass(spec)) continue;
       run<D>(std::string(p.name) + " " + spec + " " + std::to_string(D) + "D", p, *solver, declares<D>(spec, p.name));

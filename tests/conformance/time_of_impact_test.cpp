@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Every method that finds times of impact, on moving pairs of every kind: before the referee, and before itself.
+// Every method for the time of impact, on moving pairs of every kind: against the referee, and against itself.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,12 +37,12 @@ std::ostream& operator<<(std::ostream& out, const Drawn<D>& c) {
   return out << "\nA " << c.a << '\n' << c.A << "\nB " << c.b << '\n' << c.B << '\n';
 }
 
-// Most approach each other: B goes towards where A is, more or less. Within the second they meet, miss, or fly through.
+// Most pairs approach: B moves roughly towards A. Within the second they hit, miss, or fly through.
 template <int D>
 Drawn<D> drawMoving(Draw& draw) {
   const ShapePairCase<D> c = drawShapePair<D>(draw);
   Drawn<D> out{c.a, c.b, {}, {}};
-  const int strange = draw.below(16);  // the generator's pairs are of the other kinds
+  const int strange = draw.below(16);  // the generator draws pairs of the other kinds
   if (strange == 14 || strange == 15) {
     const auto curved = draw.below(static_cast<int>(curvedKinds<D>().size()));
     out.b = drawSketch<D>(draw, std::next(curvedKinds<D>().begin(), curved)->first).build(sizeOf(c.a));
@@ -62,11 +62,11 @@ Drawn<D> drawMoving(Draw& draw) {
   out.B.X_WC.p += way * draw.pick({Real(1), Real(2), Real(0), Real(3)});
   const Real speed = draw.pick({Real(1), Real(3), Real(30), Real(0)});
   out.B.motion.v = -speed * (way + size * draw.real(0, 2) * drawDirection<D>(draw));
-  if (draw.coin()) {  // both on their way
+  if (draw.coin()) {  // both move
     const Vec<D> both = size * draw.signedUnit() * drawDirection<D>(draw);
     out.A.motion.v += both, out.B.motion.v += both;
   }
-  if (out.b.isPlane()) {  // it stands still, and the other comes down on it
+  if (out.b.isPlane()) {  // the plane does not move, and the other shape comes down on it
     out.B = {};
     if (draw.coin()) out.B.X_WC.q = drawRotation<D>(draw);
     const Vec<D> up = out.B.X_WC.q * Vec<D>(Vec<D>::Unit(1));
@@ -92,8 +92,8 @@ TimeOfImpactAnswer<D> cast(TimeOfImpact<D>& method, const MovingPair<D>& pair, R
   return cast(method, pair, work, duration);
 }
 
-// What can be seen of an answer without a referee (C1 to C3): that the shapes touch then, that they do not before, at
-// 64 times, and without a hit at none.
+// Checks without a referee (C1 to C3): the shapes touch at the time of impact, and are apart at 64 times before it;
+// without a hit, at all times.
 template <int D>
 class Question {
  public:
@@ -159,7 +159,7 @@ class Properties {
 
  private:
   std::string answered(const Drawn<D>& c, Draw&) { return Question<D>(c.pair(), 1).fault(cast(m_method, c.pair())); }
-  // Nobody moves; or both bodies only fly apart, along the normal of their gap.
+  // No motion; or both bodies only separate, along the normal of their gap.
   std::string still(const Drawn<D>& c, Draw&) {
     MovingPair<D> pair = c.pair();
     pair.A.motion = pair.B.motion = {};
@@ -172,7 +172,7 @@ class Properties {
     (c.b.isPlane() ? pair.A.motion.v : pair.B.motion.v) = c.b.isPlane() ? Vec<D>(-away) : away;
     return cast(m_method, pair).hit ? "a receding pair meets" : "";
   }
-  // Backwards, who met meets, and who did not does not.
+  // With time reversed, a pair hits if and only if it did before.
   std::string reversed(const Drawn<D>& c, Draw&) {
     const TimeOfImpactAnswer<D> forward = cast(m_method, c.pair());
     MovingPair<D> back = c.pair();
@@ -183,7 +183,7 @@ class Properties {
     const TimeOfImpactAnswer<D> answer = cast(m_method, back);
     if (answer.hit != forward.hit && answer.status == QueryStatus::converged &&
         forward.status == QueryStatus::converged) {
-      // Grazing is a matter of rounding.
+      // Rounding decides about grazing.
       TimeOfImpactAnswer<D> other{QueryStatus::converged, false, 1, {}};
       const Question<D> seenBack(back, 1);
       if (!Question<D>(c.pair(), 1).fault(other, 16).empty()) return "one way they meet, the other they do not";
@@ -282,15 +282,15 @@ void bugsAreCaught() {
 TEST(TimeOfImpact, PlantedBugs2) { bugsAreCaught<2>(); }
 TEST(TimeOfImpact, PlantedBugs3) { bugsAreCaught<3>(); }
 
-// --- before the referee --------------------------------------------------------------------------------------------
+// --- against the referee ---------------------------------------------------------------------------------------------
 
 struct Judged {
   int pairs = 0, hits = 0, limits = 0, undecided = 0;
   WorkDone work;
-  std::string first;  // what was wrong, of the first that was
+  std::string first;  // the first fault
 };
 
-// Drawn once: brackets of curved shapes take their time.
+// Drawn once: brackets of curved shapes are slow.
 template <int D>
 struct Case {
   Drawn<D> drawn;
@@ -301,7 +301,7 @@ const std::vector<Case<D>>& cases() {
   static const std::vector<Case<D>> all = [] {
     std::vector<Case<D>> out;
     PlainDraw draw(seedOf("times of impact before the referee"));
-    const int least = D == 2 ? 2000 : 500;  // of a quarter of them in 2D, no pair shows that a plane turns along
+    const int least = D == 2 ? 2000 : 500;  // 500 pairs in 2D would not catch the planted bug of planes
     for (int n = std::max(caseCount(2000), least); n > 0; --n) {
       const Drawn<D> drawn = drawMoving<D>(draw);
       out.push_back({drawn, impactBracket(drawn.pair(), Real(1))});
@@ -348,8 +348,8 @@ void truth() {
     EXPECT_LE(seen.limits, seen.pairs / 50);
   });
 }
-TEST(TimeOfImpact, IsThatOfTheReferee2) { truth<2>(); }
-TEST(TimeOfImpact, IsThatOfTheReferee3) { truth<3>(); }
+TEST(TimeOfImpact, AgreesWithTheReferee2) { truth<2>(); }
+TEST(TimeOfImpact, AgreesWithTheReferee3) { truth<3>(); }
 
 template <int D>
 void refereeSees() {
@@ -374,7 +374,7 @@ TEST(TimeOfImpact, RefereeSeesPlantedBugs3) { refereeSees<3>(); }
 
 // --- known answers -------------------------------------------------------------------------------------------------
 
-// A rod turns above a floor that its tip does not quite reach.
+// A rod turns above a floor that its tip almost reaches.
 template <int D>
 MovingPair<D> closeMiss(Real gap, Shape<D>& rod, Shape<D>& floor) {
   Vec<D> half = Vec<D>::Constant(Real(0.05));
@@ -391,7 +391,7 @@ void closeMisses() {
   forEach<D>([](const AlgorithmInfo& info, TimeOfImpact<D>& method) {
     bool decided = true;
     for (const Real gap : {Real(1e-3), Real(1e-4), Real(1e-5), Real(1e-6)}) {
-      if (sizeof(Real) == 4 && gap < Real(1e-3)) continue;  // contact, in its digits
+      if (sizeof(Real) == 4 && gap < Real(1e-3)) continue;  // contact, at this precision
       Shape<D> rod = Shape<D>::sphere(1), floor = rod;
       const TimeOfImpactAnswer<D> answer = cast(method, closeMiss(gap, rod, floor));
       EXPECT_FALSE(answer.hit) << gap;
@@ -407,8 +407,8 @@ void closeMisses() {
 }
 TEST(TimeOfImpact, CloseMissesAreDecided) { closeMisses<2>(), closeMisses<3>(); }
 
-// What is no number is a status, at once; a motion without time is a look at its start.
-TEST(TimeOfImpact, WhatIsNoMotionFails) {
+// NaN and infinity give a status at once. A motion of zero duration is a query at its start.
+TEST(TimeOfImpact, NanAndInfiniteMotionsFail) {
   forEach<3>([](const AlgorithmInfo&, TimeOfImpact<3>& method) {
     const Shape<3> ball = Shape<3>::sphere(1);
     const auto apart = [&] {
@@ -431,16 +431,16 @@ TEST(TimeOfImpact, WhatIsNoMotionFails) {
   });
 }
 
-// A rod that turns by a right angle in a second about its middle reaches with its tip a ball beside it.
+// The tip of a rod that turns by 90 degrees in a second about its middle reaches a ball beside it.
 TEST(TimeOfImpact, ATurningRodReachesABall) {
   forEach<2>([](const AlgorithmInfo&, TimeOfImpact<2>& method) {
     const Shape<2> ball = Shape<2>::sphere(Real(0.1)), rod = Shape<2>::capsule(1, Real(0.1));
     MovingPair<2> pair{ball.view(), rod.view(), {}, {}};
-    pair.A.X_WC.p = {Real(0.8), Real(0.8)};  // the direction of 45 degrees, 1.131 m from the middle
+    pair.A.X_WC.p = {Real(0.8), Real(0.8)};  // at 45 degrees, 1.131 m from the middle
     pair.B.motion.w[0] = Real(1.5707963267948966);
     const TimeOfImpactAnswer<2> answer = cast(method, pair);
     ASSERT_TRUE(answer.hit);
-    // The tip at (cos, sin) is 0.2 from the ball: with c the cosine of the angle between both, 1 + d^2 - 2 d c = 0.04.
+    // The tip at (cos, sin) is 0.2 from the ball. With c the cosine of the angle between both, 1 + d^2 - 2 d c = 0.04.
     const double d = 0.8 * std::sqrt(2.0), c = (1 + d * d - 0.04) / (2 * d);
     const double expected = (0.78539816339744831 - std::acos(c)) / 1.5707963267948966;
     EXPECT_NEAR(answer.t, expected, sizeof(Real) == 8 ? 1e-9 : 1e-4);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Every registered velocity resolver, in both dimensions, on drawn sets of contacts and joints. What a method says in
-// info().failures that it fails, it must be seen to fail.
+// Every registered velocity resolver, in both dimensions, on drawn sets of contacts and joints. A failure that
+// info().failures declares must be observed.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -13,12 +13,12 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace velocity_test {
 
-// Rounding: of one solve over a few contacts, relative to the speeds in it.
+// Rounding of one solve over a few contacts, relative to the speeds in it.
 constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-4);
-// What is left after many sweeps.
+// Residual after many sweeps.
 constexpr Real kConverged = sizeof(Real) == 8 ? Real(1e-6) : Real(2e-3);
 
-// A resolver as it is, and given so many iterations that only its principle counts.
+// A resolver with its defaults, and one with so many iterations that only its principle matters.
 template <int D>
 struct Subject {
   std::unique_ptr<VelocityResolver<D>> normal, patient;
@@ -53,8 +53,8 @@ void elasticKeepsEnergy(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw
   require<D>(std::abs(error) <= kTolerance * 100 * before.energy(), before, after, error);
 }
 
-// With several contacts and restitution Newton's law promises this only when all of them are closing, and with friction
-// only without restitution (Kane's paradox).
+// With several contacts, Newton's law with restitution guarantees this only if all of them are closing. With friction
+// it does so only without restitution (Kane's paradox).
 template <int D>
 void addsNoEnergy(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
   const bool friction = draw.coin();
@@ -110,7 +110,8 @@ void inelasticStops(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& dr
 template <int D>
 void takesBack(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
   const auto before = drawImpact<D>(draw, {.approaching = true});
-  // Sweeps tell two contacts of one pair apart only as fast as their directions differ: these take more than there are.
+  // The closer the directions of two contacts of one pair, the slower sweeps distinguish them: such pairs need more
+  // sweeps than `patient` has.
   for (const Manifold<D>& m : before.manifolds) {
     for (const Manifold<D>& o : before.manifolds) {
       const bool pair = &m != &o && m.bodyA == o.bodyA && m.bodyB == o.bodyB;
@@ -130,7 +131,7 @@ template <int D>
 void secondSolveChangesNothing(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
   const auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .contacts = 3});
   auto once = solved(before, patient);
-  for (const Manifold<D>& m : once.manifolds) {  // what is not solved yet may well be changed
+  for (const Manifold<D>& m : once.manifolds) {  // contacts that are not yet solved may still change
     RC_PRE(once.contactVelocity(m, m.points[0]).dot(m.normal) > -kConverged / 1000);
   }
   for (Manifold<D>& m : once.manifolds) m.points[0].impulse.fill(0);
@@ -161,8 +162,8 @@ void fixedBodiesStay(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
   require<D>(after.motion(0).v == before.motion(0).v && after.motion(0).w == before.motion(0).w, before, after, 0);
 }
 
-// What does not come from another body comes from the one of infinite mass: the sum of what its contacts pushed is the
-// change of momentum.
+// Momentum comes from other bodies or from the one of infinite mass: the impulses of its contacts sum to the change of
+// momentum.
 template <int D>
 void groundGivesTheMomentum(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
   const auto before =
@@ -194,7 +195,7 @@ template <int D>
 void degenerateIsFinite(VelocityResolver<D>& r, VelocityResolver<D>& patient, Draw& draw) {
   auto s = drawImpact<D>(draw, {.fixed = true, .friction = true, .restitution = 1, .gap = Real(0.2), .joints = 2});
   for (Manifold<D>& m : s.manifolds) m.friction = draw.pick({Real(0), Real(1e6)});
-  for (int i = 1; i < s.bodies.size(); ++i) {  // what cannot move, cannot turn, or is nearly weightless
+  for (int i = 1; i < s.bodies.size(); ++i) {  // bodies that cannot move, cannot turn, or are nearly weightless
     const auto k = static_cast<std::size_t>(i);
     const int what = draw.below(5);
     if (what == 1 || what == 3) s.bodies.invMass[k] = 0;
@@ -213,7 +214,7 @@ void degenerateIsFinite(VelocityResolver<D>& r, VelocityResolver<D>& patient, Dr
   require<D>(often.finite(), s, often, 0);
 }
 
-// A light body on the ground carries a heavy one: both contacts must take the weight above them, to a hundredth.
+// A light body on the ground carries a heavy one: both contacts must carry the weight above them, within one per cent.
 template <int D>
 void carriesHeavyOnLight(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
   const Real ratio = draw.real(80, 120);
@@ -237,8 +238,8 @@ template <int D>
 struct Named {
   const char* name;
   Property<D> property;
-  Bug bug;              // that it must catch
-  int iterations = 10;  // that a right twin needs
+  Bug bug;              // that the property must catch
+  int iterations = 10;  // that a correct solver needs
 };
 
 template <int D>
@@ -264,7 +265,7 @@ std::vector<Named<D>> properties() {
 template <int D>
 class VelocityConformance : public testing::Test {};
 
-constexpr int kRuns = 60;  // cases of each property, and of each bug that it must catch
+constexpr int kRuns = 60;  // cases of each property, and of each planted bug
 
 template <int D>
 void testOne(const Registered& entry, const Spec& spec) {
@@ -280,7 +281,7 @@ void testOne(const Registered& entry, const Spec& spec) {
       p.property(*normal, *patient, draw);
     };
     if (declares(entry, spec, p.name)) {
-      expectFalsified(name, run, 10 * kRuns);  // some are rare; the first ends the search
+      expectFalsified(name, run, 10 * kRuns);  // some faults are rare; the first one ends the search
     } else {
       check(name, run, kRuns);
     }
@@ -329,7 +330,7 @@ TEST(VelocityConformance, EveryResolver3) { testAll<3>(); }
 TEST(VelocityConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(VelocityConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
-// An impulse is a force times dt; half the step needs half of it.
+// An impulse is a force times dt: half the step needs half the impulse.
 TEST(VelocityConformance, WarmStartScalesWithTheStep) {
   ImpactScene<2> s;
   s.add(0, Ang<2>::Zero(), {});
@@ -344,7 +345,7 @@ TEST(VelocityConformance, WarmStartScalesWithTheStep) {
   EXPECT_EQ(solved(s, *cold).motion(1).v[1], 0);
 }
 
-// Both searches for the worst contact must lead to the same bits.
+// Both searches for the worst contact must give the same bits.
 TEST(VelocityConformance, MillingtonsSearchesAgree) {
   const auto scan = createStage<VelocityResolver<3>>(Spec::parse("millington{search=scan}"));
   const auto tree = createStage<VelocityResolver<3>>(Spec::parse("millington{search=tree}"));
@@ -359,8 +360,8 @@ TEST(VelocityConformance, MillingtonsSearchesAgree) {
   });
 }
 
-// A body that lands on its face: three sweeps of blocks are where three thousand of single points lead to, also with
-// four corners in a plane, which have one distribution too many.
+// A body lands on its face. Three sweeps of blocks must give the result of three thousand sweeps of single points. The
+// same holds with four corners in a plane, where the distribution of load is not unique.
 template <int D>
 void blocksAreSolvedAtOnce(const std::string& few) {
   const auto block = createStage<VelocityResolver<D>>(Spec::parse(few));

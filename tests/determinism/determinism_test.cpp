@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// This build's histories against the pinned ones, and a planted last bit that must be found where it was planted. The
-// other builds are made and compared by run.cmake.
+// This build's histories against the pinned ones, and a planted last bit that must be located. run.cmake makes and
+// compares the other builds.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -15,7 +15,7 @@ LPC_REGISTER(ContactGenerator, UlpContacts, 2, 3);
 LPC_REGISTER(VelocityResolver, UlpVelocity, 2, 3);
 LPC_REGISTER(PositionResolver, UlpPosition, 2, 3);
 
-TEST(PinnedHashes, OfThisBuild) {
+TEST(PinnedHashes, EqualThoseOfThisBuild) {
   EXPECT_EQ(hashLines(), pinnedLines(LPC_SOURCE_DIR "/tests/determinism/pinned_hashes.txt"))
       << "is the change meant? Then read the top of pinned_hashes.txt";
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The pinned histories, by whatever compiler and options this was built with.
+// The pinned histories, with the compiler and options of this build.
 #include <cstdio>
 #include <fstream>
 #include <iostream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The pinned hashes, against those of this build.
+// Compares the pinned hashes to those of this build.
 #pragma once
 
 #include <cstdio>
@@ -28,7 +28,7 @@ inline std::vector<std::string> hashLines() {
   return lines;
 }
 
-/// The lines of a file of pinned hashes that are of this precision.
+/// The lines of a file of pinned hashes for this precision.
 inline std::vector<std::string> pinnedLines(const std::string& path) {
   std::ifstream in(path);
   if (!in) throw UserError(path + ": cannot be read");

@@ -1,6 +1,6 @@
-# The pinned histories by another build, in f64: cmake -DNAME=gcc_O2 -DREFERENCE=<bin of this build> -DWORK_DIR=...
+# Runs the pinned histories with another build, in f64: cmake -DNAME=gcc_O2 -DREFERENCE=<bin of this build> -DWORK_DIR=...
 #   then either -DBUILT=<bin> or -DCOMPILER=g++ -DFLAGS=-O2 -DASSERT=OFF -DLAUNCHER=ccache -DREQUIRED=ON -P
-# On a mismatch: the first step, stage and body where it parts from the reference, with bit patterns.
+# On a mismatch it prints the first step, stage and body that differ from the reference, with bit patterns.
 function(run out_result out_output)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   set(${out_result} ${result} PARENT_SCOPE)

@@ -29,7 +29,7 @@ void towers(World<D>& world) {
     }
   }
 }
-// The towers fall asleep; then one loses its foot, and a ball comes flying.
+// The towers fall asleep; then one loses its lowest box, and a ball hits them.
 template <int D>
 void disturb(World<D>& world, int step) {
   if (step == 90) world.remove(world.handle(1));
@@ -82,7 +82,7 @@ void hulls(World<3>& world) {
   }
 }
 
-// A chain of unequal links that swings into a rod that tumbles on a spring, in air.
+// A chain of unequal links that swings into a rod tumbling on a spring, in air.
 void chain(World<3>& world) {
   Handle last = world.add(body<3>(Shape<3>::sphere(Real(0.1)), at<3>(0, 6), BodyType::fixed));
   for (int i = 0; i < 7; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Small worlds whose histories are pinned: between them every stage that decides a trajectory takes part. Built through
-// the framework alone, so that any compiler can build them in a minute.
+// Small worlds with pinned histories. Together they run every stage that decides a trajectory. They need only the
+// framework, so that any compiler can build them in a minute.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@ struct PinnedScene {
   std::string name, pipeline;
   int steps;
   void (*build)(World<D>&);
-  void (*act)(World<D>&, int step) = nullptr;  // before each step: bodies come and go
+  void (*act)(World<D>&, int step) = nullptr;  // before each step: adds and removes bodies
 };
 
 template <int D>
 const std::vector<PinnedScene<D>>& pinnedScenes();
 
-/// Runs the scene from its start; `seen` looks at the world after each step and says whether to go on.
+/// Runs the scene from its start; calls `seen` after each step and stops when it returns false.
 template <int D>
 void play(const PinnedScene<D>& scene, ContactListener<D>* listener, const std::function<bool(World<D>&)>& seen);
 
-/// The hashes of all steps, as one.
+/// One hash of the hashes of all steps.
 template <int D>
 std::uint64_t historyHash(const PinnedScene<D>& scene);
 

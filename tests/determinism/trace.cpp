@@ -86,7 +86,7 @@ std::vector<std::string> stepLines(World<D>& world, ContactLines<D>& contacts) {
   return lines;
 }
 
-// Calls take("scene step stage body numbers") until it says false.
+// Calls take("scene step stage body numbers") until it returns false.
 template <int D>
 void traceScene(const PinnedScene<D>& scene, const std::function<bool(const std::string&)>& take) {
   ContactLines<D> contacts;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// An adapter computes what a bare program of the same scene does: the same poses, bit for bit. What is timed of an
-// engine is then the engine, set as its users set it.
+// An adapter computes the same poses as a bare program of the same scene, bit for bit. So timings of an adapter are
+// those of the engine with its usual settings.
 #include "experiments/bench/bare_pyramid.h"
 #include "tests/engines/engine_checks.h"
 
@@ -40,7 +40,7 @@ bool same(const Pose<D>& X, const bare::Placed& box) {
   }
 }
 
-/// How many boxes of the adapter's pyramid have another pose than the bare one's.
+/// The number of boxes with different poses in the adapter's pyramid and the bare one.
 template <int D>
 int apart(Simulation<D>& s, bare::Pyramid& pyramid) {
   for (int i = 0; i < kSteps; ++i) s.step(kDt), pyramid.step();
@@ -51,8 +51,8 @@ int apart(Simulation<D>& s, bare::Pyramid& pyramid) {
   return out;
 }
 
-/// `changes`: bare scenes that are set otherwise. In f32 our inertia of a box and the engine's own differ in the last
-/// bit, and so would all poses: ours is handed to the bare program.
+/// `changes`: settings with which the bare program must differ. In f32 our inertia of a box differs from the engine's
+/// in the last bit, which would change all poses: the bare program gets our inertia.
 template <int D>
 void equals(const std::string& name, std::unique_ptr<bare::Pyramid> (*make)(const bare::Settings&),
             const std::vector<bare::Settings>& changes) {

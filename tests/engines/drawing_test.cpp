@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// An engine is drawn by what it tells: shapes where it has moved them, joints, motion; contacts, boxes and islands are
-// not made up.
+// The drawing of an engine shows what the engine reports: shapes where it moved them, joints, motion. Contacts, boxes
+// and islands are not invented.
 #include "tests/engines/engine_checks.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/draw_twins.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace engine_drawing_test { namespace {
 
-// A box that rests, and one that hangs beside it.
+// One box at rest, and one that hangs beside it.
 template <int D>
 bool tellsWhatEnginesTell(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -22,7 +22,7 @@ bool tellsWhatEnginesTell(const Start<D>& start) {
   if (all.solids.size() != 3 || (all.solids[1].X_WS.p - s->pose(rests).p).norm() > 1e-6) return false;
   for (std::size_t i = 0; i < 3; ++i) {
     const BodyType type = i == 0 ? BodyType::fixed : BodyType::dynamic;
-    if (all.solids[i].look != bodyLook(i, type, s->bodies().awake[i])) return false;  // no colours of islands
+    if (all.solids[i].look != bodyLook(i, type, s->bodies().awake[i])) return false;  // no island colours
   }
   std::size_t anchors = 0, centres = 0;
   for (const auto& dot : all.dots) anchors += dot.colour == kDrawnJoint, centres += dot.colour == kDrawnCentre;
@@ -35,11 +35,11 @@ bool tellsWhatEnginesTell(const Start<D>& start) {
 template <int D>
 void enginesAreDrawn() {
   everyEngine<D>("drawn", tellsWhatEnginesTell<D>);
-  expectCaught("EngineDrawing.TellsWhatEnginesTell: our own world, which tells contacts " + std::to_string(D) + 'D',
+  expectCaught("EngineDrawing.ShowsWhatEnginesReport: our own world, which tells contacts " + std::to_string(D) + 'D',
                tellsWhatEnginesTell<D>(ownWorld<D>()));
 }
-TEST(EngineDrawing, TellsWhatEnginesTell2) { enginesAreDrawn<2>(); }
-TEST(EngineDrawing, TellsWhatEnginesTell3) { enginesAreDrawn<3>(); }
+TEST(EngineDrawing, ShowsWhatEnginesReport2) { enginesAreDrawn<2>(); }
+TEST(EngineDrawing, ShowsWhatEnginesReport3) { enginesAreDrawn<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::engine_drawing_test

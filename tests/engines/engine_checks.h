@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Who is checked, and small scenes: a check is a function of how a simulation starts, so that it can be asked of every
-// engine, of our own world, and of a planted twin.
+// The tested engines, and small scenes. A check is a function of how a simulation starts, so it runs on every engine,
+// on our own world, and on planted adapters.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ struct Named {
   Start<D> start;
 };
 
-// Those that this build and this precision have.
+// The engines that this build and this precision have.
 template <int D>
 std::vector<Named<D>> engines() {
   std::vector<Named<D>> out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Engines of other people's through Simulation: what a first physics course knows must come out of each of them, with
-// the masses, the friction and the restitution that the scene says. A check that passes here fails on its planted twin.
+// External engines through Simulation. Each must give the results of a first physics course with the scene's masses,
+// friction and restitution. Each check fails for its planted adapter.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -13,20 +13,20 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 
-// --- checks: true of a right adapter ---------------------------------------------------------------------------------
+// --- checks: hold for a correct adapter ------------------------------------------------------------------------------
 
 template <int D>
 bool falls(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
   const Handle ball = s->add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(1, 30)));
   run(*s, 2);
-  const double n = 120, dt = double(kDt);  // semi-implicit Euler, as all of them integrate
+  const double n = 120, dt = double(kDt);  // semi-implicit Euler, the integrator of all engines
   return near(double(s->bodies().motion[0].v[1]), -kG * n * dt, 1e-4) &&
          near(double(s->pose(ball).p[1]), 30 - kG * dt * dt * n * (n + 1) / 2, 1e-3) &&
          near(double(s->pose(ball).p[0]), 1, 1e-6);
 }
 
-// One ball at rest, and one that takes a third of gravity, which begins after a second.
+// One ball at rest, and one with a third of gravity. Gravity begins after a second.
 template <int D>
 bool fallsLater(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
@@ -42,7 +42,7 @@ bool fallsLater(const Start<D>& start) {
          s->settings().gravity == at<D>(3, -kG);
 }
 
-// Two balls meet head on with pair restitution e = (1 + 0.5) / 2.
+// Two balls collide head on with the pair's restitution e = (1 + 0.5) / 2.
 template <int D>
 bool collides(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
@@ -59,8 +59,8 @@ bool collides(const Start<D>& start) {
          near(double(s->bodies().motion[1].v[0]), mean + e * u * m1 / (m1 + m2), 2e-3);
 }
 
-// A block on a slope of 26.6 degrees (gravity is turned, not the ground), mu = sqrt(0.9 * 0.4) = 0.6: it stays. At
-// sqrt(0.9 * 0.1) = 0.3 it slides by g (sin - mu cos).
+// A block on a slope of 26.6 degrees (gravity is turned, not the ground) stays at mu = sqrt(0.9 * 0.4) = 0.6. At
+// sqrt(0.9 * 0.1) = 0.3 it slides with g (sin - mu cos).
 template <int D>
 bool slides(const Start<D>& start) {
   const double angle = std::atan(0.5);
@@ -77,7 +77,7 @@ bool slides(const Start<D>& start) {
   return near(way(0.6), 0, 0.02) && near(way(0.3), a * 2 * 2 / 2, 0.03 * 2 * a);
 }
 
-// Every rule of mixing, of friction down a slope of 45 degrees and of restitution head on.
+// Every rule of mixing: for friction down a slope of 45 degrees, for restitution head on.
 template <int D>
 bool mixes(const Start<D>& start) {
   const double half = std::sqrt(0.5);
@@ -104,7 +104,7 @@ bool mixes(const Start<D>& start) {
   return all;
 }
 
-// A flat block holds on a slope of 85.2 degrees, of 12 in 1, at a friction of 20.
+// A flat block holds on a slope of 85.2 degrees (12 in 1) with a friction of 20.
 template <int D>
 bool sticks(const Start<D>& start) {
   const double angle = std::atan(12.0);
@@ -116,7 +116,7 @@ bool sticks(const Start<D>& start) {
   s->add(floor);
   const Handle h = s->add(block);
   run(*s, 1);
-  return near(double(s->pose(h).p[0]), 0, 0.1);  // at a friction of 10 it slides 0.8 m
+  return near(double(s->pose(h).p[0]), 0, 0.1);  // with a friction of 10 it slides 0.8 m
 }
 
 template <int D>
@@ -133,7 +133,7 @@ bool rests(const Start<D>& start) {
   return now.maxSpeed < 0.01 && PosePenetration<D>().of(*s).max < 0.02;
 }
 
-// A force that bears the ball's weight, asked once a step.
+// A force that carries the ball's weight, evaluated once a step.
 template <int D>
 struct Lift final : ForceGenerator<D> {
   Real force = 0;
@@ -152,8 +152,8 @@ bool bears(const Start<D>& start) {
   return near(double(s->pose(h).p[1]), 5, 1e-3);
 }
 
-// A force as data, of 1 Hz, acts until it is removed. It is the same for a whole step, from which a swing gains up to a
-// fifth of a percent in each.
+// A built-in spring of 1 Hz acts until it is removed. Its force is constant within a step, so the oscillation gains up
+// to 0.2 % per step.
 template <int D>
 bool swingsOnASpring(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
@@ -172,15 +172,15 @@ bool swingsOnASpring(const Start<D>& start) {
   return near(v, 0.5 * w, 0.4) && near(double(s->pose(h).p[0]), x + 0.5 * v, 0.01);
 }
 
-// An L far from its body's frame, thrown and spinning: the scene's masses conserve momentum only if the engine has
-// them.
+// An L-shaped body far from its frame's origin, thrown and spinning. Momentum computed with the scene's masses is
+// conserved only if the engine uses these masses.
 template <int D>
 bool tumbles(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
   BodyDef<D> l = body<D>(cube<D>(), at<D>(0, 0));
   l.shapes.push_back(l.shapes[0]);
   l.shapes[0].X_BS.p = at<D>(1, 1), l.shapes[1].X_BS.p = at<D>(1.5, 2);
-  if constexpr (D == 3) l.shapes[1].X_BS.p[2] = Real(0.7);  // no axis of it is a principal one
+  if constexpr (D == 3) l.shapes[1].X_BS.p[2] = Real(0.7);  // none of its axes is a principal axis
   l.velocity = at<D>(1, 2);
   l.angularVelocity = Ang<D>::Constant(Real(0.4));
   s->add(l);
@@ -209,12 +209,12 @@ bool swings(const Start<D>& start) {
   }
   s->remove(joint);
   run(*s, 2);
-  return near(lowest, -1, 0.02) && s->pose(bob).p[1] < -5;  // it fell when it was free
+  return near(lowest, -1, 0.02) && s->pose(bob).p[1] < -5;  // fell after the joint was removed
 }
 
-// --- the true ones ---------------------------------------------------------------------------------------------------
+// --- the engines -----------------------------------------------------------------------------------------------------
 
-TEST(Engines, OneIsThere) {
+TEST(Engines, AtLeastOneIsBuilt) {
   EXPECT_FALSE(Registry::instance().list(StageKind::engine, 2).empty());
   EXPECT_FALSE(Registry::instance().list(StageKind::engine, 3).empty());
   EXPECT_FALSE(engines<2>().empty() && engines<3>().empty()) << "none has its library";
@@ -259,9 +259,8 @@ void twinsAreCaught() {
 }
 TEST(Engines, PlantedAdaptersAreCaught) { twinsAreCaught<2>(), twinsAreCaught<3>(); }
 
-// Our own world passes the same checks: they ask for nothing that an engine alone has. Whether five boxes rest in 3D,
-// and how well a tumbling body keeps its momentum, depends on the resolver and the integrator: tests/known_answers has
-// these.
+// Our own world passes the same checks: they need nothing that only engines have. In 3D, resting boxes and the momentum
+// of a tumbling body depend on the resolver and the integrator: tests/known_answers tests these.
 template <int D>
 void worldPasses() {
   const Start<D> start = [](const WorldSettings<D>& s) { return std::make_unique<World<D>>(Pipeline{}, s); };
@@ -325,9 +324,9 @@ void directs() {
     EXPECT_TRUE(std::isnan(invariants<D>(*first).maxPenetration)) << "not told is not 0";
   }
 }
-TEST(Engines, DirectorAndRecorderSpeakToThem) { directs<2>(), directs<3>(); }
+TEST(Engines, DirectorAndRecorderWorkWithThem) { directs<2>(), directs<3>(); }
 
-// A push on every slot, whoever is in it.
+// A push on every slot, whether it holds a body or not.
 template <int D>
 struct Everywhere final : ForceGenerator<D> {
   void apply(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
@@ -355,7 +354,7 @@ void refuses(const std::string& name, const BodyDef<D>& def, const std::string& 
     s->step(kDt);
   }
 }
-TEST(Engines, WhatTheyLackIsRefusedAndLeavesNoTrace) {
+TEST(Engines, UnsupportedBodiesAreRefusedWithoutTrace) {
   refuses<2>("box2d", body<2>(Shape<2>::capsule(1, Real(0.5)), at<2>(0, 5)), "box2d: no shape is a capsule");
   std::vector<Vec<2>> corners;
   for (int i = 0; i < 9; ++i) corners.push_back({Real(std::cos(0.69 * i)), Real(std::sin(0.69 * i))});
@@ -366,7 +365,7 @@ TEST(Engines, WhatTheyLackIsRefusedAndLeavesNoTrace) {
   refuses<3>("bullet", odd, "one friction");
 }
 
-// Every kind that Bullet maps lies on the ground where its size says.
+// Every kind that Bullet supports lies on the ground at the height of its size.
 TEST(Engines, BulletKeepsSizes) {
   const Real sizes[] = {1, Real(0.5)};  // a cylinder's half length along x, and radius
   const std::vector<Vec<3>> corners = {{-1, -1, -1}, {1, -1, -1}, {0, -1, 1}, {0, 1, 0}};

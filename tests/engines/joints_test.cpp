@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Joints of engines: signs, zeros and units of stops, motors, springs and ropes are ours, and what an engine lacks it
-// says. Each check is asked of our own world, too, and fails on its planted twin.
+// Joints of engines. Signs, zeros and units of stops, motors, springs and ropes are LPC's; an engine refuses what it
+// lacks. Each check also runs on our own world, and fails for its planted adapter.
 #include "framework/world/invariants.h"
 #include "tests/engines/engine_checks.h"
 
@@ -14,7 +14,7 @@ template <int D>
 Rot<D> aboutZ(double angle) {
   return turned(Rot<D>{}, angle);
 }
-// The turn about z since the start, seen from the origin, of a point that began on the x axis; within half a turn.
+// The rotation about z, seen from the origin, of a point that began on the x axis; within half a turn.
 template <int D>
 double angleOfPlace(const Simulation<D>& s, Handle h) {
   return std::atan2(double(s.pose(h).p[1]), double(s.pose(h).p[0]));
@@ -33,7 +33,7 @@ BodyDef<D> ball(const Vec<D>& p) {
 
 // --- checks ----------------------------------------------------------------------------------------------------------
 
-// An arm of the world falls onto its lower stop, and onto its upper one where gravity points up.
+// An arm hinged to the world falls onto its lower stop, or onto its upper one if gravity points up.
 template <int D>
 bool stops(const Start<D>& start) {
   for (const bool up : {false, true}) {
@@ -46,7 +46,7 @@ bool stops(const Start<D>& start) {
   return true;
 }
 
-// Bodies and frames all lie askew: B's frame is 0.5 rad ahead of A's at the start, and may fall back to 0.2.
+// Bodies and frames are all rotated: B's frame starts 0.5 rad ahead of A's and may fall back to 0.2.
 template <int D>
 bool stopsFromZero(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -60,7 +60,7 @@ bool stopsFromZero(const Start<D>& start) {
   return near(angleOfPlace(*s, b), -0.3, 0.02);
 }
 
-// Two free cubes: a strong motor turns B against A at its speed, and the pair's momentum stays nothing. A weak one
+// Two free cubes: a strong motor turns B relative to A at its speed, and the total momentum stays zero. A weak motor
 // gives its torque and no more.
 template <int D>
 bool drives(const Start<D>& start) {
@@ -74,13 +74,13 @@ bool drives(const Start<D>& start) {
     if (!near(relative, speed, 0.02) || stateInvariants<D>(*s).momentum.norm() > 0.01) return false;
   }
   const auto s = start(gravity<D>(0, 0));
-  const Handle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0)));  // of 1/6 kg m^2
+  const Handle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0)));  // 1/6 kg m^2
   s->add(joint<D>("hinge{motor_speed=1000,motor_torque=0.05}", Handle{}, wheel));
   run(*s, 1);
   return near(double(s->bodies().motion[0].w[kAngDim<D> - 1]), 0.05 * 6, 0.005);
 }
 
-// A small swing about an axis that leans by 30 degrees in 3D: 2 pi sqrt(I / (m g cos(lean) l)).
+// A small swing about an axis tilted by 30 degrees in 3D: 2 pi sqrt(I / (m g cos(lean) l)).
 template <int D>
 bool keepsTime(const Start<D>& start) {
   const double lean = D == 3 ? kPi / 6 : 0, amplitude = 0.2, inertia = 1 + (D == 2 ? 0.5 : 0.4) * 0.25 * 0.25;
@@ -109,7 +109,7 @@ bool keepsTime(const Start<D>& start) {
   return false;
 }
 
-// Three cubes in a row, each turned otherwise, welded to the world at one end; and two that tumble as one.
+// Three cubes in a row with different rotations, welded to the world at one end; and two that tumble as one.
 template <int D>
 bool welds(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -142,7 +142,7 @@ JointDef<D> hanging(const std::string& kind, Handle b, double hook, double end) 
   def.X_WJb = Pose<D>{at<D>(0, end), {}};
   return def;
 }
-// 1 m below its hook, by 2 m of rope: it falls freely, and then hangs.
+// 1 m below its hook, on 2 m of rope: it falls freely, and then hangs.
 template <int D>
 bool ropes(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -174,8 +174,8 @@ bool rods(const Start<D>& start) {
   }
   return off < 0.02 && near(lowest, -1, 0.03);
 }
-// A damped spring, k = 50 N/m, c = 4 N s/m, 1 kg: its first swing reaches (1 + exp(-pi z / sqrt(1 - z^2))) m g / k,
-// with z = c / (2 sqrt(k m)), and it comes to rest m g / k below its length.
+// A damped spring, k = 50 N/m, c = 4 N s/m, 1 kg. The first swing reaches (1 + exp(-pi z / sqrt(1 - z^2))) m g / k,
+// with z = c / (2 sqrt(k m)). The ball comes to rest m g / k below the rest length.
 template <int D>
 bool springs(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -191,7 +191,7 @@ bool springs(const Start<D>& start) {
          near(lowest, -1 - sag * (1 + std::exp(-kPi * z / std::sqrt(1 - z * z))), 0.01);
 }
 
-// Hangs by `kind`, which holds `share` of its weight.
+// A body hangs by a joint that breaks at `share` of its weight. Returns whether it holds.
 template <int D>
 bool hangs(const Start<D>& start, const std::string& kind, double share) {
   const auto s = start(gravity<D>(0, -kG));
@@ -212,17 +212,17 @@ bool breaks(const Start<D>& start, std::initializer_list<const char*> kinds) {
   for (const char* kind : kinds) {
     if (!hangs<D>(start, kind, 1.1) || hangs<D>(start, kind, 0.9)) return false;
   }
-  // A weld that carries a lever: the force is within its limit, the torque is not.
+  // A weld with a lever: the force is within its limit, the torque is not.
   for (const double share : {0.8, 1.2}) {
     const auto s = start(gravity<D>(0, -kG));
-    const Handle h = s->add(body<D>(cube<D>(), at<D>(0.5, 0)));  // of 1 kg
+    const Handle h = s->add(body<D>(cube<D>(), at<D>(0.5, 0)));  // 1 kg
     JointDef<D> def = joint<D>("weld", Handle{}, h);
     def.breakTorque = Real(share * 0.5 * kG);
     s->add(def);
     run(*s, 0.5);
     if (bool(s->joints()[0].broken) != (share < 1)) return false;
   }
-  // A hinge turns freely, however far its body's centre is from it and however it hurries.
+  // A hinge has no torque about its axis, at any distance of the body's centre and any speed.
   const auto s = start(gravity<D>(0, -kG));
   const Handle h = s->add(ball<D>(at<D>(2, 0)));
   JointDef<D> def = joint<D>("hinge", Handle{}, h);
@@ -242,7 +242,7 @@ bool breaksDistances(const Start<2>& start) {
   return breaks<2>(start, {"distance", "distance{mode=rope}", "distance{mode=spring,stiffness=100000,damping=1000}"});
 }
 
-// A scene without the feature has no joints, whatever it says; nor does it ask for what an engine lacks.
+// With the feature off, a scene has no joints, and does not need what an engine lacks.
 template <int D>
 bool switchesOff(const Start<D>& start, const std::string& kind) {
   WorldSettings<D> settings = gravity<D>(0, -kG);
@@ -264,7 +264,7 @@ bool switchesAllOff(const Start<D>& start) {
   return switchesOff<D>(start, "hinge") && switchesOff<D>(start, "hinge{stiffness=5}");
 }
 
-// A ball on an arm swings down past the side of a cube: through it, or against it.
+// A ball on an arm swings down past the side of a cube: through the cube, or against it.
 template <int D>
 double swingsTo(const Start<D>& start, bool collide) {
   const auto s = start(gravity<D>(0, -kG));
@@ -284,7 +284,7 @@ template <int D>
 bool passes(const Start<D>& start) {
   return swingsTo<D>(start, false) < 0 && swingsTo<D>(start, true) > 0.6;
 }
-// Two that lay on each other are joined: from now on they pass, and when the joint goes they touch again.
+// A joint between touching bodies stops their collision; when it is removed they collide again.
 template <int D>
 bool partsWhatTouched(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -302,7 +302,7 @@ bool partsWhatTouched(const Start<D>& start) {
   return near(double(again->pose(high).p[1]), 0.5, 0.03);
 }
 
-// --- who passes ------------------------------------------------------------------------------------------------------
+// --- tested engines --------------------------------------------------------------------------------------------------
 
 TEST(EngineJoints, HingesStopWhereOursDo) {
   everywhere("stops", stops<2>, stops<3>);
@@ -318,7 +318,7 @@ TEST(EngineJoints, BreakAtTheirForceAndTorque) {
   everywhere("breaks", breaksAll<2>, breaksAll<3>);
   everyEngine<2>("breaks", breaksDistances);
 }
-TEST(EngineJoints, AreNotThereWhereAWorldHasNone) { everywhere("switchesOff", switchesAllOff<2>, switchesAllOff<3>); }
+TEST(EngineJoints, AreOffWhenTheFeatureIsOff) { everywhere("switchesOff", switchesAllOff<2>, switchesAllOff<3>); }
 TEST(EngineJoints, LetTheirBodiesPassOrCollide) {
   everywhere("passes", passes<2>, passes<3>);
   everywhere("partsWhatTouched", partsWhatTouched<2>, partsWhatTouched<3>);
@@ -361,14 +361,14 @@ TEST(EngineJoints, PlantedAdaptersAreCaught) {
   }
 }
 
-// Whole turns are counted: the stop is one turn and a bit away, and no error is seen on the way.
+// Whole turns are counted: the stop is more than one turn away, and no joint error is reported on the way.
 template <int D>
 bool countsTurns(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
   const Handle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0)));
   s->add(joint<D>("hinge{upper=7,motor_speed=4,motor_torque=5}", Handle{}, wheel));
   for (int i = 0; i < 180; ++i) {
-    if (i == 60) s->setPose(wheel, s->pose(wheel));  // at 3.7 rad: which turn it is in is not asked of the pose
+    if (i == 60) s->setPose(wheel, s->pose(wheel));  // at 3.7 rad: setting the pose must not lose the count of turns
     s->step(kDt);
   }
   return near(double(turnOf(s->pose(wheel).q)[kAngDim<D> - 1]), 7 - 2 * kPi, 0.02) &&
@@ -398,7 +398,7 @@ void refuses(const std::string& name, const JointDef<D>& def, const std::string&
     s->remove(mine.bodyB);
   }
 }
-TEST(EngineJoints, WhatTheyLackIsRefusedAndLeavesNoTrace) {
+TEST(EngineJoints, UnsupportedJointsAreRefusedWithoutTrace) {
   const auto far = [](const std::string& kind, auto place) {
     auto def = joint(kind, Handle{}, Handle{}, place);
     def.X_WJb = decltype(def.X_WJ){};

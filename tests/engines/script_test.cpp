@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// What a script does to bodies between steps, in engines as in our worlds.
+// Actions of a script on bodies between steps, in engines as in our worlds.
 #include "framework/world/invariants.h"
 #include "tests/engines/engine_checks.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace engine_script_test { namespace {
 
-// A cube of 2 kg whose frame is not at its centre.
+// A cube of 2 kg with its frame off its centre.
 template <int D>
 BodyDef<D> block() {
   BodyDef<D> def = body<D>(cube<D>(), at<D>(0, 0));
@@ -23,8 +23,8 @@ const Motion<D>& motion(const Simulation<D>& s, Handle h) {
   return s.bodies().motion[static_cast<std::size_t>(h.slot)];
 }
 
-// 3 N for 12 steps, along a line half a metre beside the centre of mass: v = F t / m, w = r F t / I; then nothing. A
-// torque of 0.5 N m gives T t / I.
+// 3 N for 12 steps, along a line half a metre from the centre of mass: v = F t / m, w = r F t / I; no change
+// afterwards. A torque of 0.5 N m gives T t / I.
 template <int D>
 bool forces(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
@@ -50,7 +50,7 @@ bool forces(const Start<D>& start) {
          near(double(motion(*other, b).v.norm()), 0, 1e-5);
 }
 
-// Twice in one step is twice as much; what was for a body that is gone is not for the one in its place.
+// Two forces in one step add up. A force on a removed body does not act on the body that reuses its slot.
 template <int D>
 bool forcesAddUp(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
@@ -65,7 +65,7 @@ bool forcesAddUp(const Start<D>& start) {
   return near(double(motion(*s, h).v[0]), 6.0 / 2 / 60, 1e-4);
 }
 
-// Velocities of the centre of mass; a body that is pinned or may not turn keeps to that.
+// Velocities are those of the centre of mass. A body that may not turn does not turn.
 template <int D>
 bool moves(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
@@ -82,7 +82,7 @@ bool moves(const Start<D>& start) {
          near(double(s->pose(rigid).p[0]), 0.5, 0.01) && turnOf(s->pose(rigid).q).norm() < 1e-5;
 }
 
-// At once, for good, and of what can move: v = J / m, w = L / I.
+// Impulses act immediately and permanently, on bodies that can move: v = J / m, w = L / I.
 template <int D>
 bool blows(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
@@ -102,8 +102,8 @@ bool blows(const Start<D>& start) {
   return all() && near(double((s->pose(h) * at<D>(0.25, 0))[1]), 0.75, 0.01);
 }
 
-// A kinematic lift carries a box up at the velocity that it came with, and along when it is given another, by friction;
-// alone it turns as it is told.
+// A kinematic lift carries a box up at its initial velocity, and sideways by friction when its velocity changes.
+// Without a load it turns at the angular velocity given.
 template <int D>
 bool carries(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -127,7 +127,7 @@ bool carries(const Start<D>& start) {
   return near(double(turnOf(s->pose(lift).q)[kAngDim<D> - 1]), 1, 1e-3);
 }
 
-// A radian in one step.
+// One radian in one step.
 template <int D>
 bool spins(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
@@ -139,7 +139,7 @@ bool spins(const Start<D>& start) {
   return near(double(turnOf(s->pose(wheel).q)[kAngDim<D> - 1]), 1, 1e-3);
 }
 
-// A lift that is put 2 cm higher has no velocity for that: its load is pushed out, not thrown.
+// Moving a lift up by 2 cm gives it no velocity: its load is pushed out, not thrown.
 template <int D>
 bool placesGently(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -156,7 +156,7 @@ bool placesGently(const Start<D>& start) {
   return fastest < 0.5 && near(double(s->pose(box).p[1]), 0.52, 0.02);
 }
 
-// A body is lifted, turned and let fall again, and the ground that it would land on is taken half a metre down.
+// A body is lifted, turned and dropped again, while the ground below is moved down by half a metre.
 template <int D>
 bool places(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -179,7 +179,7 @@ TEST(EngineScripts, ForcesActWhereTheyAreApplied) {
   everywhere("forcesAddUp", forcesAddUp<2>, forcesAddUp<3>);
 }
 TEST(EngineScripts, VelocitiesAreSet) { everywhere("moves", moves<2>, moves<3>); }
-TEST(EngineScripts, BlowsChangeVelocities) { everywhere("blows", blows<2>, blows<3>); }
+TEST(EngineScripts, ImpulsesChangeVelocities) { everywhere("blows", blows<2>, blows<3>); }
 TEST(EngineScripts, LiftsCarry) {
   everywhere("carries", carries<2>, carries<3>);
   everywhere("placesGently", placesGently<2>, placesGently<3>);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Kinds of force with a formula. Springs and drag are in the files of what they are for.
+// Kinds of force with a formula. Springs and drag are tested in the files of their scenes.
 #include "framework/world/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
@@ -8,7 +8,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace forc
 constexpr Real kDt = Real(1) / 60;
 const char* const kSolvers[] = {"split_solver", "soft_step", "avbd"};
 
-// A lever of c times the weight against the rolling: a = c g / (r (1 + k)), k = I / (m r^2), until it rests.
+// A lever of c times the weight resists rolling: a = c g / (r (1 + k)), k = I / (m r^2), until the body rests.
 template <int D>
 void rollingStop() {
   const double c = 0.01, r = 0.5, v = 1, k = D == 2 ? 0.5 : 0.4, a = c * kG / (r * (1 + k));
@@ -36,7 +36,7 @@ void rollingStop() {
 }
 TEST_F(KnownAnswer, rolling_stop) { rollingStop<2>(), rollingStop<3>(); }
 
-// Two bodies alone, of 1 and 3 kg in a circle about their centre: w^2 = G (m + M) / d^3.
+// Two isolated bodies of 1 and 3 kg on a circle about their centre of mass: w^2 = G (m + M) / d^3.
 TEST_F(KnownAnswer, two_body_circle) {
   const double m = 1, heavy = 3, d = 2, strength = 4, w = std::sqrt(strength * (m + heavy) / (d * d * d));
   for (const char* solver : {"split_solver", "split_solver{integrator=rk4}", "soft_step"}) {
@@ -65,7 +65,7 @@ TEST_F(KnownAnswer, two_body_circle) {
   }
 }
 
-// A motor of T turns a body by T t / I until it has its speed, and the other one back: L stays.
+// A motor of torque T accelerates a body to T t / I until the target speed, and the other body backwards: L stays.
 template <int D>
 void motorSpeed() {
   const double torque = 0.5, speed = 6;
@@ -85,7 +85,7 @@ void motorSpeed() {
 }
 TEST_F(KnownAnswer, motor_speed) { motorSpeed<2>(), motorSpeed<3>(); }
 
-// In wind of W and under g: by linear drag W along and m g / a down, from rest as 1 - e^(-a t / m).
+// In wind W with linear drag a, under g: terminal speeds W along and m g / a down, from rest as 1 - e^(-a t / m).
 TEST_F(KnownAnswer, wind_speed) {
   const double a = 2, wind = 5;
   for (const char* solver : kSolvers) {

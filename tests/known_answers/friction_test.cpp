@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// Slopes, sliding and rolling against the formulas of a first physics course. The slope is made by turning gravity, so
-// that its heading can be turned against the axes: a friction pyramid would show.
+// Slopes, sliding and rolling against the formulas of a first physics course. Gravity is turned instead of the slope.
+// So the heading can be turned against the axes, which would show a friction pyramid.
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace friction_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
-// What rests on contacts may differ by method; these accumulate and hold to Coulomb's law.
+// Forces of rest may differ by method; these methods accumulate and obey Coulomb's law.
 const std::vector<Methods> kAccumulating =
     andOthers({{"split_solver, any position resolver",
                 {"split_solver", "split_solver{position=none}", "split_solver{position=linear}",
@@ -44,11 +44,11 @@ struct Slide {
   }
   double along(double heading) const { return double(world.pose(body).p.dot(direction(heading))); }
   double speed(double heading) const { return double(world.motion(body).v.dot(direction(heading))); }
-  /// What of the speed is not along the heading.
+  /// Speed perpendicular to the heading.
   double aside(double heading) const {
     return double((world.motion(body).v - Real(speed(heading)) * direction(heading)).norm());
   }
-  /// Speed of the lowest point of a ball of that radius over the ground.
+  /// Speed over the ground of the lowest point of a ball with this radius.
   double slip(double radius) const {
     const Motion<D> m = world.motion(body);
     Vec<D> v = m.v + cross(m.w, at<D>(0, -radius));
@@ -69,7 +69,7 @@ std::vector<double> headings() {
   return {0, 15, 30, 45};
 }
 
-// a = g (sin - mu cos) at 30 degrees and mu 0.3, straight down the slope whatever its heading.
+// a = g (sin - mu cos) at 30 degrees and mu 0.3, straight down the slope for any heading.
 struct Sliding {
   double speed, aside, way;
 };
@@ -101,10 +101,10 @@ void slides() {
 }
 TEST_F(KnownAnswer, slope_slide_acceleration) { slides<2>(), slides<3>(); }
 
-// What slides freely with v at an angle to the tangents stops after v^2 / (2 mu g) straight ahead; under a friction
-// pyramid each component stops by itself after its own v_i^2 / (2 mu g): at 45 degrees sqrt(2) too soon, elsewhere also
-// off the line. A point that does not turn, so that nothing tips. Steps of dt leave v dt / 2 out of each.
-TEST(Friction, APyramidTurnsWhatSlidesAndAConeDoesNot) {
+// A body sliding at v at an angle to the tangents stops straight ahead after v^2 / (2 mu g). Under a friction pyramid
+// each component stops on its own after v_i^2 / (2 mu g): at 45 degrees too early by sqrt(2), at other angles also off
+// the line. The body cannot turn, so it does not tip. A step of dt shortens each distance by v dt / 2.
+TEST(Friction, APyramidDeflectsSlidingBodiesAConeDoesNot) {
   constexpr double kSpeed = 4, kMu = 0.3, kFull = kSpeed * kSpeed / (2 * kMu * kG);
   for (const double heading : {0., 30., 45.}) {
     const double c = std::cos(heading * kDegree), s = std::sin(heading * kDegree);
@@ -120,7 +120,7 @@ TEST(Friction, APyramidTurnsWhatSlidesAndAConeDoesNot) {
   }
 }
 
-// Who says in info().failures that boxes do not slide straight must be seen to fail; a new resolver must not.
+// A failure to slide boxes straight must be declared in info().failures; a declared failure must be observed.
 TEST(Slope, SlidesOrSaysThatItDoesNot) {
   for (const Registered* r : Registry::instance().list(StageKind::velocity, 3)) {
     if (r->info.role != AlgorithmRole::competitor) continue;
@@ -131,7 +131,7 @@ TEST(Slope, SlidesOrSaysThatItDoesNot) {
   }
 }
 
-// mu 0.7 > tan 30: it stays where it has settled, for ten seconds.
+// mu 0.7 > tan 30: the box stays where it has settled, for ten seconds.
 template <int D>
 void holds() {
   for (const Methods& methods : kAccumulating) {
@@ -150,7 +150,7 @@ void holds() {
 }
 TEST_F(KnownAnswer, slope_hold) { holds<2>(), holds<3>(); }
 
-// How far it goes on 0.9 of the critical slope in five seconds, m.
+// Creep in five seconds at 0.9 of the critical slope, m.
 template <int D>
 double creepOnSlope(const std::string& solver) {
   Slide<D> s(solver, std::atan(0.45) / kDegree, 0, 0.5, lowBox<D>(), 0.2);
@@ -158,7 +158,7 @@ double creepOnSlope(const std::string& solver) {
   return std::abs(s.along(0));
 }
 
-// Every solver with every part; who says in info().failures that it creeps must, in the plane or in space.
+// Every solver with every part; a solver that declares in info().failures that it creeps must creep in 2D or 3D.
 TEST(Slope, HoldsOrSaysThatItDoesNot) {
   EXPECT_EQ(everySolver<2>(), everySolver<3>());
   for (const std::string& solver : everySolver<3>()) {
@@ -192,7 +192,7 @@ void slips() {
 }
 TEST_F(KnownAnswer, slope_slip_threshold) { slips<2>(), slips<3>(); }
 
-// d = v^2 / (2 mu g), and v dt / 2 less by semi-implicit Euler; t = v / (mu g). It does not turn while it stops.
+// d = v^2 / (2 mu g), less v dt / 2 by semi-implicit Euler; t = v / (mu g). The box does not turn while it stops.
 template <int D>
 void stops() {
   const double speed = 5, mu = 0.5, distance = speed * speed / (2 * mu * kG), time = speed / (mu * kG);
@@ -217,14 +217,14 @@ void stops() {
 }
 TEST_F(KnownAnswer, flat_stop) { stops<2>(), stops<3>(); }
 
-// A body that rolls like radius 0.5: an outer shape without mass, and masses that touch nothing, `arm` from the centre
-// on each axis, so small that I = k m r^2 holds by the choice of `arm`.
+// A body that rolls with radius 0.5: an outer shape without mass, and small masses without contacts, at `arm` from the
+// centre on each axis. I = k m r^2 holds by the choice of `arm`.
 template <int D>
 BodyDef<D> hollow(double k) {
   const double r = 0.5, small = 0.05;
   BodyDef<D> def = body<D>(Shape<D>::sphere(Real(r)), at<D>(0, r));
   def.shapes[0].density = 0;
-  // 2D: I / m = arm^2 + small^2 / 2. 3D: of six balls four are off each axis, I / m = 2/3 arm^2 + 2/5 small^2.
+  // 2D: I / m = arm^2 + small^2 / 2. 3D: four of the six balls lie off each axis, I / m = 2/3 arm^2 + 2/5 small^2.
   const double own = small * small * (D == 2 ? 0.5 : 0.4);
   const double arm = std::sqrt((k * r * r - own) * (D == 2 ? 1 : 1.5));
   for (int axis = 0; axis < D; ++axis) {
@@ -263,7 +263,7 @@ TEST_F(KnownAnswer, roll_slope) {
   measure("thin shell, 3D", 2.0 / 3, hollow<3>(2.0 / 3));
 }
 
-// It rolls without slip if and only if mu >= tan k / (1 + k).
+// A body rolls without slip if and only if mu >= tan k / (1 + k).
 TEST_F(KnownAnswer, roll_slip_threshold) {
   const auto measure = [&]<int D>(const std::string& what, double k, const BodyDef<D>& def) {
     const double expected = std::tan(30 * kDegree) * k / (1 + k);
@@ -312,8 +312,8 @@ void bowls() {
 }
 TEST_F(KnownAnswer, bowling_slide_to_roll) { bowls<2>(), bowls<3>(); }
 
-// A box of width 0.4 and height 1 topples from tan(angle) = 0.4 on; on a steeper slope, where it slides at any mu below
-// tan(angle), if and only if mu > 0.4.
+// A box of width 0.4 and height 1 topples from tan(angle) = 0.4 on. On a steeper slope it slides at any mu below
+// tan(angle); there it topples if and only if mu > 0.4.
 template <int D>
 void topples() {
   Vec<D> half = Vec<D>::Constant(Real(0.2));
@@ -335,7 +335,7 @@ void topples() {
 }
 TEST_F(KnownAnswer, topple_slope) { topples<2>(), topples<3>(); }
 
-// Euler's disk in its steady spin: its centre rests, its point of contact goes round by W, and as nothing slips, w lies
+// Euler's disk in its steady spin: its centre rests and its point of contact goes round at W. Without slip, w lies
 // along the line to that point. For half a thickness h: W^2 sin a (I1 cos a - I3 h / R sin a) = m g (R cos a - h sin
 // a).
 double diskRate(double radius, double half, double alpha) {
@@ -354,7 +354,7 @@ TEST_F(KnownAnswer, euler_disk) {
     const Real sizes[2] = {Real(half), Real(radius)};
     BodyDef<3> def = body<3>(Shape<3>::curved(ShapeKind::cylinder, sizes), at<3>(0, radius * s + half * c));
     table.shapes[0].friction = def.shapes[0].friction = 1;
-    def.X_WB.q = Rot<3>::vector({0, 0, Real(kPi / 2 - alpha)});  // its axis is its x; the lowest point is towards +x
+    def.X_WB.q = Rot<3>::vector({0, 0, Real(kPi / 2 - alpha)});  // its axis is its x; its lowest point is towards +x
     def.angularVelocity = at<3>(turn * (c - half / radius * s), -turn * (s + half / radius * c));
     world.add(table);
     const Handle disk = world.add(def);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Where laws of restitution differ: balls that touch, e that is not the same everywhere, an oblique rod with friction.
+// Where laws of restitution differ: touching balls, unequal e, an oblique rod with friction.
 #include <array>
 
 #include "framework/shape/mass.h"
@@ -10,7 +10,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace impa
 constexpr Real kDt = Real(1) / 60;
 using Velocities = std::vector<double>;
 
-/// Balls of 1 m and 1 kg in a row, `gap` apart, of which the first `arriving` have 1 m/s, after `time`.
+/// Balls of 1 m and 1 kg in a row, `gap` apart, after `time`. The first `arriving` balls start at 1 m/s.
 template <int D>
 Velocities row(const std::string& solver, const std::vector<double>& restitution, int arriving, double gap, Real dt,
                double time) {
@@ -33,10 +33,10 @@ double distance(const Velocities& a, const Velocities& b) {
   return std::sqrt(squares);
 }
 
-// As many balls leave as arrive, when blows are handed on. At once, one against four: all contacts but the first keep
-// their velocity 0, so that balls 1 to 4 move as one; e = 1 sends the first back from a mass of 4 with -3/5, and
-// momentum and energy leave 2/5 for the others. Poisson's impulses of compression, 4/5, 3/5, 2/5 and 1/5, lead to the
-// common velocity 1/5, and as much again to the same end.
+// Sequential impacts: as many balls leave as arrive. Simultaneous impacts: one ball against four. All contacts but the
+// first have velocity 0 and keep it, so balls 1 to 4 move as one. With e = 1 the first ball returns from a mass of 4
+// with -3/5; momentum and energy leave 2/5 for the others. Poisson's impulses of compression, 4/5, 3/5, 2/5 and 1/5,
+// give the common velocity 1/5; the same impulses again give the same result.
 TEST_F(KnownAnswer, newton_cradle_touching) {
   const Velocities elastic(5, 1);
   for (const int k : {1, 2, 3}) {
@@ -62,8 +62,8 @@ TEST_F(KnownAnswer, newton_cradle_touching) {
   known("k = 1, at once: norm of the error over v", newton, 0, worst);
 }
 
-// A gap of a thousandth of a ball makes one impact after another of them, and all laws are the same: if steps are
-// shorter than the gap.
+// With gaps of a thousandth of a ball the impacts occur one after another, and all laws agree if steps are shorter than
+// the gap.
 TEST_F(KnownAnswer, newton_cradle_gaps) {
   for (const int k : {1, 2, 3}) {
     Velocities leave(5, 0);
@@ -79,11 +79,11 @@ TEST_F(KnownAnswer, newton_cradle_gaps) {
   }
 }
 
-// Three balls that touch, 1 m/s arrives; the middle one and the first have e = 0, the last e = 1, so that the contacts
-// have e = 0 and 1/2. Newton: both contacts end with the velocity -e v = 0 at e = 0 and, since the second did not
-// approach, 0: all have 1/3. Poisson: compression also ends with 1/3, by the impulses 2/3 and 1/3; the second contact
-// gives back 1/6: 1/3, 1/6, 1/2; now the first approaches, and stops: 1/4, 1/4, 1/2. Sequential: 1/2, 1/2, 0; then
-// 1/2, 1/8, 3/8; then 5/16, 5/16, 3/8, which part.
+// Three touching balls, 1 m/s arrives. The middle ball and the first have e = 0, the last e = 1, so the contacts have e
+// = 0 and 1/2. Newton: both contacts end with velocity 0, the first by e = 0, the second because it did not approach:
+// all have 1/3. Poisson: compression also ends with 1/3, by the impulses 2/3 and 1/3. The second contact gives back
+// 1/6: 1/3, 1/6, 1/2. Now the first approaches and stops: 1/4, 1/4, 1/2. Sequential: 1/2, 1/2, 0; then 1/2, 1/8, 3/8;
+// then 5/16, 5/16, 3/8, which separate.
 TEST_F(KnownAnswer, impact_unequal_restitution) {
   const std::tuple<const char*, double, double> expected[] = {
       {"newton", 1. / 3, 1. / 3}, {"poisson", 0.25, 0.5}, {"sequential", 5. / 16, 3. / 8}};
@@ -96,18 +96,18 @@ TEST_F(KnownAnswer, impact_unequal_restitution) {
   }
 }
 
-// Kane and Levinson 1985. A rod of 1 kg and 1 m at 50 degrees, whose lower end is to the left of its centre, falls on
-// that end with 1 m/s while it goes to the right with 1/2 m/s; mu = 0.7, e = 1, no gravity. With (x, y) from the centre
-// to the contact, the response (dv_n, dv_t) = G (normal, tangential impulse) at the contact is
+// Kane and Levinson 1985. A rod of 1 kg and 1 m at 50 degrees has its lower end to the left of its centre. It falls on
+// that end with 1 m/s while it moves to the right with 1/2 m/s; mu = 0.7, e = 1, no gravity. Let (x, y) lead from the
+// centre to the contact. Then the response (dv_n, dv_t) = G (normal, tangential impulse) at the contact is
 //   G = [1/m + x^2/I, -x y/I; -x y/I, 1/m + y^2/I].
-// Friction is strong enough to end sliding in each phase, which is checked, so that
+// Friction is strong enough to end sliding in each phase, which the test checks. So
 //   Newton:   impulse G^-1 ((1 + e) |v_n|, -v_t), after which v_n = e |v_n| and v_t = 0;
-//   Poisson:  compression c = G^-1 (|v_n|, -v_t) ends all motion of the contact; restitution is e c_n, and, so that
-//             it stays without sliding, -G_tn / G_tt e c_n.
-// The energy grows by (v before + v after) . impulse / 2. By Newton's law the contact slides back before the end, and
-// friction, which has stopped it once, works for the rod.
+//   Poisson:  compression c = G^-1 (|v_n|, -v_t) ends all motion of the contact; restitution is e c_n, and, to keep the
+//             contact from sliding, -G_tn / G_tt e c_n.
+// The energy grows by (v before + v after) . impulse / 2. By Newton's law the contact slides back before the impact
+// ends, and the friction that stopped it then does work on the rod.
 struct Blow {
-  double gain;    // of energy, of what it was
+  double gain;    // of energy, relative to the start
   double normal;  // velocity of the contact after it, m/s
   double omega;   // rad/s
 };

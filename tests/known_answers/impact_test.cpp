@@ -16,8 +16,8 @@ std::vector<Methods> all() {
   return andSolvers({impulsive, {"soft_step", {"soft_step"}}});
 }
 
-// v1' = ((m1 - e m2) v1 + (1 + e) m2 v2) / (m1 + m2) and so on, m 1 : 3, v 2 and -1. Returns the worst error of a
-// velocity, and of the momentum over m1.
+// v1' = ((m1 - e m2) v1 + (1 + e) m2 v2) / (m1 + m2), and likewise v2'; m 1 : 3, v 2 and -1. Returns the largest error
+// of a velocity, and of the momentum over m1.
 template <int D>
 std::array<double, 2> headOn(const std::string& solver) {
   std::array<double, 2> worst{};
@@ -83,7 +83,7 @@ TEST_F(KnownAnswer, newton_cradle_5) {
         World<2> world = worldOf<2>(solver, {0, 0});
         std::vector<Handle> balls;
         for (int i = 0; i < 5; ++i) {
-          // Gaps wider than a step's way and the margin: one impact at a time.
+          // Gaps wider than the motion of a step plus the margin: one impact at a time.
           BodyDef<2> ball = body<2>(Shape<2>::sphere(Real(0.5)), at<2>(1.1 * i - (i < arriving ? 0.5 : 0), 0));
           ball.velocity = {Real(i < arriving ? 1 : 0), 0};
           ball.shapes[0].restitution = 1;
@@ -119,8 +119,8 @@ struct Drop {
   double v() const { return double(world.motion(ball).v[1]); }
 };
 
-// Summits of bounces, h e^(2n); a step of dt blurs an impact by v dt. Bounces below the restitution threshold are none:
-// the fifth of e = 0.5 would fall from 4 mm.
+// Heights of bounces, h e^(2n); a step of dt blurs an impact by v dt. Impacts below the restitution threshold do not
+// bounce: the fifth at e = 0.5 would fall from 4 mm.
 template <int D>
 std::vector<double> summits(const std::string& solver, double e, int count, Real dt) {
   Drop<D> drop(solver, e);
@@ -154,7 +154,7 @@ TEST_F(KnownAnswer, bounce) {
   }
 }
 
-// At rest after sqrt(2 h / g) (1 + e) / (1 - e), if the ball bounces for ever; here until it has 2 cm/s.
+// A ball that bounces for ever rests after sqrt(2 h / g) (1 + e) / (1 - e); here measured until it has 2 cm/s.
 TEST_F(KnownAnswer, bounce_time) {
   WorldSettings<2> settings;
   settings.restitutionThreshold = Real(0.01);
@@ -177,7 +177,7 @@ TEST_F(KnownAnswer, bounce_time) {
   }
 }
 
-// e = 1: the energy must not rise. soft_step ends a bounce within the step that touches, and loses by it.
+// e = 1: the energy must not rise. soft_step ends a bounce within the step of contact, which loses energy.
 TEST_F(KnownAnswer, bounce_elastic_energy) {
   for (const Methods& methods : all()) {
     const std::size_t count = methods.name.starts_with("split_solver") ? 1000 : 25;

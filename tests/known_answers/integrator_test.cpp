@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Free motion: falling, springs, the tennis racket; what is conserved, what scales, and what one step can miss.
+// Free motion: falling, springs, the tennis racket; conserved quantities, scaling, and what a single step can miss.
 #include <array>
 #include <memory>
 
@@ -18,7 +18,7 @@ TEST(AnswerTable, HoldsFromBothSides) {
   EXPECT_NE(fault(nullptr, 0), "") << "a figure without a row";
 }
 
-// TearDown asks for every row of an answer that is tested; this asks for the answers.
+// TearDown requires every row of each tested answer; this test requires a test for each answer.
 TEST(AnswerTable, HasATestForEachAnswer) {
   std::set<std::string> tests;
   const testing::UnitTest& all = *testing::UnitTest::GetInstance();
@@ -33,7 +33,7 @@ TEST(AnswerTable, HasATestForEachAnswer) {
 const char* const kIntegrators[] = {"semi_implicit_euler", "explicit_euler", "rk4", "velocity_verlet"};
 std::string splitWith(const std::string& integrator) { return "split_solver{integrator=" + integrator + "}"; }
 
-// Fall of 2 s from rest: g T dt / 2 too low by semi-implicit Euler, too high by explicit, right by RK4 and Verlet.
+// Fall of 2 s from rest: semi-implicit Euler is g T dt / 2 too low, explicit Euler too high, RK4 and Verlet are exact.
 TEST_F(KnownAnswer, ballistic_integrators) {
   const double error[] = {-1, 1, 0, 0};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -44,7 +44,7 @@ TEST_F(KnownAnswer, ballistic_integrators) {
   }
 }
 
-// A mass on a spring of 1 Hz with a long rest length, pulled out by x.
+// A mass on a spring of 1 Hz with a long rest length, extended by x.
 struct Oscillator {
   World<2> world;
   Handle body;
@@ -63,8 +63,8 @@ struct Oscillator {
   double v() const { return double(world.motion(body).v[0]); }
 };
 
-// Semi-implicit Euler and Verlet hold up to w dt = 2, the former with period pi dt / asin(w dt / 2); explicit Euler
-// grows by sqrt(1 + (w dt)^2) a step.
+// Semi-implicit Euler and Verlet are stable up to w dt = 2, the former with period pi dt / asin(w dt / 2). Explicit
+// Euler grows by sqrt(1 + (w dt)^2) a step.
 TEST_F(KnownAnswer, spring_stability) {
   const double w = 2 * kPi;
   for (const char* integrator : {"semi_implicit_euler", "velocity_verlet"}) {
@@ -116,8 +116,8 @@ TEST_F(KnownAnswer, spring_damped) {
   }
 }
 
-// Spun about the middle axis, a body flips twice in 4 K(m) / r. Inertia 1 : 2 : 3 would be flat: 1.0004 : 2.0004 : 3 -
-// 0.0004 or so, taken as the world made it.
+// Spun about the middle axis, a body flips twice in 4 K(m) / r. A body with inertia 1 : 2 : 3 would be flat, so it is
+// 1.0004 : 2.0004 : 3 - 0.0004 or so, as computed by the world.
 TEST_F(KnownAnswer, dzhanibekov) {
   for (const char* integrator : {"rk4", "velocity_verlet", "implicit_gyroscopic"}) {
     World<3> world = worldOf<3>(splitWith(integrator), {0, 0, 0});
@@ -154,7 +154,7 @@ TEST_F(KnownAnswer, dzhanibekov) {
     const double first = flip(100);
     known("period, s", integrator, period, flip(100) - first);
     tell("");
-    if (!kDouble) continue;  // a flip follows the axis for as long as the rounding error takes to grow
+    if (!kDouble) continue;  // later flips depend on the rounding error
     double last = 0;
     for (int i = 1; i < 10; ++i) last = flip(1000);
     known("mean period of 20 flips, s", integrator, period, (last - first) / 10);
@@ -163,7 +163,7 @@ TEST_F(KnownAnswer, dzhanibekov) {
 }
 
 // A thin rod of 100 rad/s, 1.7 rad a step, at an angle to its axis, for a second. Without the gyroscopic term it keeps
-// its energy and the size of its angular momentum, but not the direction; backward Euler loses both.
+// its energy and the size of its angular momentum, but not the direction. Backward Euler loses both.
 TEST_F(KnownAnswer, fast_rod) {
   for (const char* integrator : {"semi_implicit_euler", "implicit_gyroscopic"}) {
     World<3> world = worldOf<3>(splitWith(integrator), {0, 0, 0});
@@ -183,8 +183,8 @@ TEST_F(KnownAnswer, fast_rod) {
   }
 }
 
-// A ball of radius 0.05 flies at a wall 0.02 thick: a step of v dt > w + 2 r may miss it. The share of start phases
-// from which no step comes to touch it is 1 - (w + 2 r) / (v dt).
+// A ball of radius 0.05 flies at a wall 0.02 thick: a step of v dt > w + 2 r may miss it. For a share 1 - (w + 2 r) /
+// (v dt) of start phases no step touches the wall.
 TEST_F(KnownAnswer, tunnelling_threshold) {
   const double r = 0.05, w = 0.02, dt = 1.0 / 60, threshold = (w + 2 * r) / dt;
   for (double factor : {0.9, 1.1, 2.0, 10.0}) {
@@ -211,7 +211,7 @@ TEST_F(KnownAnswer, tunnelling_threshold) {
   }
 }
 
-// A row of dominoes, knocked over; then all lengths x 4 and all times x 2: the wave runs twice as fast.
+// A row of dominoes is knocked over; then again with all lengths x 4 and all times x 2: the wave is twice as fast.
 double dominoSpeed(const std::string& solver, double scale) {
   WorldSettings<2> settings;
   settings.margin = Real(double(kContactMargin) * scale);
@@ -240,8 +240,8 @@ TEST_F(KnownAnswer, domino_froude) {
   }
 }
 
-// Lengths x s, times x sqrt(s): the same fall, scaled. What is left are lengths and speeds that are not: slop,
-// thresholds.
+// Lengths x s, times x sqrt(s): the same fall, scaled. Differences come from lengths and speeds that are not scaled:
+// slop, thresholds.
 std::vector<Vec<2>> fall(const std::string& solver, double s) {
   WorldSettings<2> settings;
   settings.margin = Real(double(kContactMargin) * s);
@@ -271,7 +271,7 @@ TEST_F(KnownAnswer, scale_similarity) {
   }
 }
 
-// Two bodies on a damped spring, pivoted to a third, nothing outside: momenta stay.
+// Two bodies on a damped spring, one of them pivoted to a third, without external forces: momenta are conserved.
 template <int D>
 void momenta() {
   for (const char* solver :

@@ -21,8 +21,8 @@ constexpr double kRodInertia = 1.01 / 12 + 0.25;  // about its end, kg m^2
 Rot<3> aboutX(double angle) { return Rot<3>::vector(Vec<3>(Real(angle), 0, 0)); }
 Rot<3> aboutZ(double angle) { return Rot<3>::vector(Vec<3>(0, 0, Real(angle))); }
 
-// A gate: its axis leans by 30 degrees from the horizontal, so that g cos 30 pulls it; let go at 90 degrees. A pivot
-// would fall off the plane.
+// A gate with its axis 30 degrees from the horizontal, so that g cos 30 acts on it; released at 90 degrees. A pivot
+// would leave the plane.
 TEST_F(KnownAnswer, hinged_gate) {
   const double lean = 30 * kDegree, amplitude = 90 * kDegree;
   const double period =
@@ -52,8 +52,8 @@ TEST_F(KnownAnswer, hinged_gate) {
   }
 }
 
-// Ten boxes of 0.2 m and 1 kg in a row, welded to the world at one end: the root carries the weight W, and W times half
-// of the length.
+// Ten boxes of 0.2 m and 1 kg in a row, welded to the world at one end. The root carries the weight W, and W times half
+// of the length as its moment.
 template <int D>
 void cantilever(double seconds) {
   constexpr int n = 10;
@@ -80,8 +80,8 @@ TEST_F(KnownAnswer, welded_cantilever) {
   cantilever<3>(5);
 }
 
-// A motor of half the torque that would hold the rod out level lifts it from hanging until it has done as much work as
-// the weight has taken: T a = m g l (1 - cos a).
+// A motor has half the torque that would hold the rod level. It lifts the rod from hanging until its work equals that
+// of the weight: T a = m g l (1 - cos a).
 template <int D>
 void stalledMotor() {
   const double share = 0.5, torque = share * kG * 0.5;
@@ -107,7 +107,7 @@ TEST_F(KnownAnswer, stalled_motor) {
   stalledMotor<3>();
 }
 
-// A weight on a damped spring comes to rest m g / k below its length, whatever the method's own stiffness is.
+// A weight on a damped spring comes to rest m g / k below the rest length, whatever the method's own stiffness.
 template <int D>
 void hangingSpring() {
   for (const char* solver : kSolvers) {
@@ -128,7 +128,7 @@ TEST_F(KnownAnswer, hanging_spring) {
 
 const char* const kBoth[] = {"split_solver", "soft_step"};
 
-/// A cube of 1 kg and 0.2 m with its centre there.
+/// A cube of 1 kg and 0.2 m with its centre at the given point.
 template <int D>
 BodyDef<D> cube(const Vec<D>& place) {
   BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.1))), place);
@@ -144,14 +144,13 @@ Rot<D> turned(double angle) {
     return aboutZ(angle);
   }
 }
-/// By how much b is turned against a, rad.
+/// The angle by which b is turned relative to a, rad.
 template <int D>
 double between(const Rot<D>& a, const Rot<D>& b) {
   return double(turnOf(a.inverse() * b).norm());
 }
 
-// A body that leads its point on a rail, which leans by 30 degrees, slides by g sin a; the rail bears its weight and
-// the moment of that.
+// A body slides with g sin a on a rail tilted by 30 degrees. The rail carries its weight and the moment of the weight.
 template <int D>
 void railSlider() {
   const double lean = 30 * kDegree;
@@ -170,7 +169,7 @@ void railSlider() {
 }
 TEST_F(KnownAnswer, rail_slider) { railSlider<2>(), railSlider<3>(); }
 
-// A motor of one and a half times the weight lifts at g / 2, and is stopped by the limit.
+// A motor with one and a half times the weight lifts at g / 2, and is stopped by the limit.
 template <int D>
 void lift() {
   for (const char* solver : kBoth) {
@@ -187,7 +186,7 @@ void lift() {
 }
 TEST_F(KnownAnswer, motor_lift) { lift<2>(), lift<3>(); }
 
-// A wheel under a fixed chassis swings on its suspension, and spins on as it did.
+// A wheel under a static chassis swings on its suspension and keeps its spin.
 template <int D>
 void suspension() {
   const double k = 50, period = 2 * kPi / std::sqrt(k);
@@ -217,9 +216,9 @@ void suspension() {
 }
 TEST_F(KnownAnswer, wheel_suspension) { suspension<2>(), suspension<3>(); }
 
-// A critically damped drive from rest is at 1 - (1 + w t) e^(-w t) of its way, w = 5/s, at t = 0.4 s; one of too little
-// force gains F / m a second; a brake stops within m v^2 / 2 F. By the new velocities ways at constant force are half a
-// step's longer, and shorter.
+// A critically damped drive from rest has covered 1 - (1 + w t) e^(-w t) of its path, w = 5/s, at t = 0.4 s. A drive at
+// its force limit accelerates with F / m. A brake stops within m v^2 / 2 F. Positions use the new velocities, so paths
+// at constant force are longer or shorter by the motion of half a step.
 template <int D>
 void drives() {
   const auto way = [](const char* solver, const std::string& kind, double speed, int steps) {
@@ -245,7 +244,7 @@ void drives() {
 }
 TEST_F(KnownAnswer, motor_drive) { drives<2>(), drives<3>(); }
 
-// A rod on springs at one end sinks by m g / k and turns until the spring has the moment of its weight.
+// A rod on springs at one end sinks by m g / k, and turns until the spring balances the moment of its weight.
 template <int D>
 void softBeam() {
   const double k = 100, turn = 20;
@@ -266,8 +265,8 @@ void softBeam() {
 }
 TEST_F(KnownAnswer, soft_beam) { softBeam<2>(), softBeam<3>(); }
 
-// A torque T turns the larger of two wheels, and by gears the smaller one: T / (I + I' / ratio^2). What it has turned
-// by after many turns is what it was told.
+// A torque T turns the larger of two wheels, and through gears the smaller one: T / (I + I' / ratio^2). After many
+// turns the ratio of the angles still holds.
 template <int D>
 void gearPair() {
   const double ratio = -2.5, torque = 3;
@@ -294,8 +293,8 @@ void gearPair() {
 }
 TEST_F(KnownAnswer, gear_pair) { gearPair<2>(), gearPair<3>(); }
 
-// What a pointer holds hangs m g / k below it, by its frequency g / (2 pi f)^2 whatever it weighs; of half the
-// weight's force it falls by half of g.
+// A body held by a pointer hangs m g / k below it; with a stiffness given as a frequency f, g / (2 pi f)^2 below for
+// any mass. With half the weight as the largest force it falls at g / 2.
 template <int D>
 void mouseHold() {
   const double hertz = 1, hang = kG / std::pow(2 * kPi * hertz, 2);
@@ -319,8 +318,8 @@ void mouseHold() {
 }
 TEST_F(KnownAnswer, mouse_hold) { mouseHold<2>(), mouseHold<3>(); }
 
-// A rod out level on a cone of 30 degrees falls to its rim, and rests there: the rim bears the moment of the weight.
-// One beside the bone twists it to its limit.
+// A level rod on a cone of 30 degrees falls to the rim and rests there: the rim carries the moment of the weight. A
+// body beside the bone twists it to its limit.
 template <int D>
 void coneRim(double seconds) {
   for (const char* solver : kBoth) {

@@ -16,7 +16,7 @@ const std::vector<std::string> kSolvers = [] {
   return solvers;
 }();
 
-TEST(Pendulum, TheEllipticIntegralItself) {  // 4 sqrt(l/g) K: the figures of a point pendulum of 1 m
+TEST(Pendulum, EllipticIntegralIsRight) {  // 4 sqrt(l/g) K: the figures of a point pendulum of 1 m
   EXPECT_NEAR(4 * std::sqrt(1 / kG) * ellipticK(std::pow(std::sin(kPi / 36), 2)), 2.009892627298601, 1e-12);
   EXPECT_NEAR(4 * std::sqrt(1 / kG) * ellipticK(0.5), 2.3678419475762373, 1e-12);
 }
@@ -31,13 +31,13 @@ struct Swing {
   double tension = 0;  // at the first passage of the bottom, over m g
 };
 
-// Of the rows that hold a point, along the world's axes, N s.
+// Impulse of the rows that hold a point, along the world's axes, N s.
 template <int D>
 Vec<D> pointImpulse(const JointRecord<D>& joint) {
   return Eigen::Map<const Vec<D>>(joint.impulse.data());
 }
 
-// A body on a pivot at height 5, let go: the time between its first two passages of the bottom to the same side.
+// A body on a pivot at height 5, released: the time between its first two passages of the bottom in the same direction.
 template <int D>
 Swing swing(const std::string& solver, const BodyDef<D>& def, Real dt) {
   World<D> world = worldOf<D>(solver);
@@ -62,8 +62,8 @@ Swing swing(const std::string& solver, const BodyDef<D>& def, Real dt) {
   return s;
 }
 
-// The ball turns with its arm: the length of the point pendulum that swings like it is l + I / (m l), and of the rod's
-// pull m g (3 - 2 cos a) the part 2 (1 - cos a) shrinks by that length.
+// The ball turns with its arm. The equivalent point pendulum has the length l + I / (m l). In the tension m g (3 - 2
+// cos a), the part 2 (1 - cos a) is divided by that length.
 template <int D>
 void pendulum(double degrees, Real dt, const std::string& which) {
   const double length = 1 + (D == 2 ? 0.5 : 0.4) * 0.01, angle = degrees * kDegree;
@@ -77,7 +77,8 @@ void pendulum(double degrees, Real dt, const std::string& which) {
     }
   }
 }
-// What 100 periods leave of the energy, from the bottom, and how far the bob gets from its circle.
+// Energy after 100 periods relative to the start, measured from the bottom, and the largest distance of the bob from
+// its circle.
 void swingsLong(double degrees) {
   const double length = 1 + 0.5 * 0.01, angle = degrees * kDegree;
   const double period = 4 * std::sqrt(length / kG) * ellipticK(std::pow(std::sin(angle / 2), 2));
@@ -110,15 +111,16 @@ TEST_F(KnownAnswer, pendulum_90) {
   pendulum<2>(90, Real(1) / 480, "");
   pendulum<3>(90, Real(1) / 480, "");
 }
-// From 170 degrees the period hangs on the last per cent of energy, of which a joint solved at the velocity loses a
-// share in proportion to dt: the error must go to zero with it.
+// From 170 degrees the period depends on the last per cent of the energy. A joint solved at the velocity level loses a
+// share of it in proportion to dt: the error must vanish with dt.
 TEST_F(KnownAnswer, pendulum_170) {
   swingsLong(170);
   pendulum<2>(170, Real(1) / 480, "dt = 1/480: ");
   pendulum<2>(170, Real(1) / 2400, "dt = 1/2400: ");
 }
 
-// T = 4 sqrt(2 L / 3 g) K(sin^2(a/2)) at a = 2 degrees; a box of height L and width w is longer by w^2 / 2 L.
+// T = 4 sqrt(2 L / 3 g) K(sin^2(a/2)) at a = 2 degrees; for a box of height L and width w the length grows by w^2 / 2
+// L.
 TEST_F(KnownAnswer, rod_pendulum) {
   const double angle = 2 * kDegree, width = 0.02, length = 2.0 / 3 * (1 + width * width / 4);
   BodyDef<2> rod =
@@ -129,8 +131,8 @@ TEST_F(KnownAnswer, rod_pendulum) {
     known("period", solver, period, swing<2>(solver, rod, Real(1) / 480).period);
 }
 
-// Two points of 1 kg on massless arms of 1 m, both horizontal. Reference: an eighth-order Runge-Kutta at tolerance
-// 1e-13. Chaotic: compared up to 2 s only.
+// Two point masses of 1 kg on massless arms of 1 m, both horizontal. Reference: an eighth-order Runge-Kutta at
+// tolerance 1e-13. Chaotic: compared up to 2 s only.
 TEST_F(KnownAnswer, double_pendulum) {
   const std::array<double, 3> times[] = {{0.5, 0.570472051, 1.203875111},
                                          {1, -0.6250877, -1.034585086},
@@ -138,7 +140,7 @@ TEST_F(KnownAnswer, double_pendulum) {
                                          {2, -0.482971534, -1.324048712}};
   for (const char* solver : {"split_solver", "split_solver{integrator=rk4}", "soft_step"}) {
     World<2> world = worldOf<2>(solver);
-    const double radius = 0.001;  // its own inertia is 5e-7 of what its arm makes
+    const double radius = 0.001;  // the ball's own inertia is 5e-7 of that of its arm
     const Handle post = addPost<2>(world, at<2>(0, 5));
     BodyDef<2> def = body<2>(Shape<2>::sphere(Real(radius)), at<2>(1, 5));
     def.shapes[0].density = Real(1 / (kPi * radius * radius));
@@ -162,8 +164,9 @@ TEST_F(KnownAnswer, double_pendulum) {
   }
 }
 
-// 10 m of n rigid links hang over a span of 8 m. The exact polygon has each link along the force in its middle: with
-// weight w a link and pull H sideways, link i (from the lowest) rises by (i - 1/2) w / H or, for odd n, i w / H.
+// 10 m of n rigid links hang over a span of 8 m. In the exact polygon each link lies along the force at its middle.
+// With weight w of a link and tension H sideways, link i (from the lowest) rises by (i - 1/2) w / H or, for odd n, i w
+// / H.
 struct HangingChain {
   double pull, sag;  // over the chain's weight per metre (N/(N/m) = m); m
 };
@@ -197,7 +200,7 @@ TEST_F(KnownAnswer, catenary) {
       const HangingChain exact = hangingChain(n, 10, 8);
       const double half = 5.0 / n, width = 0.02, weight = kG * width;  // N/m at 1 kg/m^2
       World<2> world = worldOf<2>(solver);
-      // Dies by half in 1.4 s, stable for the turning.
+      // Motion halves in 1.4 s; the drag is small enough to be stable for rotations.
       world.add(ForceDef<2>{.kind = dragKind(0.5 * width * 2 * half, 0)});
       Handle last = addPost<2>(world, at<2>(-4, 0)), middle;
       Vec<2> end = at<2>(-4, 0);
@@ -215,7 +218,7 @@ TEST_F(KnownAnswer, catenary) {
         if (i == n / 2 - 1) middle = next;
       }
       world.add(pivot<2>(last, addPost<2>(world, end), end));
-      // Links that lean to and fro have w^2 = 12 T / (m l), 133 / s at the ends of 50: w dt < 2 takes more than 60
+      // Links that swing to and fro have w^2 = 12 T / (m l), 133 / s at the ends of 50. So w dt < 2 needs more than 60
       // steps.
       const int rate = n == 50 ? 120 : 60;
       for (int i = 0; i < 60 * 60; ++i) world.step(Real(1) / static_cast<Real>(rate));
@@ -223,18 +226,18 @@ TEST_F(KnownAnswer, catenary) {
       const std::string which = std::to_string(n) + " links: ";
       known(which + "sag, m", name, exact.sag, -double((world.pose(middle) * at<2>(half, 0))[1]));
       known(which + "pull over weight, m", name, exact.pull, std::abs(double(pull[0])) / weight);
-      const double hook = double(pointImpulse(world.joints()[0]).norm()) * rate;  // half the chain's weight hangs on it
+      const double hook = double(pointImpulse(world.joints()[0]).norm()) * rate;  // carries half the chain
       known(which + "pull at an end, m", name, std::hypot(exact.pull, 5), hook / weight);
     }
   }
 }
 
-// A ball on a pivot at its tip, so that its inertia has no preferred axis, spinning fast: on a root of
-// I1 cos(th) O^2 - I3 w3 O + M g l = 0 it goes round without nodding. I about the tip 0.003, own 0.0005 kg m^2.
+// A ball on a pivot at its tip, so with isotropic inertia, spinning fast. On a root of I1 cos(th) O^2 - I3 w3 O + M g l
+// = 0 it precesses without nutation. I about the tip 0.003, own 0.0005 kg m^2.
 void goesRound(bool fast) {
   const double arm = 0.05, own = 0.0005, i1 = own + arm * arm, spin = 300, tilt = 20 * kDegree;
   const double b = own * spin, a = i1 * std::cos(tilt);
-  // I3 w3 is the whole angular momentum along the axis, with w3 the spin along it, precession included.
+  // I3 w3 is the whole angular momentum along the axis: w3 is the spin along it, including precession.
   const double rate = (b + (fast ? 1 : -1) * std::sqrt(b * b - 4 * a * kG * arm)) / (2 * a);
   EXPECT_NEAR(rate, fast ? 49.70862989254659 : 3.50025873124901, 1e-9);
   const double radius = std::sqrt(own * 2.5);  // of a ball of 1 kg

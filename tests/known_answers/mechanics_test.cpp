@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Set pieces of a course in mechanics: what slides, rolls, swings and flies, each by its formula, under every solver.
+// Standard problems of a course in mechanics: bodies that slide, roll, swing and fly, each by its formula, under every
+// solver.
 #include <array>
 #include <memory>
 
@@ -26,7 +27,7 @@ void steps(World<D>& world, double seconds) {
   for (long i = std::lround(seconds / double(kDt)); i > 0; --i) world.step(kDt);
 }
 
-// w = T t / I: of a ball of a millimetre as of one of a kilometre, at 1 kg/m^D.
+// w = T t / I, for a ball of a millimetre and for one of a kilometre, at 1 kg/m^D.
 template <int D>
 void spinsUp() {
   for (const auto& [r, name] : {std::pair(1e-3, "1 mm"), std::pair(1.0, "1 m"), std::pair(1e3, "1 km")}) {
@@ -62,8 +63,8 @@ void rides() {
 }
 TEST_F(KnownAnswer, conveyor_belt) { rides<2>(), rides<3>(); }
 
-// A block of 1 kg on the slope of a wedge of 3 kg, nothing rubs: the wedge gives way with
-// m g sin cos / (M + m sin^2).
+// A block of 1 kg on the slope of a wedge of 3 kg, without friction: the wedge accelerates away at m g sin cos / (M + m
+// sin^2).
 TEST_F(KnownAnswer, sliding_wedge) {
   const double angle = 30 * kDegree, s = std::sin(angle), c = std::cos(angle), length = 4, height = length * s / c;
   for (const char* solver : kSolvers) {
@@ -83,8 +84,8 @@ TEST_F(KnownAnswer, sliding_wedge) {
   }
 }
 
-// A force F on the lower of two boxes, on a smooth floor: the upper one stays on it if and only if
-// F <= mu g (m + M), and else has mu g.
+// A force F acts on the lower of two boxes, on a smooth floor. The upper one stays on it if and only if F <= mu g (m +
+// M); otherwise it accelerates at mu g.
 TEST_F(KnownAnswer, block_on_block) {
   const double mu = 0.5, limit = mu * kG * 3;  // 1 kg on 2 kg
   for (const char* solver : kSolvers) {
@@ -110,7 +111,7 @@ TEST_F(KnownAnswer, block_on_block) {
   }
 }
 
-// A rod on a pivot falls from 10 degrees off the top: w^2 = 2 m g l (cos a - cos b) / I when it is at b.
+// A rod on a pivot falls from 10 degrees off the top: w^2 = 2 m g l (cos a - cos b) / I at the angle b.
 TEST_F(KnownAnswer, falling_rod) {
   const double half = 0.5, width = 0.02, angle = 10 * kDegree, inertia = (4 * half * half + width * width) / 12 + 0.25;
   for (const char* solver : kSolvers) {
@@ -131,8 +132,8 @@ TEST_F(KnownAnswer, falling_rod) {
   }
 }
 
-// A ball without spin meets the floor at 3 m/s along it and 2 across, e = 0.8, in the middle of a step: it slides on
-// with v - mu (1 + e) u, or rolls off with v / (1 + k). What it has afterwards, from `gap` above the floor.
+// A ball without spin hits the floor in the middle of a step, at 3 m/s along it and 2 across, e = 0.8. It slides on
+// with v - mu (1 + e) u, or rolls with v / (1 + k). Returns its velocity afterwards, from `gap` above the floor.
 template <int D>
 Vec<D> skipped(const std::string& solver, double mu, double gap) {
   World<D> world = worldOf<D>(solver, Vec<D>::Zero());
@@ -155,7 +156,7 @@ void skips() {
       known(in<D>(which + "along, m/s"), solver, grips ? 3 / (1 + k) : 3 - lost, double(v[0]));
       known(in<D>(which + "across, m/s"), solver, 2 * 0.8, double(v[1]));
     }
-    double least = 1, most = 0;  // of the friction that there should be, by when in a step of 1/30 m it touches
+    double least = 1, most = 0;  // share of the expected friction, for ten phases of the impact within a step of 1/30 m
     for (int phase = 0; phase < 10; ++phase) {
       const double share = (3 - double(skipped<D>(solver, 0.1, 0.502 + phase / 300.0)[0])) / lost;
       least = std::min(least, share), most = std::max(most, share);
@@ -166,7 +167,7 @@ void skips() {
 }
 TEST_F(KnownAnswer, skipping_ball) { skips<2>(), skips<3>(); }
 
-// A ball of 1 kg follows one of 3 kg on its way to the floor, e = 1: it flies back with (3 M - m) / (M + m) v, and the
+// A ball of 1 kg follows one of 3 kg towards the floor, e = 1. The light one returns with (3 M - m) / (M + m) v, the
 // heavy one with (M - 3 m) / (M + m) v, which is 0.
 TEST_F(KnownAnswer, galilean_cannon) {
   for (const char* solver : {"split_solver", "soft_step", "tgs", "tgs_ngs"}) {
@@ -184,7 +185,7 @@ TEST_F(KnownAnswer, galilean_cannon) {
   }
 }
 
-// A ball on an arm l goes round at a degrees from the vertical with W^2 = g / (l cos a).
+// A ball on an arm l circles at a degrees from the vertical with W^2 = g / (l cos a).
 TEST_F(KnownAnswer, conical_pendulum) {
   const double angle = 40 * kDegree, rate = std::sqrt(kG / std::cos(angle));
   for (const char* solver : kSolvers) {
@@ -207,7 +208,7 @@ TEST_F(KnownAnswer, conical_pendulum) {
   }
 }
 
-// Two bodies on a spring joint, nothing outside: T = 2 pi sqrt(m M / (m + M) k), the centre of mass stays.
+// Two bodies on a spring joint, without external forces: T = 2 pi sqrt(m M / (m + M) k), and the centre of mass stays.
 TEST_F(KnownAnswer, two_on_a_spring) {
   const double period = 2 * kPi * std::sqrt(0.75 / 50);
   for (const char* solver : kSolvers) {
@@ -236,7 +237,7 @@ TEST_F(KnownAnswer, two_on_a_spring) {
   }
 }
 
-// Drag (a + b v) v: it falls with the v at which this is m g.
+// Drag (a + b v) v: a body falls at the speed v where this equals m g.
 TEST_F(KnownAnswer, terminal_velocity) {
   const double a = 0.5, b = 0.25, v = (std::sqrt(a * a + 4 * b * kG) - a) / (2 * b);
   for (const char* solver : kSolvers) {
@@ -248,7 +249,7 @@ TEST_F(KnownAnswer, terminal_velocity) {
   }
 }
 
-// Towards the origin with 1 / r^2, as a user's force: T = 2 pi a^1.5, here of an ellipse of a = 1 and e = 0.5.
+// Attraction to the origin with 1 / r^2, as a user's force: T = 2 pi a^1.5, here for an ellipse of a = 1 and e = 0.5.
 template <int D>
 struct Sun final : ForceGenerator<D> {
   void apply(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
@@ -276,7 +277,7 @@ TEST_F(KnownAnswer, kepler_orbit) {
   }
 }
 
-// A ball rolls on a turntable of W: its velocity turns with 2/7 W, and keeps its size.
+// A ball rolls on a turntable turning at W: its velocity turns at 2/7 W, with constant speed.
 TEST_F(KnownAnswer, ball_on_turntable) {
   const double rate = 2, v = 0.3, r = 0.1;
   for (const char* solver : kSolvers) {

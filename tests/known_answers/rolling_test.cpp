@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a ball that rolls weighs by what solvers report, and where rolling resistance, which goes by it, stops it.
+// The weight of a rolling ball according to the loads that solvers report, and where rolling resistance, which uses
+// these loads, stops the ball.
 #include <limits>
 
 #include "tests/expect_caught.h"
@@ -13,7 +14,7 @@ constexpr double kRadius = 0.5, kSpeed = 1, kLever = 0.02;  // m, m/s, m
 /// How the load of a contact is read.
 enum class Load {
   asBorne,
-  lastSubstep  // a planted bug: what the next step starts from
+  lastSubstep  // a planted bug: the impulses with which the next step starts
 };
 
 template <int D>
@@ -41,11 +42,11 @@ struct Roll {
     def.angularVelocity = Ang<D>::Unit(kAngDim<D> - 1) * Real(-kSpeed / kRadius);
     ball = world.add(def);
   }
-  double speed() const { return std::abs(double(world.motion(ball).v[0])); }  // some fall by g dt, then are held
+  double speed() const { return std::abs(double(world.motion(ball).v[0])); }  // x only: some balls fall by g dt
   double weight() const { return kG * double(world.bodies().mass[static_cast<std::size_t>(ball.slot)]); }
 };
 
-/// A resistance by what a planted reader takes for the load.
+/// A rolling resistance computed with a possibly wrong load.
 template <int D>
 class Resistance final : public ForceGenerator<D> {
  public:
@@ -82,7 +83,7 @@ bool loadIsTheWeight(const std::string& solver, Load load = Load::asBorne) {
   return std::abs(meanLoad<D>(solver, load) - 1) < 0.02;
 }
 
-/// The way to rest over v^2 / (2 a), a = c g / (r (1 + k)), k = I / (m r^2); infinite for who never rests.
+/// The stopping distance over v^2 / (2 a), a = c g / (r (1 + k)), k = I / (m r^2); infinite if the ball does not stop.
 template <int D>
 double way(Roll<D>& roll) {
   const double k = D == 2 ? 0.5 : 0.4, a = kLever * kG / (kRadius * (1 + k));
@@ -101,12 +102,12 @@ double wayUnder(const std::string& solver) {
 template <int D>
 double wayBy(Load load) {
   Roll<D> roll("soft_step");
-  roll.world.add(ForceDef<D>{.kind = "rolling_resistance{coefficient=0}"});  // who asks for contacts
+  roll.world.add(ForceDef<D>{.kind = "rolling_resistance{coefficient=0}"});  // makes the world provide contacts
   roll.world.add(std::make_shared<Resistance<D>>(roll.ball, load));
   return way(roll);
 }
 
-// Every solver with every part; who says in info().failures that it does not must be seen to fail.
+// Every solver with every part; a failure that info().failures declares must be observed.
 template <int D>
 void everyLoad() {
   const std::string name = "Rolling.LoadIsTheWeightOrTheyDeclareIt";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What stands and what falls: tilted boxes, overhangs, arches, cards. Each limit is bisected.
+// Limits of stability: tilted boxes, overhangs, arches, cards. Each limit is bisected.
 #include <array>
 
 #include "tests/known_answers/known_answer.h"
@@ -11,7 +11,7 @@ const char* const kTwo[] = {"split_solver", "soft_step"};
 const std::string kSwept = "split_solver{velocity=catto{iterations=200}}",
                   kNewton = "split_solver{velocity=proximal_newton}";
 
-// Between a value at which `holds` and one at which it does not, to within `width`.
+// A limit between a value at which `holds` is true and one at which it is not, to within `width`.
 template <class Holds>
 double limit(double yes, double no, double width, const Holds& holds) {
   while (std::abs(no - yes) > width) {
@@ -30,8 +30,9 @@ BodyDef<2> floorOf(double mu) {
   return ground;
 }
 
-// A box of width 0.4 and height 1 tilted on its edge by phi and let go falls back if and only if phi < atan(w / h): so
-// far m g (hypot(w, h) - h) / 2 lift it, from upright; with less energy of turning about its edge, too.
+// A box of width 0.4 and height 1 is tilted on its edge by phi and released. It falls back if and only if phi < atan(w
+// / h). From upright, m g (hypot(w, h) - h) / 2 lifts it to that angle: with less rotational energy about its edge it
+// also falls back.
 template <int D>
 void releases() {
   const double w = 0.4, h = 1, reach = std::hypot(w, h) / 2, own = std::atan(w / h);
@@ -66,12 +67,12 @@ void releases() {
 }
 TEST_F(KnownAnswer, topple_release) { releases<2>(), releases<3>(); }
 
-// N equal blocks of length L over the edge of a table, one per row: the top one reaches out by L/2 sum 1/k at most.
+// N equal blocks of length L over the edge of a table, one per row: the top one overhangs by at most L/2 sum 1/k.
 TEST_F(KnownAnswer, harmonic_overhang) {
   for (const auto& [name, solvers] : andOthers({{kTwo[0], {kTwo[0]}}, {kTwo[1], {kTwo[1]}}, {kSwept, {kSwept}}})) {
     const std::string& solver = solvers[0];
     for (int n : {1, 2, 3, 4, 10, 31}) {
-      const bool tall = n == 31;  // falls with ten sweeps at a fifth of the limit, too
+      const bool tall = n == 31;  // with ten sweeps it falls even at a fifth of the limit
       if (tall != (solver == kSwept)) continue;
       double expected = 0;
       for (int k = 1; k <= n; ++k) expected += 0.5 / k;
@@ -113,7 +114,7 @@ TEST_F(KnownAnswer, card_house) {
       const double alpha = degrees * kDegree, expected = leastFriction(alpha, radius / (2 * half));
       const auto stands = [&](double mu) {
         World<2> world = worldOf<2>(solver);
-        world.add(floorOf(mu * mu));  // cards have 1, and a pair the geometric mean
+        world.add(floorOf(mu * mu));  // cards have mu = 1; a pair has the geometric mean
         std::array<Handle, 2> cards;
         for (int i = 0; i < 2; ++i) {
           const double side = i == 0 ? -1 : 1;
@@ -133,13 +134,14 @@ TEST_F(KnownAnswer, card_house) {
   }
 }
 
-// A half circle of n equal voussoirs, joints radial: the least thickness over mean radius at which it stands. 0.1075
-// for endless joints (Milankovitch); with few voussoirs the line of thrust may leave the arch between joints, and
-// thinner ones stand. The exact limit for n: the least t for which some line of thrust stays within all joints
-// (thrustLimit).
+// A half circle of n equal voussoirs with radial joints: the least thickness over mean radius at which it stands. It is
+// 0.1075 for infinitely many joints (Milankovitch). With few voussoirs the line of thrust may leave the arch between
+// joints, so thinner arches stand. The exact limit for n is the least t for which some line of thrust stays within all
+// joints (thrustLimit).
 bool thrustFits(int n, double t) {
-  // Half the arch, angles from the crown. A level thrust H at height `crown` and the weights so far cut the joint at
-  // angle a in the radius r = (H crown + moment) / (weight sin a + H cos a): two bounds on H for each joint.
+  // Half the arch, angles from the crown. A horizontal thrust H at height `crown` and the accumulated weights cut the
+  // joint at angle a at the radius r = (H crown + moment) / (weight sin a + H cos a). This gives two bounds on H for
+  // each joint.
   const double step = kPi / n, inner = 1 - t / 2, outer = 1 + t / 2;
   const double area = std::sin(step) / 2 * (outer * outer - inner * inner);
   const double middle = 2.0 / 3 * std::cos(step / 2) * (std::pow(outer, 3) - std::pow(inner, 3)) /
@@ -200,7 +202,7 @@ TEST_F(KnownAnswer, couplet_arch) {
   }
 }
 
-// A rod slides with one end on the floor: for mu > 4/3 there are angles at which no finite force is consistent with
+// A rod slides with one end on the floor. For mu > 4/3 there are angles at which no finite force is consistent with
 // rigid motion. A step must end with finite impulses and without more energy.
 TEST_F(KnownAnswer, painleve_rod) {
   const double half = 0.5, phi = std::atan(2.0);
@@ -212,7 +214,7 @@ TEST_F(KnownAnswer, painleve_rod) {
       world.add(floorOf(mu));
       BodyDef<2> rod =
           body<2>(Shape<2>::box({Real(half), Real(0.005)}), at<2>(0, half * std::sin(phi) + 0.005 * std::cos(phi)));
-      rod.X_WB.q = Rot<2>::angle(kPi - phi);  // the lower end goes ahead
+      rod.X_WB.q = Rot<2>::angle(kPi - phi);  // the lower end is ahead
       rod.velocity = at<2>(3, 0);
       setFriction(rod, mu);
       const Handle h = world.add(rod);
@@ -233,8 +235,7 @@ TEST_F(KnownAnswer, painleve_rod) {
   }
 }
 
-// The largest speed of bodies a kilometre above the origin after they have settled, where f32 rounds a place to 0.06
-// mm.
+// The largest speed of settled bodies a kilometre above the origin, where f32 rounds a position to 0.06 mm.
 double trembles(World<2>& world, const std::vector<Handle>& bodies) {
   double most = 0;
   for (int i = 0; i < 600; ++i) {
@@ -267,8 +268,8 @@ double chainTrembles(const std::string& solver) {
   }
   return trembles(world, links);
 }
-// Sub-steps four times as short tremble no more. Read from rounded places, separations of contacts and errors of joints
-// would make them tremble several times as much.
+// Sub-steps four times as short must not tremble more. If separations of contacts and errors of joints were computed
+// from rounded positions, they would tremble several times as much.
 TEST(FarFromTheOrigin, ShorterSubstepsTrembleNoMore) { EXPECT_LT(stackTrembles(16), 1.5 * stackTrembles(4) + 1e-9); }
 TEST(FarFromTheOrigin, JointsOfShorterSubstepsTrembleNoMore) {
   EXPECT_LT(chainTrembles("xpbd{substeps=16}"), 1.5 * chainTrembles("xpbd{substeps=4}") + 1e-9);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Weights under stacks, and how fast Gauss-Seidel finds them.
+// Weights under stacks, and the rate at which Gauss-Seidel finds them.
 #include <array>
 #include <memory>
 
@@ -18,8 +18,8 @@ double normalImpulse(const Manifold<D>& m) {
   return sum;
 }
 
-// Boxes of 1 m at rest, bottom first: the impulses of a step under box i are the weights from there on, times dt.
-// Returns them over those, by worst deviation.
+// Boxes of 1 m at rest, bottom first: a step's impulses under box i are the weights from that box up, times dt. Returns
+// the ratio with the largest deviation from 1.
 template <int D>
 double worstForce(const std::string& solver, const std::vector<double>& masses, double seconds) {
   World<D> world = worldOf<D>(solver);
@@ -45,21 +45,21 @@ void stackForces() {
   for (const auto& [name, solvers] : andOthers({{"split_solver", {"split_solver"}},
                                                 {"split_solver{order=reverse}", {"split_solver{order=reverse}"}},
                                                 {"soft_step", {"soft_step"}}})) {
-    if (name == "xpbd") continue;  // its tower does not stand so long
+    if (name == "xpbd") continue;  // its tower falls within this time
     known(in<D>("worst force over weight"), name, 1, worstForce<D>(solvers[0], std::vector<double>(10, 1.0), 10));
   }
 }
 TEST_F(KnownAnswer, stack_forces) { stackForces<2>(), stackForces<3>(); }
 
-// Two boxes free in space that a spring presses together, F = k d, and that turn as one: angular momentum stays. Where
-// arms lag behind the bodies by an angle, they make a moment of -F d sin(angle) from nothing. Arms of the start of a
-// step lag by (n - 1) / (2 n) of what it turns in n sub-steps: L shrinks by e^(-F d (n - 1) / (2 n) dt t / I). Arms as
-// made, of points that recycling keeps, lag by all of it: the pair swings like a pendulum, back and forth for ever.
+// Two boxes in free space, pressed together by a spring, F = k d, turn as one: angular momentum is conserved. If arms
+// lag behind the bodies by an angle, they cause a moment of -F d sin(angle). Arms from the start of a step lag by (n -
+// 1) / (2 n) of the step's rotation with n sub-steps: L shrinks by e^(-F d (n - 1) / (2 n) dt t / I). Arms kept as
+// made, for recycled points, lag by the whole rotation: the pair swings like a pendulum for ever.
 template <int D>
 void pressedPair() {
   const double stiffness = 20, swing = 0.2, inertia = 2 * (1.0 / 6 + 1.0 / 4), rate = std::sqrt(stiffness / inertia);
   const double spin = 2 * rate * std::sin(swing / 2), period = 4 * ellipticK(std::pow(std::sin(swing / 2), 2)) / rate;
-  const double shrunk = std::exp(-stiffness * 3 / 8 * double(kDt) * 5 / inertia);  // by four sub-steps in 5 s
+  const double shrunk = std::exp(-stiffness * 3 / 8 * double(kDt) * 5 / inertia);  // with four sub-steps, after 5 s
   const Ang<D> axis = Ang<D>::Unit(D == 2 ? 0 : 2);
   for (const char* name :
        {"split_solver", "soft_step", "soft_step{arms=as_made}", "tgs", "tgs_ngs", "pgs_soft", "xpbd", "avbd"}) {
@@ -95,7 +95,7 @@ void pressedPair() {
 }
 TEST_F(KnownAnswer, pressed_pair) { pressedPair<2>(), pressedPair<3>(); }
 
-// 1 : 10 : 100 : 1000, heaviest on top: Gauss-Seidel needs warm starts over many steps to carry it.
+// 1 : 10 : 100 : 1000, heaviest on top: Gauss-Seidel needs warm starting over many steps to carry it.
 TEST_F(KnownAnswer, mass_ratio_stack) {
   for (const char* solver :
        {"split_solver", "split_solver{velocity=catto{iterations=100}}", "split_solver{velocity=direct_lcp}",
@@ -114,7 +114,7 @@ TEST_F(KnownAnswer, mass_ratio_stack) {
     const double bottom = double(world.pose(boxes[0]).p[1]) - 0.5, second = double(world.pose(boxes[1]).p[1]) - 1.5;
     known("sinking of the lightest, m", solver, 0, bottom);
     known("sinking of the second, m", solver, 0, second);
-    std::array<double, 4> force{};  // under each box; what has fallen lies on the ground, too
+    std::array<double, 4> force{};  // under each box; fallen boxes lie on the ground, too
     for (const Manifold<2>& m : world.manifolds()) {
       force[static_cast<std::size_t>(m.bodyA)] += normalImpulse(m) / double(kDt);
     }
@@ -151,9 +151,9 @@ TEST_F(KnownAnswer, pyramid_weight) {
   }
 }
 
-// --- convergence: one sweep after another, cold, on a column that gravity has just pulled ---------------------------
+// --- convergence: one sweep after another, cold, on a column after one step of gravity -------------------------------
 
-// Bodies of the given masses, bottom first, that only move up and down.
+// Bodies of the given masses, bottom first, that move only up and down.
 ImpactScene<2> column(const std::vector<double>& masses) {
   ImpactScene<2> s;
   s.add(0, Ang<2>::Zero(), {});
@@ -166,7 +166,7 @@ ImpactScene<2> column(const std::vector<double>& masses) {
 
 const char* const kJacobi = "jacobi{splitting=none}";
 
-// Error of the impulses after that many sweeps: those of rest are the weights above.
+// Error of the impulses after a number of sweeps. The impulses at rest are the weights above.
 double impulseError(const std::vector<double>& masses, int sweeps, const char* method = "catto") {
   struct Unbiased final : PositionResolver<2> {};
   auto s = column(masses);
@@ -184,7 +184,7 @@ double sweepFactor(const std::vector<double>& masses, int k) {
   return impulseError(masses, k + 1) / impulseError(masses, k);
 }
 
-// Heavy (r m) on light (m) on the ground: the error of a sweep is r / (1 + r) of the last one; light on heavy 1 / (1 +
+// Heavy (r m) on light (m) on the ground: each sweep multiplies the error by r / (1 + r); light on heavy by 1 / (1 +
 // r).
 TEST_F(KnownAnswer, mass_ratio_pgs_rate) {
   for (int r : {1, 10, 100, 1000}) {
@@ -194,11 +194,11 @@ TEST_F(KnownAnswer, mass_ratio_pgs_rate) {
   }
 }
 
-// N equal boxes: the spectral radius of Gauss-Seidel on tridiag(-1, 2, -1) with first diagonal 1, cos^2(pi / 2 N), and
-// of Jacobi its root; whose errors come in pairs of both signs, so that two sweeps tell it.
+// N equal boxes. Gauss-Seidel on tridiag(-1, 2, -1) with first diagonal 1 has the spectral radius cos^2(pi / 2 N),
+// Jacobi its root. Jacobi's errors come in pairs of both signs, so its factor is measured over two sweeps.
 TEST_F(KnownAnswer, stack_pgs_rate) {
   for (int n : {2, 5, 10, 20, 50}) {
-    if (!kDouble && n > 5) continue;  // an error that a float's rounding drowns
+    if (!kDouble && n > 5) continue;  // smaller than the rounding of a float
     const double rho = std::pow(std::cos(kPi / (2 * n)), 2);
     known("N = " + std::to_string(n) + ": factor", "catto", rho,
           sweepFactor(std::vector<double>(static_cast<std::size_t>(n), 1.0), n == 2 ? 8 : 20 * n));

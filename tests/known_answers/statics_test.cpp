@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What bears what, when nothing moves: forces under tables, in grooves and under ladders; and a stack, for a minute.
+// Forces at rest: under tables, in grooves and under ladders; and a stack, for a minute.
 #include <array>
 
 #include "tests/known_answers/known_answer.h"
@@ -27,8 +27,8 @@ std::array<double, 2> force(const Manifold<D>& m) {
   return {push / double(kDt), double(rub.norm()) / double(kDt)};
 }
 
-// A table of 20 kg on four legs without friction, with 10 kg at 0.3 m to the right. Which legs bear what only the sum
-// and two moments tell; by symmetry the two of a side the same.
+// A table of 20 kg on four legs without friction, with 10 kg at 0.3 m to the right. Only the sum of the legs' forces
+// and two moments are determined; by symmetry the two legs of a side are equal.
 TEST_F(KnownAnswer, four_legged_table) {
   for (const char* solver :
        {"split_solver", "split_solver{velocity=catto{block=true}}", "split_solver{velocity=jacobi}",
@@ -72,7 +72,7 @@ TEST_F(KnownAnswer, four_legged_table) {
 TEST_F(KnownAnswer, ball_in_a_groove) {
   for (const char* solver : kSolvers) {
     World<2> world = worldOf<2>(solver);
-    for (const double degrees : {-30., 60.}) {  // of the plane's turn: the left one falls to the right
+    for (const double degrees : {-30., 60.}) {  // rotation of the plane: the left plane descends to the right
       BodyDef<2> plane = rubbing(body<2>(Shape<2>::plane(), at<2>(0, 0), BodyType::fixed), 0);
       plane.X_WB.q = Rot<2>::angle(Real(degrees * kDegree));
       world.add(plane);
@@ -89,7 +89,7 @@ TEST_F(KnownAnswer, ball_in_a_groove) {
   }
 }
 
-// A box on a slope of 30 degrees, mu 0.7: m g cos across, m g sin along.
+// A box on a slope of 30 degrees, mu 0.7: normal force m g cos, friction m g sin.
 template <int D>
 void rests() {
   for (const char* solver : kSolvers) {
@@ -110,9 +110,9 @@ void rests() {
 }
 TEST_F(KnownAnswer, slope_forces) { rests<2>(), rests<3>(); }
 
-// A ladder at 55 degrees against a wall holds if and only if mu >= cot / 2 at the floor, where the wall is smooth;
-// where it is as rough, if and only if mu >= sqrt(1 + tan^2) - tan. With ends of radius r, on which friction has an
-// arm, mu >= c / 2 (s + k), k = r / L; and mu^2 (c + 2 k) + 2 mu (s + k) = c.
+// A ladder at 55 degrees against a smooth wall holds if and only if mu >= cot / 2 at the floor. Against a wall as rough
+// as the floor it holds if and only if mu >= sqrt(1 + tan^2) - tan. Friction has an arm at ends of radius r = k L. Then
+// the limits are mu >= c / 2 (s + k) and mu^2 (c + 2 k) + 2 mu (s + k) = c.
 TEST_F(KnownAnswer, ladder) {
   const double angle = 55 * kDegree, half = 1, radius = 0.02, c = std::cos(angle), k = radius / (2 * half);
   const double s = std::sin(angle) + k, least = (std::sqrt(s * s + c * (c + 2 * k)) - s) / (c + 2 * k);
@@ -138,7 +138,7 @@ TEST_F(KnownAnswer, ladder) {
   }
 }
 
-// Ten cubes for a minute: the top one goes nowhere.
+// Ten cubes for a minute: the top one does not move.
 TEST_F(KnownAnswer, ten_cubes) {
   for (const char* solver : {"split_solver", "soft_step", "avbd"}) {
     World<3> world = worldOf<3>(solver);
@@ -154,7 +154,7 @@ TEST_F(KnownAnswer, ten_cubes) {
   }
 }
 
-// A top that sleeps, upright but for half a degree, stays up if and only if (I3 w3)^2 > 4 I1 M g l: 153 rad/s.
+// A sleeping top, half a degree off the vertical, stays up if and only if (I3 w3)^2 > 4 I1 M g l: 153 rad/s.
 TEST_F(KnownAnswer, sleeping_top) {
   const double arm = 0.05, own = 0.0005, i1 = own + arm * arm, tilt = 0.5 * kDegree;
   const double limit = std::sqrt(4 * i1 * kG * arm) / own;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Bodies on meshes and chains: what slides does not feel the inner edges, and what rests does so where the surface as a
-// whole says.
+// Bodies on meshes and chains. Sliding bodies must not feel the inner edges, and resting bodies must rest as on the
+// surface as a whole.
 #include <gtest/gtest.h>
 
 #include "tests/expect_caught.h"
@@ -22,20 +22,21 @@ World<D> worldWith(const std::string& contacts) {
   return World<D>(Pipeline::parse("contacts=" + contacts));
 }
 
-// Measured: f64 up to 1.6e-7 m/s for boxes, 4e-6 for query_clip's capsules and 3e-5 for sat_clip's, which ten sweeps
-// turn by 0.014 rad/s, 200 by 1e-5; parts without the pass throw all of them up by 0.3 m/s at the least.
+// Measured in f64: up to 1.6e-7 m/s for boxes, 4e-6 for query_clip's capsules and 3e-5 for sat_clip's. Ten sweeps turn
+// sat_clip's capsules by 0.014 rad/s, 200 by 1e-5. Without the pass over inner edges all of them jump at 0.3 m/s or
+// more.
 constexpr double kSmooth = 1e-3;  // m/s
 constexpr double kTurns = 0.05;   // rad/s
 
 struct Slide {
   double upwards = 0;  // the largest vertical speed (m/s)
-  double lost = 0;     // the largest change of the speed along the way (m/s)
+  double lost = 0;     // the largest change of the horizontal velocity (m/s)
   double turned = 0;   // the largest angular speed (rad/s)
-  double way = 0;      // m
+  double way = 0;      // distance, m
   bool smooth() const { return upwards < kSmooth && lost < kSmooth && turned < kTurns && way > 9.9; }
 };
 
-// 10 m at 5 m/s, after a second to settle; in 3D slantwise.
+// 10 m at 5 m/s, after a second of settling; in 3D at an angle to the axes.
 template <int D>
 Slide slide(const std::string& contacts, const BodyDef<D>& ground, const Shape<D>& mover, Real height) {
   World<D> world = worldWith<D>(contacts);
@@ -73,8 +74,8 @@ template <int D>
 BodyDef<D> levelGround(GroundOf of) {
   return slippery<D>(roughGround<D>(5, of, level), Vec<D>::Zero(), BodyType::fixed);
 }
-// With every generator. One that says of itself that it has one point where a face slides cannot keep boxes and
-// capsules from rocking, on no ground; but they lose no speed by it.
+// With every generator. A generator that declares a single point on sliding faces cannot keep boxes and capsules from
+// rocking, on any ground; but they must lose no speed.
 template <int D>
 void slidesWithoutABump() {
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
@@ -95,7 +96,7 @@ void slidesWithoutABump() {
 TEST(Surface, SlidesWithoutABump2) { slidesWithoutABump<2>(); }
 TEST(Surface, SlidesWithoutABump3) { slidesWithoutABump<3>(); }
 
-// The same parts without the pass over inner edges.
+// Planted bug: the same parts without the pass over inner edges.
 template <int D>
 bool everyMoverIsSmooth(GroundOf of) {
   bool smooth = true;
@@ -109,11 +110,11 @@ TEST(Surface, PartsWithoutThePassBump) {
   expectCaught("a mesh without its pass over inner edges", everyMoverIsSmooth<3>(GroundOf::loosePart));
 }
 
-// On slopes of 0.3 that meet at x = 6 m: of a ball's centre, where it stands over the surface.
+// Height of a ball's centre at rest on the surface of two slopes of 0.3 that meet at x = 6 m.
 double heightOver(double x, double radius, bool ridge) {
   const double slope = 0.3, stretch = std::sqrt(1 + slope * slope), side = std::abs(x - 6);
   if (!ridge) return slope * side + radius * stretch;
-  const double edge = radius * slope / stretch;  // beside it the ball stands on a slope
+  const double edge = radius * slope / stretch;  // beside the edge the ball touches a slope
   return side < edge ? std::sqrt(radius * radius - side * side) : -slope * side + radius * stretch;
 }
 double ridgeAt6(double x) { return -0.3 * std::abs(x - 6); }
@@ -152,7 +153,7 @@ void rollsOverARidge(const std::string& contacts) {
   }
   EXPECT_GT(world.pose(ball).p[0], 6.6) << contacts;
   EXPECT_GT(least, -2 * double(kLinearSlop)) << contacts;
-  EXPECT_LT(farthest, double(kContactMargin)) << contacts;  // at 2.6 m/s it does not leave the ground by more
+  EXPECT_LT(farthest, double(kContactMargin)) << contacts;  // at 2.6 m/s it lifts off by no more
 }
 
 template <int D>
@@ -219,7 +220,8 @@ void restsAsOnTheBox() {
 TEST(Surface, RestsAsOnTheBox2) { restsAsOnTheBox<2>(); }
 TEST(Surface, RestsAsOnTheBox3) { restsAsOnTheBox<3>(); }
 
-// A level net of squares, 0.3 m wide, of two triangles each: faces and lines of curved bodies lie on dozens of them.
+// A level net of squares, 0.3 m wide, of two triangles each: faces and lines of curved bodies lie on dozens of
+// triangles.
 Shape<3> finePlain() {
   constexpr int kSide = 20;
   std::vector<Vec<3>> points;
@@ -258,7 +260,7 @@ TEST(Surface, CurvedBodiesRestOnAFineMesh) {
   }
 }
 
-// Straight down on what two parts share, edges and corners.
+// Rays straight down onto the edges and corners that two parts share.
 TEST(Surface, RaysMeetSharedBorders) {
   std::vector<Vec<2>> points;
   for (int i = 100; i >= 0; --i) points.push_back(at<2>(0.1 * i, 0));
@@ -274,8 +276,8 @@ TEST(Surface, RaysMeetSharedBorders) {
   }
 }
 
-// The solid side pushes nobody in, and what is outside nobody through: half the box's width from its side a ball that
-// comes from below the middle is out as one that comes from above.
+// A closed surface pushes balls outwards on both sides: every normal points from the box to the ball, and the balls
+// stay outside.
 template <int D>
 void pushesOutwards() {
   World<D> world = worldWith<D>("sat_clip");

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// Wrong twins of the naive broadphase, each with a mistake that real ones had. The conformance test must refuse them.
+// Planted bugs: copies of the naive broadphase, each with a mistake that real broadphases had. The conformance test
+// must catch them.
 #pragma once
 
 #include "framework/stage/stage_broadphase.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Reports what `meet` and the filters let through; the twins change one of the two.
+/// Reports the pairs that pass `meet` and `filter`; each planted bug changes one of the two.
 template <int D>
 class PlantedBug : public Broadphase<D> {
  public:
@@ -32,7 +33,7 @@ class OpenBoxes final : public PlantedBug<D> {
   }
 };
 
-/// A tree that never compares what stands in its root, across the centre, with what stands below.
+/// A tree that never compares the boxes of its root, which cross the centre, with those below.
 template <int D>
 class ForgetsCenterLine final : public PlantedBug<D> {
   bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
@@ -43,7 +44,7 @@ class ForgetsCenterLine final : public PlantedBug<D> {
   }
 };
 
-/// Keeps its own boxes and overlooks that a slot can have a new tenant between two updates.
+/// Keeps its own boxes and overlooks that a slot may be reused between two updates.
 template <int D>
 class StaleSlot final : public PlantedBug<D> {
  public:
@@ -71,7 +72,7 @@ class StaleSlot final : public PlantedBug<D> {
   std::vector<bool> m_known;
 };
 
-/// A grid that reports a pair in every cell in which the two meet; here the cells are 4 m wide, along x.
+/// A grid that reports a pair once per shared cell; the cells are 4 m wide, along x.
 template <int D>
 class Duplicates final : public PlantedBug<D> {
  public:
@@ -85,8 +86,8 @@ class Duplicates final : public PlantedBug<D> {
   }
 };
 
-/// A hash that rounds toward zero to the number of a cell, 4 m wide and along x, and asks by metres in which of them a
-/// pair counts: on the negative side that is the next one, in which nobody stands.
+/// A hash that rounds the number of a cell toward zero, cells 4 m wide along x, and decides in metres which cell
+/// reports a pair. On the negative side this is the next cell, which is empty.
 template <int D>
 class TruncatesCells final : public PlantedBug<D> {
   bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
@@ -96,8 +97,8 @@ class TruncatesCells final : public PlantedBug<D> {
   }
 };
 
-/// A hash that does not compare the cells of boxes in a slot: cells along x, 4 m wide, take turns in seven slots, and
-/// a pair is reported in each of those in which both stand.
+/// A hash that does not compare the cells of two boxes in one slot. Cells along x, 4 m wide, share seven slots in turn;
+/// a pair is reported in each slot that both occupy.
 template <int D>
 class ForgetsTheCell final : public PlantedBug<D> {
  public:
@@ -113,7 +114,7 @@ class ForgetsTheCell final : public PlantedBug<D> {
   }
 };
 
-/// A tree that puts boxes across its plane, here x = 0, on the side on which they begin and on no other.
+/// A tree that stores a box across its plane, here x = 0, only on the side where the box begins.
 template <int D>
 class OneSideOfPlane final : public PlantedBug<D> {
   bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
@@ -122,7 +123,7 @@ class OneSideOfPlane final : public PlantedBug<D> {
   }
 };
 
-/// Reports pairs of which neither is awake.
+/// Reports pairs of two sleeping boxes.
 template <int D>
 class WakesTheDead final : public PlantedBug<D> {
   bool filter(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
@@ -132,7 +133,7 @@ class WakesTheDead final : public PlantedBug<D> {
   }
 };
 
-/// Claims to be conservative with spheres inside the boxes instead of around them.
+/// Uses spheres inside the boxes instead of around them, and claims to be conservative.
 template <int D>
 class InnerSpheres final : public PlantedBug<D> {
   bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
@@ -142,7 +143,7 @@ class InnerSpheres final : public PlantedBug<D> {
   }
 };
 
-/// Compares neighbours of a list that it forgot to sort.
+/// Compares neighbours in a list that is not sorted.
 template <int D>
 class NearbySlots final : public PlantedBug<D> {
   bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
@@ -150,7 +151,7 @@ class NearbySlots final : public PlantedBug<D> {
   }
 };
 
-/// Takes a box in when it is added and never looks at it again.
+/// Stores a box when it is added and never updates it.
 template <int D>
 class KeepsFirstBox final : public PlantedBug<D> {
  public:
@@ -166,7 +167,7 @@ class KeepsFirstBox final : public PlantedBug<D> {
   std::vector<Aabb<D>> m_boxes;
 };
 
-/// Works through the lists in the wrong order: what left and came back in one update is gone.
+/// Processes the lists in the wrong order: a proxy that was removed and added in one update is lost.
 template <int D>
 class RemovesLast final : public PlantedBug<D> {
  public:
@@ -183,7 +184,7 @@ class RemovesLast final : public PlantedBug<D> {
   std::vector<bool> m_known;
 };
 
-/// Boxes without their upper borders: who touches whom depends on the side.
+/// Boxes without their upper bounds: whether two touch depends on the side.
 template <int D>
 class HalfOpenBoxes final : public PlantedBug<D> {
   bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
@@ -192,7 +193,7 @@ class HalfOpenBoxes final : public PlantedBug<D> {
   }
 };
 
-/// Boxes meet when a corner of one is in the other: a cross, or a plank through a wall, is missed.
+/// Two boxes overlap if one contains a corner of the other: a cross, or a plank through a wall, is missed.
 template <int D>
 class CornersOnly final : public PlantedBug<D> {
   bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
@@ -209,7 +210,7 @@ class CornersOnly final : public PlantedBug<D> {
   }
 };
 
-/// A tree that is divided until a region holds one box: for equal boxes it is stopped after a thousand levels only.
+/// A tree that divides until a region holds one box: equal boxes stop it only after a thousand levels.
 template <int D>
 class Bottomless final : public PlantedBug<D> {
  public:
@@ -223,7 +224,7 @@ class Bottomless final : public PlantedBug<D> {
   }
 };
 
-/// A tree that is kept and only grows: each step leaves it a node more for each box.
+/// A tree that only grows: each step adds a node per box.
 template <int D>
 class OnlyGrows final : public PlantedBug<D> {
  public:
@@ -236,7 +237,7 @@ class OnlyGrows final : public PlantedBug<D> {
   std::uint64_t m_nodes = 0;
 };
 
-/// A tree that is only refitted, never built again: the more has moved, the more of its nodes overlap.
+/// A tree that is refitted but never rebuilt: the more boxes have moved, the more of its nodes overlap.
 template <int D>
 class WearsOut final : public PlantedBug<D> {
  public:
@@ -250,8 +251,8 @@ class WearsOut final : public PlantedBug<D> {
   std::size_t m_moved = 0;
 };
 
-/// A tree of two levels that is refitted from a parent whose box it forgot: slots by fours, and the box of each four
-/// as it was built, which who moves out of it is no longer found in.
+/// A tree of two levels that never refits its parents. Each four slots share a parent with the box as built; a box that
+/// leaves it is no longer found.
 template <int D>
 class ForgetsParent final : public PlantedBug<D> {
  public:
@@ -273,8 +274,8 @@ class ForgetsParent final : public PlantedBug<D> {
   std::vector<Aabb<D>> m_parent;
 };
 
-/// Pairs of fat boxes are kept from step to step; who leaves its own gets a new one, but the pairs are not found
-/// anew.
+/// Keeps pairs of fat boxes from step to step. A box that leaves its fat box gets a new one, but the pairs are not
+/// found again.
 template <int D>
 class KeepsFatPairs final : public PlantedBug<D> {
  public:
@@ -307,7 +308,7 @@ class KeepsFatPairs final : public PlantedBug<D> {
   bool m_anew = false;
 };
 
-/// An empty box, of a body that has become NaN, is compared the wrong way round and meets everything.
+/// The empty box of a body that has become NaN is compared the wrong way round and overlaps everything.
 template <int D>
 class MeetsTheLost final : public PlantedBug<D> {
   bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {

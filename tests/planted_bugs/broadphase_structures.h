@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// Two broadphases that tell their structure, a grid and a tree of two levels, and twins that tell a wrong one.
+// Two broadphases that report their structure, a grid and a tree of two levels, and planted bugs that report it
+// wrongly.
 #pragma once
 
 #include "tests/planted_bugs/broadphase.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Cells of 4 m, as many as a box reaches.
+/// Cells of 4 m; a box is in every cell that it overlaps.
 template <int D>
 class TellsCells : public PlantedBug<D> {
  public:
@@ -36,25 +37,25 @@ class TellsCells : public PlantedBug<D> {
   std::vector<Aabb<D>> m_boxes;  // of the last findPairs
 };
 
-/// The two cells beside 0 are told as one.
+/// The two cells beside 0 are reported as one.
 template <int D>
 class TellsTruncated final : public TellsCells<D> {
   Real cell(Real x) const override { return std::trunc(x); }
 };
 
-/// A box is told of in the cell of its lower corner alone.
+/// A box is reported only in the cell of its lower corner.
 template <int D>
 class TellsFirstCell final : public TellsCells<D> {
   Real reaches(Real first, Real) const override { return first; }
 };
 
-/// Cells stay for those who were there once.
+/// Cells remain after their boxes have left.
 template <int D>
 class TellsTheGone final : public TellsCells<D> {
   bool forgets() const override { return false; }
 };
 
-/// Slots by fours, and each four of them under one box.
+/// Each four slots share a parent box.
 template <int D>
 class TellsTree : public PlantedBug<D> {
  public:
@@ -94,19 +95,19 @@ class TellsTree : public PlantedBug<D> {
   mutable bool m_dropsOne = false;
 };
 
-/// Parents are told as they were built, for children who have moved.
+/// Parents are reported as built, although their children have moved.
 template <int D>
 class TellsOldParents final : public TellsTree<D> {
   bool refits() const override { return false; }
 };
 
-/// All parents first, so that nobody knows whose the leaves are.
+/// All parents come first, so the parent of a leaf is unknown.
 template <int D>
 class TellsByLevels final : public TellsTree<D> {
   bool byLevels() const override { return true; }
 };
 
-/// Telling takes something apart that the next step would need.
+/// Reporting the structure changes the next step.
 template <int D>
 class TellingTouches final : public TellsTree<D> {
   bool touches() const override { return true; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Contact caches with one mistake each.
+// Planted bugs of contact caches.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ void forSamePairs(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fr
   }
 }
 
-/// Keeps the old points where the pair is known: contacts that stay where they were.
+/// Keeps the old points of a known pair: contacts do not follow the bodies.
 template <int D>
 struct StaleManifold final : ContactCache<D> {
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
@@ -26,7 +26,7 @@ struct StaleManifold final : ContactCache<D> {
   }
 };
 
-/// The first point inherits from the first, whatever their features.
+/// The first point inherits from the first old point, whatever their features.
 template <int D>
 struct MatchesByPlace final : ContactCache<D> {
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
@@ -38,7 +38,7 @@ struct MatchesByPlace final : ContactCache<D> {
   }
 };
 
-/// Forgets that shapes have children: the first of the pair of shapes leaves all.
+/// Forgets the children of shapes: the first pair of children inherits for all.
 template <int D>
 struct MatchesByShape final : ContactCache<D> {
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
@@ -59,7 +59,7 @@ struct MatchesByShape final : ContactCache<D> {
   }
 };
 
-/// Each point takes what the nearest old one had, though another has taken it already.
+/// Each point inherits from the nearest old one, even if another point already has.
 template <int D>
 struct GivesToAllAround final : ContactCache<D> {
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
@@ -76,7 +76,7 @@ struct GivesToAllAround final : ContactCache<D> {
   }
 };
 
-/// Forgets that two normals have two tangent bases.
+/// Forgets that each normal has its own tangent basis.
 template <int D>
 struct FrictionAsNumbers final : ContactCache<D> {
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
@@ -92,7 +92,7 @@ struct FrictionAsNumbers final : ContactCache<D> {
   }
 };
 
-/// What changes between `recycling` and the solver, by a mistake.
+/// Base of bugs that change the input or output of `recycling`.
 template <int D>
 struct Recycled : ContactCache<D> {
   std::unique_ptr<ContactCache<D>> right = createStage<ContactCache<D>>({"recycling", {}});
@@ -100,7 +100,7 @@ struct Recycled : ContactCache<D> {
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override { right->carry(in, fresh); }
 };
 
-/// Leaves pairs out and forgets to bring them back.
+/// Leaves pairs out of `regenerate` and does not bring them back.
 template <int D>
 struct LosesWhatIsLeftOut final : Recycled<D> {
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
@@ -108,7 +108,7 @@ struct LosesWhatIsLeftOut final : Recycled<D> {
   }
 };
 
-/// Anchors kept, and separations, too.
+/// Keeps separations along with the anchors.
 template <int D>
 struct StaleSeparations final : Recycled<D> {
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
@@ -130,7 +130,7 @@ struct StaleNormals final : Recycled<D> {
   }
 };
 
-/// Does not ask what may have come in where there is no point.
+/// Does not check for new contacts where the manifold has no point.
 template <int D>
 struct SeesPointsAlone final : Recycled<D> {
   void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) override {

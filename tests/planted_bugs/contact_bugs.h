@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Contact generators with one mistake each. The properties must tell them from the right ones.
+// Planted bugs of contact generators. The properties must catch them.
 #pragma once
 
 #include "algorithms/contacts/sat/sat_collide3.h"
@@ -10,7 +10,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 using namespace contacts;
 
-/// sat_clip, and then `spoil` on each manifold.
+/// sat_clip, followed by `spoil` on each manifold.
 template <int D>
 class SpoiledContacts : public ContactGenerator<D> {
  public:
@@ -30,7 +30,7 @@ struct FlippedContactNormal final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override { m.normal = -m.normal; }
 };
 
-/// The normal points from the lower kind of shape to the higher, whichever is A.
+/// The normal points from the lower kind of shape to the higher, not from A to B.
 template <int D>
 struct NormalOfFirstShapeKind final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>& in, Manifold<D>& m) override {
@@ -38,7 +38,7 @@ struct NormalOfFirstShapeKind final : SpoiledContacts<D> {
   }
 };
 
-/// Thins the patch along B's own x axis: which point stays depends on how the box's axes are named.
+/// Thins the patch along B's own x axis: the remaining point depends on the names of the box's axes.
 template <int D>
 struct ThinsAlongFirstAxis final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>& in, Manifold<D>& m) override {
@@ -56,7 +56,7 @@ struct DuplicateFeatures final : SpoiledContacts<D> {
   }
 };
 
-/// The last of several points.
+/// Drops the last of several points.
 template <int D>
 struct PointNowhere final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override {
@@ -76,7 +76,7 @@ struct OnlyOnePoint final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override { m.count = 1; }
 };
 
-/// Numbers that follow from where a point is, not from what touches.
+/// Feature numbers depend on the position of the point, not on the features that touch.
 template <int D>
 struct FeaturesFromPosition final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override {
@@ -88,7 +88,7 @@ struct FeaturesFromPosition final : SpoiledContacts<D> {
   }
 };
 
-/// The millimetre in which a point lies: few small motions show it.
+/// The feature number is the millimetre cell of the point: few small motions change it.
 template <int D>
 struct FeaturesByMillimetre final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override {
@@ -100,7 +100,7 @@ struct FeaturesByMillimetre final : SpoiledContacts<D> {
   }
 };
 
-/// Numbers that follow from which point is the deepest: where faces lie flat on each other, rounding says which.
+/// Feature numbers depend on which point is the deepest: on faces that lie flat, rounding decides.
 template <int D>
 struct FeaturesFromDepth final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override {
@@ -112,7 +112,7 @@ struct FeaturesFromDepth final : SpoiledContacts<D> {
   }
 };
 
-/// The vertices of B that are near A's face, wherever the face ends.
+/// All vertices of B near the plane of A's face, not clipped to the face.
 template <int D>
 struct Unclipped final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>& in, Manifold<D>& m) override {
@@ -133,8 +133,8 @@ struct Unclipped final : SpoiledContacts<D> {
   }
 };
 
-/// The normal is the way between the nearest two vertices, the 2009 report's second kind of axis, also where an edge is
-/// nearer, and where they coincide.
+/// The normal is the direction between the two nearest vertices, the 2009 report's second kind of axis, even if an edge
+/// is nearer or the vertices coincide.
 struct PointsFromOneToTheOther final : SpoiledContacts<2> {
   void spoil(const ContactInput<2>& in, Manifold<2>& m) override {
     std::vector<Vec<2>> a, b;
@@ -151,7 +151,7 @@ struct PointsFromOneToTheOther final : SpoiledContacts<2> {
   }
 };
 
-/// sat_clip with the first point of the last step beside its own, or in place of them, each with one mistake.
+/// sat_clip that also keeps, or only keeps, the first point of the last step, each with one mistake.
 template <int D>
 class SpoiledKeeping : public SpoiledContacts<D> {
  public:
@@ -166,12 +166,12 @@ class SpoiledKeeping : public SpoiledContacts<D> {
       keep(in, m, kept, before, Vec<D>(gap - kept.separation * m.normal));
     }
   }
-  /// `slid`: by so much the anchors have slid apart.
+  /// `slid`: displacement of the anchors across the normal.
   virtual void keep(const ContactInput<D>& in, Manifold<D>& m, ContactPoint<D>& kept, Real before,
                     const Vec<D>& slid) = 0;
 
  protected:
-  static constexpr Real kBreaking = kContactMargin;  // the default of who keeps points rightly
+  static constexpr Real kBreaking = kContactMargin;  // the default of correct generators that keep points
   static void append(Manifold<D>& m, ContactPoint<D> kept) {
     const int last = std::min(m.count, kManifoldPoints<D> - 1);
     kept.feature = m.points[static_cast<std::size_t>(last - 1)].feature + 1;
@@ -185,7 +185,7 @@ struct KeepsOldDepths final : SpoiledKeeping<D> {
     this->append(m, kept);
   }
 };
-/// However far the bodies have gone apart there.
+/// Keeps points however far the bodies have separated.
 template <int D>
 struct KeepsTheParted final : SpoiledKeeping<D> {
   void keep(const ContactInput<D>&, Manifold<D>& m, ContactPoint<D>& kept, Real, const Vec<D>& slid) override {
@@ -198,14 +198,14 @@ struct KeepsTheSlidden final : SpoiledKeeping<D> {
     if (kept.separation <= in.margin) this->append(m, kept);
   }
 };
-/// And not the point of the step.
+/// Keeps the old point alone and drops the new ones.
 template <int D>
 struct KeepsTheOldAlone final : SpoiledKeeping<D> {
   void keep(const ContactInput<D>& in, Manifold<D>& m, ContactPoint<D>& kept, Real, const Vec<D>& slid) override {
     if (kept.separation <= in.margin && slid.norm() <= this->kBreaking) m.points[0] = kept, m.count = 1;
   }
 };
-/// What has slid is put right on B, wherever B ends.
+/// Corrects the displacement on B, even beyond the end of B.
 template <int D>
 struct PutsAnchorsTogether final : SpoiledKeeping<D> {
   void keep(const ContactInput<D>& in, Manifold<D>& m, ContactPoint<D>& kept, Real, const Vec<D>& slid) override {
@@ -214,7 +214,7 @@ struct PutsAnchorsTogether final : SpoiledKeeping<D> {
   }
 };
 
-/// Points get numbers that nobody had in the last step.
+/// Feature numbers that did not occur in the last step.
 template <int D>
 struct NumbersAnew final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>& in, Manifold<D>& m) override {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A method of continuous collision with one bug at a time, that a world can be built from:
-// continuous=planted_continuous.
+// A method of continuous collision with one planted bug at a time, for pipelines: continuous=planted_continuous.
 //
 // Include it in one file of a test program.
 #pragma once
@@ -11,18 +10,18 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Casts as `cast` does, spoiled.
+/// `cast` with one bug.
 template <int D>
 class PlantedContinuous final : public ContinuousCollision<D> {
  public:
   enum class Bug {
     none,
-    late,         // a hundredth of the step after the meeting
-    blindToFast,  // pairs of which both are fast are nobody's
-    stopsAtOnce,  // who touches at the start stays where it is
-    stopsAll,     // whoever has somebody near its way
-    onlyCentres,  // shapes are their inner balls
-    everyone      // nobody is slow enough to be left alone
+    late,         // the impact is a hundredth of the step late
+    blindToFast,  // ignores pairs of two fast bodies
+    stopsAtOnce,  // stops bodies that touch at the start
+    stopsAll,     // stops every body near another
+    onlyCentres,  // casts the inner balls instead of the shapes
+    everyone      // no body is too slow to be cast
   };
   struct Params {
     Bug bug = Bug::none;

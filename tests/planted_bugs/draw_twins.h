@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Drawings of a simulation with one bug each.
+// Planted bugs of the drawing of a simulation.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Remembers what was drawn.
+/// Records what is drawn.
 template <int D>
 class HeardDrawing : public DebugDraw<D> {
  public:
@@ -49,11 +49,11 @@ class HeardDrawing : public DebugDraw<D> {
   std::size_t size() const { return dots.size() + strokes.size() + solids.size() + words.size(); }
 };
 
-/// What is under check: drawSimulation, or a twin of it.
+/// The drawing under test: drawSimulation, or one with a planted bug.
 template <int D>
 using Drawing = std::function<void(const Simulation<D>&, const DrawLayers&, DebugDraw<D>&)>;
 
-/// What drawSimulation draws, after `change`.
+/// The output of drawSimulation, changed by `change`.
 template <int D>
 Drawing<D> redrawn(std::function<void(HeardDrawing<D>&)> change) {
   return [change](const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw) {
@@ -80,7 +80,7 @@ Drawing<D> drawnUpsideDown() {
     for (auto& l : all.strokes) l.a[1] *= -1, l.b[1] *= -1;
   });
 }
-/// As if each contact bore something.
+/// Draws every contact as loaded.
 template <int D>
 Drawing<D> allBear() {
   return redrawn<D>([](HeardDrawing<D>& all) {
@@ -89,7 +89,7 @@ Drawing<D> allBear() {
     }
   });
 }
-/// What A feels of B.
+/// Draws the force on A instead of that on B.
 template <int D>
 Drawing<D> backwards() {
   return redrawn<D>([](HeardDrawing<D>& all) {
@@ -102,7 +102,7 @@ Drawing<D> forgetsAStroke() {
     if (!all.strokes.empty()) all.strokes.pop_back();
   });
 }
-/// Everybody has the first body's colour.
+/// All bodies have one colour.
 template <int D>
 Drawing<D> oneColour() {
   return redrawn<D>([](HeardDrawing<D>& all) {
@@ -113,7 +113,7 @@ template <int D>
 Drawing<D> withoutWords() {
   return redrawn<D>([](HeardDrawing<D>& all) { all.words.clear(); });
 }
-/// Each shape where its body's centre of mass is.
+/// Draws each shape at its body's centre of mass.
 template <int D>
 Drawing<D> atTheCentre() {
   return [](const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw) {
@@ -127,7 +127,7 @@ Drawing<D> atTheCentre() {
     }
   };
 }
-/// Draws as if `layer` were as it is not asked to be.
+/// Inverts the setting of `layer`.
 template <int D>
 Drawing<D> deafTo(bool DrawLayers::*layer) {
   return [layer](const Simulation<D>& simulation, DrawLayers layers, DebugDraw<D>& draw) {
@@ -135,7 +135,7 @@ Drawing<D> deafTo(bool DrawLayers::*layer) {
     drawSimulation(simulation, layers, draw);
   };
 }
-/// Pushes who is drawn: a simulation that is looked at lives another life.
+/// Changes the bodies that it draws: drawing affects the simulation.
 template <int D>
 Drawing<D> meddles() {
   return [](const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw) {

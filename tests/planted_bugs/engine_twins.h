@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Adapters that forget something: the checks of engines must tell them from the true ones.
+// Planted bugs of engine adapters: the checks of engines must tell them from the correct adapters.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Starts a simulation under check: a true engine, or a twin with a bug.
+/// Starts a simulation under test: an engine, or an adapter with a planted bug.
 template <int D>
 using Start = std::function<std::unique_ptr<Simulation<D>>(const WorldSettings<D>&)>;
 
-/// Forgets the sign of gravity.
+/// Inverts gravity.
 template <int D>
 Start<D> upsideDown(Start<D> start) {
   return [start](WorldSettings<D> settings) {
@@ -21,7 +21,7 @@ Start<D> upsideDown(Start<D> start) {
   };
 }
 
-/// What a twin does to what it hands on; what is not given stays as it is.
+/// What a planted bug changes in the calls that it passes on. Members left out change nothing.
 template <int D>
 struct Changes {
   std::function<void(BodyDef<D>&)> body = [](BodyDef<D>&) {};
@@ -34,7 +34,7 @@ struct Changes {
   std::function<void(Vec<D>&)> gravity = [](Vec<D>&) {};
 };
 
-/// All else is the inner simulation's.
+/// Forwards everything to the inner simulation, with `changes`.
 template <int D>
 class Twin final : public Simulation<D>, public ChangesGravity<D> {
  public:
@@ -112,7 +112,7 @@ Start<D> twin(Start<D> start, Changes<D> changes) {
   return [=](const WorldSettings<D>& settings) { return std::make_unique<Twin<D>>(start(settings), changes); };
 }
 
-/// Keeps the gravity that it began with.
+/// Ignores changes of gravity.
 template <int D>
 Start<D> deafToGravity(Start<D> start) {
   return [start](const WorldSettings<D>& settings) {
@@ -122,7 +122,7 @@ Start<D> deafToGravity(Start<D> start) {
   };
 }
 
-/// Leaves every body at the mass that the engine gives by itself, of density 1.
+/// Leaves every body at the engine's default density of 1.
 template <int D>
 Start<D> ownMass(Start<D> start) {
   return twin<D>(start, {.body = [](BodyDef<D>& def) {
@@ -130,7 +130,7 @@ Start<D> ownMass(Start<D> start) {
                  }});
 }
 
-/// Leaves friction to the engine: as if pairs took the product.
+/// Leaves friction to the engine, as if pairs multiplied the coefficients.
 template <int D>
 Start<D> productOfFriction(Start<D> start) {
   return twin<D>(start, {.body = [](BodyDef<D>& def) {
@@ -138,7 +138,7 @@ Start<D> productOfFriction(Start<D> start) {
                  }});
 }
 
-/// Caps friction at 10, as Bullet does by itself.
+/// Caps friction at 10, as Bullet does by default.
 template <int D>
 Start<D> cappedFriction(Start<D> start) {
   return twin<D>(start, {.body = [](BodyDef<D>& def) {
@@ -146,7 +146,7 @@ Start<D> cappedFriction(Start<D> start) {
                  }});
 }
 
-/// Mixes friction, or restitution, by the first of the rules whatever the scene says.
+/// Mixes friction, or restitution, by the first rule, whatever the scene says.
 template <int D>
 Start<D> oneRuleOfFriction(Start<D> start) {
   return [start](WorldSettings<D> settings) {
@@ -162,7 +162,7 @@ Start<D> oneRuleOfRestitution(Start<D> start) {
   };
 }
 
-/// Takes the larger restitution of a pair: as if the rule of the pair were the engine's own.
+/// Takes the larger restitution of a pair, as if the engine's own rule applied.
 template <int D>
 Start<D> largerRestitution(Start<D> start) {
   return twin<D>(start, {.body = [](BodyDef<D>& def) {
@@ -170,7 +170,7 @@ Start<D> largerRestitution(Start<D> start) {
                  }});
 }
 
-/// Hands on a joint's kind with one parameter changed, where it is given.
+/// Passes a joint's kind on with one parameter changed, if it is set.
 template <int D>
 Start<D> parameterOfJoints(Start<D> start, std::string parameter, std::function<std::string(const Spec&)> value) {
   return twin<D>(start, {.joint = [=](JointDef<D>& def) {
@@ -184,7 +184,7 @@ inline std::string negative(const std::string& number) {
   return number.starts_with('-') ? number.substr(1) : "-" + number;
 }
 
-/// Takes a hinge's angle as that of A against B: its stops lie on the other side.
+/// Takes the angle of a hinge as that of A relative to B: its stops are on the other side.
 template <int D>
 Start<D> otherSideOfHinges(Start<D> start) {
   return twin<D>(start, {.joint = [](JointDef<D>& def) {
@@ -202,30 +202,30 @@ Start<D> backwardMotors(Start<D> start) {
   return parameterOfJoints<D>(start, "motor_speed",
                               [](const Spec& s) { return negative(s.find("motor_speed")->name); });
 }
-/// Takes a motor's torque for the impulse of a step.
+/// Takes a motor's torque for the impulse per step.
 template <int D>
 Start<D> impulsiveMotors(Start<D> start) {
   return parameterOfJoints<D>(start, "motor_torque", [](const Spec& s) {
     return std::to_string(60 * std::stod(s.find("motor_torque")->name));
   });
 }
-/// Counts the angle of a hinge from where the bodies' own frames agree, and not the joint's.
+/// Measures the angle of a hinge from where the bodies' frames agree, not the joint's.
 template <int D>
 Start<D> anglesOfBodies(Start<D> start) {
   return twin<D>(start, {.joint = [](JointDef<D>& def) { def.X_WJb.reset(); }});
 }
-/// Holds ropes as if they were rods.
+/// Treats ropes as rods.
 template <int D>
 Start<D> stiffRopes(Start<D> start) {
   return parameterOfJoints<D>(
       start, "mode", [](const Spec& s) { return s.find("mode")->name == "rope" ? "rod" : s.find("mode")->name; });
 }
-/// Forgets what damps a spring.
+/// Drops the damping of springs.
 template <int D>
 Start<D> undamped(Start<D> start) {
   return parameterOfJoints<D>(start, "damping", [](const Spec&) { return std::string("0"); });
 }
-/// Makes pivots of welds.
+/// Turns welds into pivots.
 template <int D>
 Start<D> looseWelds(Start<D> start) {
   return twin<D>(start, {.joint = [](JointDef<D>& def) {
@@ -239,7 +239,7 @@ Start<D> unbreakable(Start<D> start) {
                    def.breakForce = def.breakTorque = std::numeric_limits<Real>::infinity();
                  }});
 }
-/// Joints hold although the settings switch them off.
+/// Joints are active although the settings switch them off.
 template <int D>
 Start<D> alwaysJoined(Start<D> start) {
   return [start](WorldSettings<D> settings) {
@@ -247,7 +247,7 @@ Start<D> alwaysJoined(Start<D> start) {
     return start(settings);
   };
 }
-/// Jointed bodies collide, or do not, whatever the scene says.
+/// Jointed bodies collide, or not, whatever the scene says.
 template <int D>
 Start<D> jointedCollide(Start<D> start, bool collide) {
   return twin<D>(start, {.joint = [=](JointDef<D>& def) { def.collide = collide; }});
@@ -258,12 +258,12 @@ template <int D>
 Start<D> centralForces(Start<D> start) {
   return twin<D>(start, {.force = [](Vec<D>&, Vec<D>& point) { point.setZero(); }});
 }
-/// A blow lasts as long as a step, and is taken for a force.
+/// Takes an impulse for a force that acts for one step.
 template <int D>
 Start<D> softBlows(Start<D> start) {
   return twin<D>(start, {.impulse = [](Wrench<D>& blow) { blow.force /= 60, blow.torque /= 60; }});
 }
-/// Forgets torques, angular velocities, rotations.
+/// Drops torques, angular velocities, rotations.
 template <int D>
 Start<D> noTorques(Start<D> start) {
   return twin<D>(start, {.torque = [](Ang<D>& torque) { torque.setZero(); }});

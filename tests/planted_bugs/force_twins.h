@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Forces and turned inertias with one bug each.
+// Planted bugs of forces and of rotated inertias.
 #pragma once
 
 #include <memory>
@@ -11,13 +11,13 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class ForceBug {
   none,
-  oneEnd,        // B feels it and A does not
+  oneEnd,        // acts on B and not on A
   noArm,         // acts at B's anchor without a moment
-  remembers,     // a little more each time that it is asked
-  movesAll,      // pushes whom forces do not move
-  strays,        // acts on somebody else, too
-  dividesByGap,  // no number where two bodies are in one place
-  grows          // by a hundredth, where it may not
+  remembers,     // a little more at each evaluation
+  movesAll,      // moves bodies that forces must not move
+  strays,        // acts on a third body, too
+  dividesByGap,  // NaN for two bodies at one place
+  grows          // a hundredth larger
 };
 
 template <int D>
@@ -74,7 +74,7 @@ inline Inertia<3> inertiaTurnedBack(const Rot<3>& q, const Inertia<3>& inertia) 
   return rotateInertia(q.inverse(), inertia);
 }
 
-/// Inertia is no scalar.
+/// Treats inertia as a scalar.
 inline Inertia<3> inertiaNotTurned(const Rot<3>&, const Inertia<3>& inertia) { return inertia; }
 
 }}}  // namespace lpc::LPC_PRECISION::test

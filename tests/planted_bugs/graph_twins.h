@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Contact graphs with one bug each.
+// Planted bugs of contact graphs.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ struct GraphInput {
   Bodies<2> bodies;
   std::vector<Manifold<2>> manifolds;
   std::vector<JointRecord<2>> joints;
-  std::vector<int> contacts;  // to colour
+  std::vector<int> contacts;  // the contacts to colour
 
   bool node(int body) const {
     const auto i = static_cast<std::size_t>(body);
@@ -43,7 +43,7 @@ inline GraphAnswers answersOf(const GraphInput& in, std::span<const Asked> quest
   return out;
 }
 
-/// The ground carries from one to the other.
+/// The ground connects the bodies on it.
 inline GraphAnswers throughTheGround(const GraphInput& in) {
   GraphInput all = in;
   for (BodyType& type : all.bodies.type) type = BodyType::dynamic;
@@ -59,13 +59,13 @@ inline GraphAnswers throughBrokenJoints(const GraphInput& in) {
   for (JointRecord<2>& j : all.joints) j.broken = 0;
   return answersOf(all);
 }
-/// A veto is no veto.
+/// Ignores vetoes.
 inline GraphAnswers hearsNoVeto(const GraphInput& in) {
   GraphInput all = in;
   for (Manifold<2>& m : all.manifolds) m.ignored = 0;
   return answersOf(all);
 }
-/// Contacts lead from body A to body B only: a body that is reached from two sides keeps its first number.
+/// Contacts connect body A to body B only: a body reached from two sides keeps its first number.
 inline GraphAnswers cutsIslands(const GraphInput& in) {
   GraphAnswers out = answersOf(in);
   std::fill(out.islands.begin(), out.islands.end(), -1);
@@ -80,7 +80,7 @@ inline GraphAnswers cutsIslands(const GraphInput& in) {
   }
   return out;
 }
-/// Depth first: a body has the level of the way by which it was found, not of the shortest.
+/// Depth first: a body's level is the length of the path that found it, not of the shortest one.
 inline GraphAnswers skipsLevels(const GraphInput& in) {
   GraphAnswers out = answersOf(in);
   for (std::int32_t& level : out.levels) level = std::min(level, 0);
@@ -98,7 +98,7 @@ inline GraphAnswers skipsLevels(const GraphInput& in) {
   }
   return out;
 }
-/// Looks at body A alone: two contacts of one body in a colour.
+/// Checks body A only: two contacts of one body share a colour.
 inline GraphAnswers coloursByOneBody(const GraphInput& in) {
   GraphInput half = in;
   for (Manifold<2>& m : half.manifolds) {
@@ -109,7 +109,7 @@ inline GraphAnswers coloursByOneBody(const GraphInput& in) {
   out.order = wrong.order, out.offsets = wrong.offsets;
   return out;
 }
-/// A colour for each contact: right, and of no use.
+/// A colour for each contact: correct, but useless.
 inline GraphAnswers coloursEach(const GraphInput& in) {
   GraphAnswers out = answersOf(in);
   out.order = in.contacts;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Kinds of joints with one thing wrong.
+// Planted bugs of joints.
 #pragma once
 
 #include <memory>
@@ -10,15 +10,15 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class JointBug {
   none,
-  pulls,       // a stop that holds both ways
-  endless,     // a motor or a spring whose force has no limit
+  pulls,       // a stop that holds in both directions
+  endless,     // a motor or a spring without a force limit
   oneBody,     // turns B and not A
   jumps,       // its angle forgets whole turns
-  weightless,  // goes by no mass
-  wrongSign,   // pushes away from where it should be
-  ownAxes,     // rows along the world's axes where they should turn with the bodies
-  drives,      // moves what it should hold
-  yields,      // a spring where it should be rigid: a compliance in absolute units
+  weightless,  // ignores the masses
+  wrongSign,   // increases the error
+  ownAxes,     // rows along the world's axes instead of the bodies' axes
+  drives,      // moves bodies that it should hold
+  yields,      // a soft joint instead of a rigid one: a compliance in absolute units
   turnsLeft,   // each impulse turns B a little to the left
   ages,        // changes with every step, however short
   noArm,       // forgets B's arm where A is the world

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Stages that do what another does, but for one last bit in one call: what a compiler that rounds otherwise would do.
+// Stages that equal another one except for the last bit of one number in one call, as if a compiler rounded
+// differently.
 #pragma once
 
 #include <cmath>
@@ -14,7 +15,7 @@ inline constexpr int kUlpCall = 20;  // the step, counted from 0, in which the b
 
 inline void addUlp(Real& x) { x = std::nextafter(x, std::numeric_limits<Real>::infinity()); }
 
-/// sat_clip, but for the separation of the last contact.
+/// sat_clip, except for the separation of the last contact.
 template <int D>
 class UlpContacts final : public ContactGenerator<D> {
  public:
@@ -35,7 +36,7 @@ class UlpContacts final : public ContactGenerator<D> {
   int m_call = 0;
 };
 
-/// catto, but for one component of the velocity of body 3.
+/// catto, except for one component of the velocity of body 3.
 template <int D>
 class UlpVelocity final : public VelocityResolver<D> {
  public:
@@ -55,7 +56,7 @@ class UlpVelocity final : public VelocityResolver<D> {
   int m_call = 0;
 };
 
-/// split_impulse, but for one coordinate of body 3.
+/// split_impulse, except for one coordinate of body 3.
 template <int D>
 class UlpPosition final : public PositionResolver<D> {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Pair queries with one bug each; the properties must see them.
+// Planted bugs of pair queries; the properties must catch them.
 #pragma once
 
 #include <cstring>
@@ -9,7 +9,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace wrong_queries {
 
-/// The right method of all twins, spoiled by each in its own way.
+/// The correct method of all bugs, spoiled by each in its own way.
 template <int D>
 class SpoiledQuery : public PairQuery<D> {
  public:
@@ -44,7 +44,7 @@ class FlippedNormal final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override { answer.normal = -answer.normal; }
 };
 
-/// Boxes by face normals alone: the 2009 engine's bug in its purest form.
+/// Boxes by face normals alone: the 2009 engine's bug.
 template <int D>
 class NoEdgeAxes final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -64,7 +64,7 @@ class NoEdgeAxes final : public SpoiledQuery<D> {
   }
 };
 
-/// Portal refinement's error, without its iterations: the depth along the line of centres.
+/// The error of portal refinement, without its iterations: the depth along the line of centres.
 template <int D>
 class CentreRayDepth final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -73,7 +73,7 @@ class CentreRayDepth final : public SpoiledQuery<D> {
   }
 };
 
-/// A tenth of a millimetre is contact, whatever the size.
+/// A tenth of a millimetre counts as contact at any size.
 template <int D>
 class AbsoluteTolerance final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
@@ -81,7 +81,7 @@ class AbsoluteTolerance final : public SpoiledQuery<D> {
   }
 };
 
-/// The other shape's rounding is forgotten.
+/// Ignores the rounding radius of B.
 template <int D>
 class ForgetsRounding final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -90,7 +90,7 @@ class ForgetsRounding final : public SpoiledQuery<D> {
   }
 };
 
-/// What was true last time is still true.
+/// Returns the distance of the last query.
 template <int D>
 class TrustsItsMemory final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory* memory) override {
@@ -102,7 +102,7 @@ class TrustsItsMemory final : public SpoiledQuery<D> {
   }
 };
 
-/// Bytes that it never wrote, of a damaged file, are taken for a hint, and the hint for the answer.
+/// Takes foreign bytes in the memory, as of a damaged file, for a hint, and the hint for the answer.
 template <int D>
 class BelievesAnyBytes final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory* memory) override {
@@ -110,7 +110,7 @@ class BelievesAnyBytes final : public SpoiledQuery<D> {
   }
 };
 
-/// Deep inside B, A's centre is called a witness.
+/// Returns A's centre as its closest point although it is deep inside B.
 template <int D>
 class CentreWitness final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
@@ -118,7 +118,7 @@ class CentreWitness final : public SpoiledQuery<D> {
   }
 };
 
-/// Boxes that are not turned are compared by their intervals: beyond a corner the widest gap is called the distance.
+/// Compares unrotated boxes by their intervals: beyond a corner, the widest gap is returned as the distance.
 template <int D>
 class AxisAlignedShortcut final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -139,7 +139,7 @@ class NeverTurnsBack final : public SpoiledQuery<D> {
   }
 };
 
-/// Half the depth is left to the next step.
+/// Returns half the depth.
 template <int D>
 class HalfDepth final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
@@ -147,7 +147,7 @@ class HalfDepth final : public SpoiledQuery<D> {
   }
 };
 
-/// Two ways of one method count the rounding, when the shapes penetrate.
+/// Counts the rounding radius twice when the shapes penetrate.
 template <int D>
 class RoundingTwiceInside final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -156,7 +156,7 @@ class RoundingTwiceInside final : public SpoiledQuery<D> {
   }
 };
 
-/// Where it stopped searching because nobody would care is given as the distance.
+/// Returns a cut-off of the search as the distance.
 template <int D>
 class ReportsItsCutOff final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -164,7 +164,7 @@ class ReportsItsCutOff final : public SpoiledQuery<D> {
   }
 };
 
-/// Asked for yes or no it compares bounding spheres.
+/// For a boolean query, compares bounding spheres.
 template <int D>
 class SphereBoolean final : public SpoiledQuery<D> {
  public:
@@ -181,7 +181,7 @@ class SphereBoolean final : public SpoiledQuery<D> {
   bool m_boolean = false;
 };
 
-/// No direction where the shapes just touch.
+/// No normal where the shapes just touch.
 template <int D>
 class NoNormalAtTouch final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -189,7 +189,7 @@ class NoNormalAtTouch final : public SpoiledQuery<D> {
   }
 };
 
-/// Climbs along the list of vertices and stops at the first peak.
+/// Climbs along the list of vertices and stops at the first local maximum.
 template <int D>
 class FirstPeak final : public SpoiledQuery<D> {
   static Real reach(const ShapeView<D>& shape, const Vec<D>& d) {
@@ -205,7 +205,7 @@ class FirstPeak final : public SpoiledQuery<D> {
   }
 };
 
-/// Rounding has the wrong sign: a thicker capsule is farther away.
+/// The rounding radius has the wrong sign: a thicker capsule is farther away.
 template <int D>
 class ThickerIsFarther final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -213,7 +213,7 @@ class ThickerIsFarther final : public SpoiledQuery<D> {
   }
 };
 
-/// A long box is taken for a line.
+/// Treats a long box as a line.
 template <int D>
 class LongBoxIsALine final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -223,7 +223,7 @@ class LongBoxIsALine final : public SpoiledQuery<D> {
   }
 };
 
-/// The code for boxes knows no rounding.
+/// Ignores the rounding radius of boxes.
 template <int D>
 class SharpBoxes final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -231,7 +231,7 @@ class SharpBoxes final : public SpoiledQuery<D> {
   }
 };
 
-/// Sees every second vertex of a hull.
+/// Uses every second vertex of a hull only.
 template <int D>
 class EverySecondVertex final : public SpoiledQuery<D> {
   static Real reach(const ShapeView<D>& shape, const Vec<D>& d) {
@@ -248,7 +248,7 @@ class EverySecondVertex final : public SpoiledQuery<D> {
   }
 };
 
-/// Right but for the last bits, which hang on the unit.
+/// Correct except for the last bits, which depend on the unit of length.
 template <int D>
 class RoundsInMetres final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
@@ -256,7 +256,7 @@ class RoundsInMetres final : public SpoiledQuery<D> {
   }
 };
 
-/// One axis is not as the others.
+/// Treats one axis differently from the others.
 template <int D>
 class LikesOneAxis final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
@@ -266,7 +266,7 @@ class LikesOneAxis final : public SpoiledQuery<D> {
   }
 };
 
-/// As if points were stored with half the digits: the farther from their own origin, the worse.
+/// As if points were stored with half the digits: the error grows with the distance from their own origin.
 template <int D>
 class CoarsePoints final : public SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
@@ -275,7 +275,7 @@ class CoarsePoints final : public SpoiledQuery<D> {
   }
 };
 
-/// Stopped by its limit, it says that all went well.
+/// Reports convergence although it stopped at its limit.
 template <int D>
 class SilentLimit final : public PairQuery<D> {
  public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Broadphases and pair queries with one failure each, and a force of one's own, for the tests of the runner: every one
-// must end as a row with its name.
+// Broadphases and pair queries with one failure each, and a kind of force, for the tests of the runner: each failure
+// must be recorded as a row with its name.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -51,7 +51,7 @@ class Planted : public Broadphase<D> {
       }
     }
     if (kBug == Bug::forget && !out.empty()) out.pop_back();
-    // Differs from process to process, and so from repeat to repeat. Conservative, so that more pairs are no error.
+    // Differs between processes, and so between repeats. Conservative, so that additional pairs are no error.
     if (kBug == Bug::dice && getpid() % 2) out.push_back({0, proxies.size() - 1});
   }
 
@@ -83,7 +83,7 @@ class Dice : public Planted<D, Bug::dice> {
   }
 };
 
-/// Of circles. One calls a depth half of what it is, the other does not survive large circles with one centre.
+/// On circles. One returns half the depth, the other crashes on large concentric circles.
 template <int D, bool kCrashes>
 class PlantedQuery : public PairQuery<D> {
  public:
@@ -117,7 +117,7 @@ using Half = PlantedQuery<D, false>;
 template <int D>
 using Aborts = PlantedQuery<D, true>;
 
-/// No bug: what a scene names is found in a plugin, too.
+/// No bug: scenes find kinds of force in plugins, too.
 template <int D>
 class Push : public ForceKind<D> {
  public:

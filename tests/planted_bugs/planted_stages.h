@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Stages with one bug each that a whole world can be built from, by the names planted_...: what a property of worlds
-// must catch. They are no competitors, so tests that go through the registry pass them by.
+// Stages with one planted bug each, for pipelines of whole worlds, under the names planted_...: the properties of
+// worlds must catch them. They are no competitors, so tests over the registry skip them.
 //
 // Include it in one file of a test program.
 #pragma once
@@ -29,17 +29,17 @@ class PlantedSolver final : public Solver<D> {
  public:
   enum class Bug {
     none,
-    remembers,      // has a state of its own that nobody saves
-    remembersRuns,  // and one that outlives the world
-    countsBodies,   // strangers matter
-    watches,        // does something else when it is watched
-    farIsCoarse,    // places in float
-    heats,          // each step adds a thousandth to every speed
-    shares,         // everybody feels a little of everybody's speed
-    creeps,         // each step moves everybody a hundredth of a millimetre
-    hops,           // every hundredth step lifts everybody
-    divides,        // by a parameter that may be 0
-    writesDown      // no bug: it remembers, in what is saved for solvers
+    remembers,      // has a state that is not saved
+    remembersRuns,  // has a state that outlives the world
+    countsBodies,   // depends on the number of bodies
+    watches,        // depends on whether it is profiled
+    farIsCoarse,    // stores positions as float
+    heats,          // each step increases every speed by a thousandth
+    shares,         // every body gets a little of every speed
+    creeps,         // each step moves every body by 0.01 mm
+    hops,           // every hundredth step lifts every body
+    divides,        // divides by a parameter that may be 0
+    writesDown      // no bug: its state is in the saved memory of solvers
   };
   struct Params {
     Bug bug = Bug::none;
@@ -130,13 +130,13 @@ template <int D>
 class PlantedSleep final : public SleepPolicy<D> {
  public:
   enum class Bug {
-    deaf,          // hears of no event: supports go, forces act, and nobody wakes
-    deafToJoints,  // hears of all but joints that are removed
-    nowhere,       // does not ask who carries: sleeps in the air
-    adrift,        // falls asleep before it has come to rest
-    crowd,         // nobody sleeps while anybody moves
-    wall,          // a sleeper that is struck stays asleep
-    slips          // a sleeper does not feel that its support slides away
+    deaf,          // ignores all events: lost supports and forces wake no body
+    deafToJoints,  // ignores removed joints
+    nowhere,       // ignores supports: sleeps in the air
+    adrift,        // falls asleep before it is at rest
+    crowd,         // no body sleeps while any body moves
+    wall,          // a struck sleeper stays asleep
+    slips          // a sleeper does not notice that its support slides away
   };
   struct Params {
     Bug bug = Bug::deaf;
@@ -195,7 +195,7 @@ class PlantedBroadphase final : public Broadphase<D> {
 };
 LPC_REGISTER(Broadphase, PlantedBroadphase, 2, 3);
 
-/// Makes every manifold twice.
+/// Returns every manifold twice.
 template <int D>
 class PlantedContacts final : public ContactGenerator<D> {
  public:
@@ -214,7 +214,7 @@ class PlantedContacts final : public ContactGenerator<D> {
 };
 LPC_REGISTER(ContactGenerator, PlantedContacts, 2, 3);
 
-/// No bug: deals the points of each manifold to as many children, as shapes of several parts would have.
+/// No bug: distributes the points of each manifold over several children, as shapes with several parts do.
 template <int D>
 class PlantedChildren final : public ContactGenerator<D> {
  public:
@@ -242,7 +242,7 @@ class PlantedChildren final : public ContactGenerator<D> {
 };
 LPC_REGISTER(ContactGenerator, PlantedChildren, 2, 3);
 
-/// persistent_manifold, but the points of the last step are its own and not the world's: nobody saves them.
+/// persistent_manifold with points of its own instead of the world's: they are not saved.
 template <int D>
 class PlantedKeeper final : public ContactGenerator<D> {
  public:

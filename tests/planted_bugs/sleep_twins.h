@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Sleep policies with one bug each; the conformance test must see them.
+// Planted bugs of sleep policies; the conformance test must catch them.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Averages as in the 2009 report, and nothing else: falls asleep at the top of a throw, and asks nobody.
+/// Averages as in the 2009 report, and nothing else: a body falls asleep at the top of a throw.
 template <int D>
 class AveragesOnly final : public SleepPolicy<D> {
  public:
@@ -22,7 +22,7 @@ class AveragesOnly final : public SleepPolicy<D> {
   }
 };
 
-/// Everybody sleeps, for ever.
+/// All bodies sleep, for ever.
 template <int D>
 class SleepsAtOnce final : public SleepPolicy<D> {
  public:
@@ -31,7 +31,7 @@ class SleepsAtOnce final : public SleepPolicy<D> {
   }
 };
 
-/// A blow wakes whom it hits, and those behind stay walls.
+/// An impact wakes the struck body only; the bodies behind it act as walls.
 template <int D>
 class WakesOnlyTheStruck final : public SleepPolicy<D> {
  public:
@@ -40,8 +40,8 @@ class WakesOnlyTheStruck final : public SleepPolicy<D> {
   }
 };
 
-/// What Millington's book says of sleeping, and nothing else: one average of v^2 + w^2, by the step as the 2009 report
-/// prints it; a touch by somebody awake with enough speed wakes the one who is touched.
+/// Sleeping as in Millington's book, and nothing else: one average of v^2 + w^2, per step as printed in the 2009
+/// report. A touching awake body with enough speed wakes a sleeper.
 template <int D>
 class BookAlone final : public SleepPolicy<D> {
  public:
@@ -67,7 +67,7 @@ class BookAlone final : public SleepPolicy<D> {
   static constexpr Real kEpsilon = Real(0.3);
 };
 
-/// One island for all the world, through the ground: nobody sleeps while anybody moves.
+/// One island for the whole world, connected through the ground: no body sleeps while any body moves.
 template <int D>
 class IslandOfTheGround final : public SleepPolicy<D> {
  public:
@@ -80,7 +80,7 @@ class IslandOfTheGround final : public SleepPolicy<D> {
   }
 };
 
-/// Sleeps after half a second in which a body kept still, wherever it is.
+/// A body sleeps after half a second at rest, with or without a support.
 template <int D>
 class CountsSeconds : public SleepPolicy<D> {
  public:
@@ -97,7 +97,7 @@ class CountsSeconds : public SleepPolicy<D> {
   virtual Real tick(Real dt) const { return dt; }
 };
 
-/// The same, but by the steps that half a second has at 60 Hz.
+/// The same, counted in the steps of half a second at 60 Hz.
 template <int D>
 class CountsSteps final : public CountsSeconds<D> {
   Real tick(Real) const override { return Real(1) / 60; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A plain velocity resolver with one bug at a time, and wrong integrators and position resolvers; the conformance tests
-// must see each bug and must find nothing wrong with Bug::none.
+// A plain velocity resolver with one planted bug at a time, and wrong integrators and position resolvers. The
+// conformance tests must catch each bug and must find no fault with Bug::none.
 #pragma once
 
 #include <algorithm>
@@ -11,23 +11,23 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class Bug {
   none,
-  oneBodyOnly,        // the other body gets nothing
-  twoPoints,          // each body gets the impulse at its own centre's side: no shared point
-  addsEnergy,         // bounces faster than it came
-  pulls,              // contacts hold on to each other
-  frictionUnbounded,  // sticks whatever the normal impulse is
-  frictionForward,    // pushes along the sliding instead of against it
-  squareFriction,     // clamps world axes instead of a disc: turns with the axes, not with the scene
-  keepsFirstImpulse,  // never takes an impulse back
-  stopsEarly,         // leaves joints to themselves
-  hastens,            // bounces what is already leaving, too
-  slowsInTheWorld,    // takes speed out of bodies, not out of contacts
-  movesFixed,         // infinite mass is only large
-  armsOfTheWorld,     // takes torques about the world's origin
-  turnsLeft,          // every blow gives a little spin to the left
-  yields,             // a little more response than the masses give: a compliance in absolute units
-  givesUp,            // is content after ten sweeps
-  dividesByNothing    // no guard for bodies that cannot move
+  oneBodyOnly,        // the other body gets no impulse
+  twoPoints,          // each body gets the impulse at its own place, not at a shared point
+  addsEnergy,         // leaves faster than it arrived
+  pulls,              // contacts pull
+  frictionUnbounded,  // sticks at any normal impulse
+  frictionForward,    // pushes along the sliding direction
+  squareFriction,     // clamps along world axes instead of to a disc: depends on the frame
+  keepsFirstImpulse,  // never reduces an impulse
+  stopsEarly,         // does not solve joints
+  hastens,            // accelerates bodies that already separate
+  slowsInTheWorld,    // removes speed from bodies, not from contacts
+  movesFixed,         // treats infinite mass as large mass
+  armsOfTheWorld,     // computes torques about the world's origin
+  turnsLeft,          // every impulse adds a little spin to the left
+  yields,             // slightly too much response: a compliance in absolute units
+  givesUp,            // stops after ten sweeps
+  dividesByNothing    // no guard for immovable bodies
 };
 
 template <int D>
@@ -59,11 +59,11 @@ class TwinResolver final : public VelocityResolver<D> {
         Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
         for (int i = 0; i < m.count; ++i) one(in, m, m.points[static_cast<std::size_t>(i)], targets[t++]);
       }
-      for (JointRecord<D>& j : in.joints) {  // of any kind only the point
+      for (JointRecord<D>& j : in.joints) {  // only the point, for any kind
         const Vec<D> p = (in.bodies.pose[slot(j.bodyA)] * j.X_CaJ.p + in.bodies.pose[slot(j.bodyB)] * j.X_CbJ.p) / 2;
         const Vec<D> v = velocity(in.bodies, j.bodyA, j.bodyB, p);
         if (m_bug == Bug::stopsEarly || !(v.norm() > 0)) continue;
-        const Vec<D> along = v.normalized();  // steepest descent: the axes of the world play no part
+        const Vec<D> along = v.normalized();  // steepest descent: independent of the world's axes
         const Vec<D> impulse = -mass(in.bodies, j.bodyA, j.bodyB, p, along) * v;
         apply(in.bodies, j.bodyA, j.bodyB, p, impulse);
         for (std::size_t i = 0; i < D; ++i) j.impulse[i] += impulse[static_cast<int>(i)];
@@ -129,7 +129,7 @@ class TwinResolver final : public VelocityResolver<D> {
     }
     return k > 0 || m_bug == Bug::dividesByNothing ? 1 / k : Real(0);
   }
-  /// Below the mass in every direction.
+  /// Less than the mass in every direction.
   Real leastMass(const Bodies<D>& bodies, int a, int b, const Vec<D>& p) const {
     Real k = invMass(bodies, a) + invMass(bodies, b);
     for (int i : {a, b}) k += (p - bodies.pose[slot(i)].p).squaredNorm() * bodies.invInertia[slot(i)].trace();
@@ -154,7 +154,7 @@ class TwinResolver final : public VelocityResolver<D> {
   int m_iterations;
 };
 
-/// Forces, a twin's impulses, and the move by the new velocity; positions are left alone.
+/// Applies forces and the planted resolver, and moves with the new velocity. Positions are not corrected.
 template <int D>
 class TwinSolver final : public Solver<D> {
  public:
@@ -182,7 +182,7 @@ class TwinSolver final : public Solver<D> {
   TwinResolver<D> m_resolver;
 };
 
-/// Moves only one of two bodies apart: fixed ones, too.
+/// Moves only one of two bodies apart, even a static one.
 template <int D>
 class PushesTheWrongBody final : public PositionResolver<D> {
  public:
@@ -197,7 +197,7 @@ class PushesTheWrongBody final : public PositionResolver<D> {
   }
 };
 
-/// Pulls together what is apart and pushes deeper what is deep.
+/// Pulls separated bodies together and deepens penetration.
 template <int D>
 class WrongSign final : public PositionResolver<D> {
  public:

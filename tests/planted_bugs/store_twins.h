@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What wrong runners would leave in a store: each edits a right one.
+// Faults of wrong runners, as edits of a correct store.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// Ways to miss the time of impact, or to find one that is none; the properties must see each.
+// Planted bugs of times of impact; the properties must catch each.
 #pragma once
 
 #include "framework/stage/stage_time_of_impact.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace wrong_casts {
 
-/// The right method of all twins; each spoils the question or the answer.
+/// The correct method of all bugs; each spoils the query or the answer.
 template <int D>
 class SpoiledCast : public TimeOfImpact<D> {
  public:
@@ -33,7 +33,7 @@ class SpoiledCast : public TimeOfImpact<D> {
   std::unique_ptr<TimeOfImpact<D>> m_right = createStage<TimeOfImpact<D>>(Spec{"bilateral", {}});
 };
 
-/// Looks at both ends of the step: whoever is through by then was never there.
+/// Checks the ends of the step only: a body that has passed through by then is missed.
 template <int D>
 class LooksAtTheEnds final : public SpoiledCast<D> {
   TimeOfImpactAnswer<D> one(const MovingPair<D>& pair, Real duration, WorkDone& work) override {
@@ -42,7 +42,7 @@ class LooksAtTheEnds final : public SpoiledCast<D> {
   }
 };
 
-/// A little late, so that the bodies surely touch.
+/// Slightly late, so that the bodies surely touch.
 template <int D>
 class WaitsForOverlap final : public SpoiledCast<D> {
   TimeOfImpactAnswer<D> one(const MovingPair<D>& pair, Real duration, WorkDone& work) override {
@@ -52,7 +52,7 @@ class WaitsForOverlap final : public SpoiledCast<D> {
   }
 };
 
-/// Bodies that fly apart meet, too, by the absolute value of their speed.
+/// Separating bodies hit, too, because their speed is taken as an absolute value.
 template <int D>
 class SpeedWithoutSign final : public SpoiledCast<D> {
   TimeOfImpactAnswer<D> one(const MovingPair<D>& pair, Real duration, WorkDone& work) override {
@@ -84,7 +84,7 @@ class ForgetsTurning final : public SpoiledCast<D> {
   }
 };
 
-/// Beside a plane the other body's turning is forgotten, as if the plane turned with it.
+/// Beside a plane, ignores the rotation of the other body, as if the plane turned with it.
 template <int D>
 class PlaneTurnsAlong final : public SpoiledCast<D> {
   TimeOfImpactAnswer<D> one(const MovingPair<D>& pair, Real duration, WorkDone& work) override {
@@ -94,7 +94,7 @@ class PlaneTurnsAlong final : public SpoiledCast<D> {
   }
 };
 
-/// Shapes turn about their own origins, wherever their bodies' centres are.
+/// Shapes turn about their own origins instead of their bodies' centres.
 template <int D>
 class TurnsAboutTheShape final : public SpoiledCast<D> {
   TimeOfImpactAnswer<D> one(const MovingPair<D>& pair, Real duration, WorkDone& work) override {
@@ -104,7 +104,7 @@ class TurnsAboutTheShape final : public SpoiledCast<D> {
   }
 };
 
-/// Times are told in milliseconds, rounded up.
+/// Times are rounded up to milliseconds.
 template <int D>
 class WholeMilliseconds final : public SpoiledCast<D> {
   TimeOfImpactAnswer<D> one(const MovingPair<D>& pair, Real duration, WorkDone& work) override {
@@ -114,7 +114,7 @@ class WholeMilliseconds final : public SpoiledCast<D> {
   }
 };
 
-/// The gap over the speed, whatever the speed.
+/// Divides the gap by the speed, even if the speed is zero or the time then exceeds the duration.
 template <int D>
 class DividesByTheSpeed final : public SpoiledCast<D> {
   TimeOfImpactAnswer<D> one(const MovingPair<D>& pair, Real duration, WorkDone& work) override {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A trace with one bug each. Each spoils one of the steps that ask for something, if there is one, and tells whether it
-// did.
+// Planted bugs of traces. Each spoils one step with a support point or an axis, if there is one, and returns whether
+// the trace is now wrong.
 #pragma once
 
 #include "framework/shape/support_map.h"
@@ -8,7 +8,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace wrong_traces {
 
-/// The middle one of the steps that ask.
+/// The middle one of these steps.
 template <int D>
 std::size_t middleStep(const PairTrace<D>& trace) {
   std::vector<std::size_t> asked;
@@ -31,8 +31,8 @@ struct DropsAnIteration {
   }
 };
 
-/// The query asked another one. Spoiled is a trace of which this axis does not prove the same by chance, nor one that
-/// was not looked at to its end, which says little.
+/// Names another axis. The trace is wrong unless that axis proves the same bound by chance, or the search along the old
+/// one stopped early.
 struct NamesAnotherAxis {
   static constexpr const char* kName = "another axis is named";
   template <int D>
@@ -48,7 +48,7 @@ struct NamesAnotherAxis {
   }
 };
 
-/// Spoiled is a trace of which the two points do not lie as far along the axis.
+/// The trace is wrong if the two old points are less far along the axis.
 struct KeepsTheOldSupport {
   static constexpr const char* kName = "the support point is that of the step before";
   template <int D>
@@ -64,7 +64,7 @@ struct KeepsTheOldSupport {
   }
 };
 
-/// The last axis that was asked and proved less is the best one from then on.
+/// The last tested axis that proved less is called the best from then on.
 struct KeepsTheLastAxis {
   static constexpr const char* kName = "the last axis is called the best";
   template <int D>

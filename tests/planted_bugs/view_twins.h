@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What wrong cameras, meshes and canvases would do.
+// Planted bugs of cameras, meshes and canvases.
 #pragma once
 
 #include "experiments/sandbox/shape_mesh.h"
@@ -8,7 +8,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-// --- cameras: what they hide of a right one is wrong ---------------------------------------------------------------
+// --- cameras: each hides a method of a correct camera ----------------------------------------------------------------
 
 template <int D>
 struct UpIsDown : ViewCamera<D> {
@@ -53,7 +53,7 @@ struct MeshTwin {
 };
 inline constexpr MeshTwin kMeshTwins[] = {{"a triangle turned inside out", 0}, {"half of the triangles", 1}};
 
-// --- canvases: what is drawn through them comes out wrong ------------------------------------------------------------
+// --- canvases: drawing through them gives wrong output ---------------------------------------------------------------
 
 template <int D>
 class CanvasTwin : public DebugDraw<D> {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The referee of curved cores and planes: held to closed forms, to the branch and bound over directions that shares
-// nothing with it, to what it promises of its width; and every method that takes such a pair is held to it.
+// The referee of curved cores and planes, against closed forms, against an independent branch and bound over
+// directions, and against its promised width. Every method that supports such a pair is tested against it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace curved_referee_test { namespace {
 
-// f(kindA, kindB) for every two bounded kinds of which one is curved.
+// Calls f(kindA, kindB) for every two bounded kinds with a curved one among them.
 template <int D, class F>
 void forCurvedPairs(F&& f) {
   for (int b = 0; b < kShapeKinds; ++b) {
@@ -47,32 +47,32 @@ void expectPhi(const Shape<3>& a, const Shape<3>& b, const Pose<3>& X_AB, double
 
 TEST(CurvedReferee, ClosedForms) {
   const double pi = 3.14159265358979323846;
-  // Ends on each other, sides beside each other, in each other along the axis and across it.
+  // End on end, side beside side, overlapping along the axis and across it.
   expectPhi(cylinder(1, 0.5), cylinder(2, 0.5), {{3.25, 0.125, 0}, {}}, 0.25, 1e-13);
   expectPhi(cylinder(1, 0.5), cylinder(2, 0.5), {{0, 0, 1.25}, {}}, 0.25, 1e-13);
   expectPhi(cylinder(1, 0.5), cylinder(1, 0.5), {{1.75, 0.125, 0}, {}}, -0.25, 1e-6);
   expectPhi(cylinder(1, 0.5), cylinder(1, 0.5), {{0.125, 0, 0.75}, {}}, -0.25, 1e-6);
-  // Crossed sides: from axis to axis.
+  // Crossed sides: the distance of the axes less the radii.
   expectPhi(cylinder(2, 0.5), cylinder(2, 0.25), {{0, 0, 1}, Rot<3>::vector({0, 0, Real(pi / 2)})}, 0.25, 1e-13);
   // A ball beside the end's rim.
   expectPhi(cylinder(1, 0.5), Shape<3>::sphere(0.5), {{4, 4.5, 0}, {}}, 4.5, 1e-13);
-  // An ellipsoid with equal axes is a ball; one on a box touches by its pole.
+  // An ellipsoid with equal axes is a ball; an ellipsoid on a box touches with its pole.
   expectPhi(ellipsoid(1, 1, 1), ellipsoid(0.5, 0.5, 0.5), {{0, 2, 0}, {}}, 0.5, 1e-13);
   expectPhi(ellipsoid(1, 1, 1), ellipsoid(0.5, 0.5, 0.5), {{0, 1.25, 0}, {}}, -0.25, 1e-6);
   expectPhi(Shape<3>::box(Vec<3>(4, 1, 4)), ellipsoid(3, 0.5, 2), {{0.5, 1.75, 0.25}, {}}, 0.25, 1e-13);
   expectPhi(Shape<3>::box(Vec<3>(4, 1, 4)), ellipsoid(3, 0.5, 2), {{0.5, 1.25, 0.25}, {}}, -0.25, 1e-6);
-  // A plane under things, as A and as B.
+  // A plane below shapes, as A and as B.
   expectPhi(Shape<3>::box(Vec<3>(1, 2, 3)), Shape<3>::plane(), {{7, -2.5, 1}, {}}, 0.5, 1e-15);
   expectPhi(Shape<3>::plane(), ellipsoid(3, 0.5, 2), {{9, 0.25, 9}, {}}, -0.25, 1e-15);
   expectPhi(Shape<3>::plane(), Shape<3>::sphere(0.5), {{0, -3, 0}, {}}, -3.5, 1e-15);
   EXPECT_FALSE(referee<3>(Shape<3>::plane().view(), Pose<3>{}, Shape<3>::plane().view(), Pose<3>{}).decided);
 }
 
-// What is asked of the referee may be asked of a wrong one, too.
+// The referee's interface, also for wrong referees.
 template <int D>
 using Referee = RefereeAnswer<D> (*)(const ShapeView<D>&, const Pose<D>&, const ShapeView<D>&, const Pose<D>&);
 
-// How many of the pairs contradict the sweep over directions; each interval contains phi, so they must meet.
+// The number of pairs that contradict the sweep over directions: both intervals contain phi, so they must overlap.
 template <int D>
 int contradictions(Referee<D> judge, int count) {
   int found = 0;
@@ -114,8 +114,8 @@ void agreesWithTheSweep() {
 TEST(CurvedReferee, AgreesWithASweepOverDirections2) { agreesWithTheSweep<2>(); }
 TEST(CurvedReferee, AgreesWithASweepOverDirections3) { agreesWithTheSweep<3>(); }
 
-// Apart at most 1e-13 s. Overlapping at most 1e-6 s, or undecided, which only rings of minima are: drawn on purpose by
-// the families of ties, core contacts and shared planes.
+// Widths: at most 1e-13 s if apart. If overlapping, at most 1e-6 s, or undecided. Only rings of minima are undecided;
+// the families of ties, core contacts and shared planes draw them on purpose.
 template <int D>
 void widths() {
   int narrow = 0, undecided = 0, strays = 0;
@@ -154,8 +154,8 @@ void widths() {
 TEST(CurvedReferee, WidthIsAsPromised2) { widths<2>(); }
 TEST(CurvedReferee, WidthIsAsPromised3) { widths<3>(); }
 
-// Every competitor on every two kinds of which one is curved, a plane or a triangle: nothing wrong, nothing refused. An
-// approximate pair query has the right side.
+// Every competitor on every two kinds with a curved one, a plane or a triangle among them: no wrong answers, no
+// refusals. An approximate pair query must only give the right side.
 template <int D>
 void methodsAreRight(StageKind stage, int count) {
   std::map<std::string, LedgerEntry> sums;

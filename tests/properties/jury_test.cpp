@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Each competing pair query that is exact agrees with FCL, libccd and Bullet within both error bars. Where they differ,
-// the referee must have the competitor right: the witnesses find, the referee decides.
+// Each exact competing pair query agrees with FCL, libccd and Bullet within both error bars. Where they differ, the
+// referee must confirm the competitor: witnesses find errors, the referee decides.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -37,8 +37,8 @@ PairAnswer<D> ask(PairQuery<D>& query, const Asked<D>& pair) {
 }
 
 struct Finding {
-  int agreements = 0, disagreements = 0;  // witnesses with an opinion
-  bool candidateWrong = false;            // at least one differs, and the referee is with it
+  int agreements = 0, disagreements = 0;  // witnesses that gave an answer
+  bool candidateWrong = false;            // at least one differs, and the referee confirms it
   std::string accusers;
 };
 
@@ -61,7 +61,7 @@ class Jury {
       if (opinion.status == QueryStatus::converged) {
         off = std::abs(candidate.distance - opinion.distance) / s;
         bar += witness(i).errorBar(a.kind, b.kind);
-      } else if (opinion.status == QueryStatus::degenerate) {  // the side is all there is
+      } else if (opinion.status == QueryStatus::degenerate) {  // only the side is given
         off = (candidate.distance < 0) != (opinion.distance < 0) ? std::abs(candidate.distance) / s : 0;
       } else {
         continue;
@@ -118,7 +118,8 @@ void competitorsAgree() {
 TEST(Jury, CompetitorsAgreeWithFclLibccdAndBullet) { competitorsAgree<3>(); }
 TEST(Jury, CompetitorsAgreeWithLibrariesAskedAboutPrisms) { competitorsAgree<2>(); }
 
-// A candidate with a bug is accused by a witness, and the referee confirms it, within the property's number of cases.
+// A witness must accuse a query with a planted bug, and the referee must confirm it, within the property's number of
+// cases.
 template <int D>
 struct Suspect {
   std::string name;

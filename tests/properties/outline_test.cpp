@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a chart draws of a pair of shapes: outlines of known areas, of every kind that there is.
+// The outlines that a chart draws of a pair of shapes have the known areas, for every kind.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -50,8 +50,8 @@ TEST(Outline, HasTheAreaOfTheShadow) {
   expectCaught("outline: the core alone is drawn", near(areaOf(Shape<2>::box({1, 2})), 8 + 12 + kPi));
 }
 
-// The ground that a ball is near has its edge under the ball, at the height of the plane.
-TEST(Outline, OfAHalfSpaceIsTheGroundUnderTheOther) {
+// The drawn ground near a ball has its edge under the ball, at the height of the plane.
+TEST(Outline, HalfSpacesAreDrawnUnderTheOtherShape) {
   const json flat = outlines<2>({.a = Shape<2>::sphere(1), .b = Shape<2>::plane(), .X_AB = {{100, -3}, {}}});
   double top = -1e9, left = 1e9, right = -1e9;
   for (const json& p : flat["outlineB"]) {
@@ -82,8 +82,8 @@ void everyKindHasOne() {
   }
   EXPECT_GE(kinds, D == 2 ? 7 : 9);
 }
-TEST(Outline, EveryKindHasOne2) { everyKindHasOne<2>(); }
-TEST(Outline, EveryKindHasOne3) { everyKindHasOne<3>(); }
+TEST(Outline, EveryKindHasAnOutline2) { everyKindHasOne<2>(); }
+TEST(Outline, EveryKindHasAnOutline3) { everyKindHasOne<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::outline_test

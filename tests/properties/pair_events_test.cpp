@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// B10: what listeners hear of a pair is begin, persist ..., end, over and over, whatever happens to the bodies.
+// B10: the listener's calls for a pair are begin, persist ..., end, in repetition, whatever happens to the bodies.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_events_test { namespace {
 
-/// What a listener was told, and the first thing that it should not have been told.
+/// The open pairs of a listener, and its first wrong call.
 template <int D>
 class Ledger : public ContactListener<D> {
  public:
@@ -42,7 +42,7 @@ class Ledger : public ContactListener<D> {
   std::map<decltype(Manifold<D>{}.key()), int> m_open;
 };
 
-/// Forgets the end of contacts that a user's change ended.
+/// Planted bug: misses the end of contacts that a user's change ended.
 template <int D>
 class DeafBetweenSteps final : public Ledger<D> {
  public:

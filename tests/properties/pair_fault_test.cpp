@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the fuzz target of pair queries demands of an answer holds of right ones and is missed by wrong ones.
+// The checks of the fuzz target of pair queries accept right answers and catch wrong ones.
 #include "tests/fuzz/pair_fault.h"
 
 #include <gtest/gtest.h>

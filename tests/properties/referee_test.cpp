@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The referee against methods written apart from it: closed forms, a branch and bound over directions, the published
-// corpus. And wrong referees, which these checks must see.
+// The referee against independent methods: closed forms, a branch and bound over directions, the published corpus.
+// These checks must catch wrong referees.
 #include "oracles/referee/referee.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ RefereeAnswer<D> anyWay(const ShapePairCase<D>& c) {
   return referee(c.a.view(), c.X_WA, c.b.view(), c.X_WB);
 }
 
-// What is wrong with an answer; empty when nothing is.
+// The fault of an answer; empty if there is none.
 template <int D>
 std::string faultOf(const ShapePairCase<D>& c, const RefereeAnswer<D>& r) {
   if (!r.decided) return "undecided";
@@ -45,7 +45,7 @@ std::string faultOf(const ShapePairCase<D>& c, const RefereeAnswer<D>& r) {
   const Interval sweep = sweepDirections(a, c.X_WA, b, c.X_WB, {1e-4 * s, 1500});
   if (sweep.lo > r.hi + 64 * kUnit * s) return "a sampled direction separates more";
   if (sweep.hi < r.lo - 64 * kUnit * s) return "no direction separates as much";
-  // What the construction knows holds within the roundings of sizes and positions.
+  // The distance known by construction holds within the rounding of sizes and positions.
   if (c.distance && r.interval().distanceTo(static_cast<double>(*c.distance)) > 64 * kUnit * s) {
     return "not the distance of the construction";
   }
@@ -103,7 +103,7 @@ void certificatesAgree(int n) {
                 share[1], 100.0 * share[0] / share[1]);
     proved += share[0];
   }
-  EXPECT_GE(proved, n / 2);  // else the quick way is not worth its code
+  EXPECT_GE(proved, n / 2);  // otherwise certificates would not be worth their code
 }
 TEST(Referee, CertificatesAgreeWithExactAnswers2) { certificatesAgree<2>(caseCount(20000)); }
 TEST(Referee, CertificatesAgreeWithExactAnswers3) { certificatesAgree<3>(caseCount(10000)); }
@@ -120,7 +120,8 @@ void swapsAndScales() {
   const Interval back = separationAlong(c.a.view(), c.X_WA, c.b.view(), c.X_WB, Vecd<D>(-ba.normal));
   const double s = errorScale(c.a.view(), c.X_WA, c.b.view(), c.X_WB, ab.lo);
   RC_ASSERT(ab.interval().distanceTo(back.middle()) <= 8 * kUnit * s);
-  // Powers of two change exponents only. Polytopes are left out: their hull is built anew from scaled points.
+  // A scale of a power of two changes exponents only. Polytopes are excluded: their hulls are rebuilt from scaled
+  // points.
   RC_PRE(c.a.kind() != ShapeKind::polytope && c.b.kind() != ShapeKind::polytope);
   ShapeView<D> a = c.a.view(), b = c.b.view();
   a.half *= 1024, a.radius *= 1024, b.half *= 1024, b.radius *= 1024;
@@ -153,11 +154,11 @@ TEST(Referee, SignsAreExact) {
   EXPECT_EQ(boxesAt<2>({1, 1}).lo, 0);
   EXPECT_EQ(boxesAt<2>({1, 1 - ulp}).hi, 0);
   EXPECT_EQ(boxesAt<2>({1 - ulp, 1 - ulp}).hi, -ulp);
-  // sqrt(2) is bracketed by neighbours.
+  // sqrt(2) lies between two neighbouring numbers.
   const auto corner = boxesAt<2>({2, 2});
   EXPECT_LT(corner.lo, std::sqrt(2.0) + kUnit);
   EXPECT_EQ(std::nextafter(corner.lo, 2.0), corner.hi);
-  // The last digit of a sum: 1e-30 is seen beside 1.
+  // The last digit of a sum: 1e-30 next to 1 counts.
   const auto point = Shape<3>::sphere(0), ball = Shape<3>::sphere(1);
   const auto near = refereeExactly(ball.view(), Pose<3>{}, point.view(), Pose<3>{{1, Real(1e-30), 0}, {}});
   EXPECT_GT(near.lo, 0);
@@ -198,7 +199,7 @@ TEST(Referee, ExtremeAndBadNumbers) {
 
 using Long = long double;
 
-// Point against box in the box' own frame, point against segment, in long double.
+// Point against box in the box's own frame, point against segment, in long double.
 template <int D>
 Long pointToCore(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p_W) {
   Eigen::Matrix<Long, D, D> r = X_WS.q.matrix().template cast<Long>();
@@ -223,7 +224,7 @@ void agreesWithClosedForms() {
   const double expected = static_cast<double>(pointToCore(other.view(), X_WB, X_WA.p) - radii);
   const auto answer = referee(ball.view(), X_WA, other.view(), X_WB);
   RC_ASSERT(answer.decided);
-  // The stored rotation is one within rounding, which the closed form takes for exact.
+  // The stored rotation is one up to rounding; the closed form takes it as exact.
   RC_ASSERT(answer.interval().distanceTo(expected) <=
             16 * kUnit * errorScale(ball.view(), X_WA, other.view(), X_WB, 0));
 }
@@ -308,7 +309,7 @@ std::map<std::string, Judge<D>> plantedReferees() {
   return planted;
 }
 
-// The 2009 engine's mistake: separating axes without the crosses of edges.
+// The 2009 engine's mistake: separating axes without cross products of edges.
 RefereeAnswer<3> facesOnly(const ShapePairCase<3>& c) {
   RefereeAnswer<3> best;
   const auto take = [&](const Vec<3>& n) {
@@ -326,7 +327,7 @@ RefereeAnswer<3> facesOnly(const ShapePairCase<3>& c) {
   };
   faces(c.a.view(), c.X_WA), faces(c.b.view(), c.X_WB);
   const auto right = exactly<3>(c);
-  return right.lo < 0 && best.decided ? best : right;  // apart it is right
+  return right.lo < 0 && best.decided ? best : right;  // correct for separated shapes
 }
 
 TEST(Referee, PlantedWrongRefereesAreCaught) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What `lpc verify` says of generators whose faces at rest change their features under a small motion.
+// The verdicts of `lpc verify` on generators that change features of resting faces under a small motion.
 #include <gtest/gtest.h>
 
 #include "oracles/verify/case_run.h"
@@ -11,7 +11,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace stea
 
 constexpr std::string_view kPrecision = sizeof(Real) == 8 ? "f64" : "f32";
 
-// The verdicts on pairs of resting faces alone, which are every eighth that is drawn.
+// The verdicts on pairs of resting faces, which are every eighth drawn pair.
 template <int D>
 LedgerEntry askResting(const Candidate<ContactGenerator<D>>& method, int count, ShapeKind kind = ShapeKind::box) {
   Verified out;
@@ -30,7 +30,7 @@ LedgerEntry askPlanted(int count) {
   return askResting<D>({"planted", {}, [] { return std::make_unique<Bug>(); }}, count);
 }
 
-// A fault that few motions show is wrong wherever one shows it, and not chance.
+// A fault that only few motions reveal must count as wrong wherever it shows, not as a tie.
 TEST(SteadyFeatures, RareFaultsAreWrongWhereTheyShow) {
   const LedgerEntry flat = askPlanted<FeaturesByMillimetre<2>, 2>(2000),
                     spatial = askPlanted<FeaturesByMillimetre<3>, 3>(2000);
@@ -39,7 +39,7 @@ TEST(SteadyFeatures, RareFaultsAreWrongWhereTheyShow) {
   EXPECT_EQ(flat[Tally::tie] + spatial[Tally::tie], 0);
 }
 
-// What the small motion is asked, in the second call, is answered with that many manifolds.
+// Planted bug: the second call, which is that of the small motion, returns this many manifolds for one.
 template <int kManifolds>
 class SecondCall final : public ContactGenerator<3> {
  public:
@@ -53,15 +53,15 @@ class SecondCall final : public ContactGenerator<3> {
   std::unique_ptr<ContactGenerator<3>> m_right = createStage<ContactGenerator<3>>({"sat_clip", {}});
   int m_calls = 0;
 };
-TEST(SteadyFeatures, AManifoldThatAMotionLosesOrDoublesIsWrong) {
+TEST(SteadyFeatures, LostOrDoubledManifoldsAreWrong) {
   const LedgerEntry lost = askPlanted<SecondCall<0>, 3>(5), doubled = askPlanted<SecondCall<2>, 3>(5);
   EXPECT_EQ(lost[Tally::wrongSide], 5);
   EXPECT_EQ(doubled[Tally::wrong], 5);
 }
 
-// Kept as found although no method was mended: they were drawn where a corner passes a threshold, or where two choices
-// of four points are as good, and were wrong until places beside were asked.
-TEST(SteadyFeatures, WhatChangesInOnePlaceAloneIsATie) {
+// These cases are kept although no method was mended. A corner was at a threshold, or two choices of four points were
+// equally good. They counted as wrong until the check also queried neighbouring places.
+TEST(SteadyFeatures, ChangesInASinglePlaceAreTies) {
   int asked = 0;
   for (const Case& c : readCases(std::string(LPC_SOURCE_DIR) + "/tests/regressions/found_cases.json")) {
     if (c.finding->precision != kPrecision || c.finding->failure != "wrong_features") continue;
@@ -71,7 +71,7 @@ TEST(SteadyFeatures, WhatChangesInOnePlaceAloneIsATie) {
   EXPECT_EQ(asked, sizeof(Real) == 8 ? 0 : 4);
 }
 
-// Of ours one in two thousand at most, and one more; all others are right.
+// Ties of our methods: one in two thousand at most, plus one. All other answers must be right.
 TEST(SteadyFeatures, TiesOfOursAreRare) {
   long asked = 0, ties = 0;
   for (const char* name : {"sat_clip", "query_clip", "deepest_point"}) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// How often `lpc verify` asks what it keeps again.
+// How often `lpc verify` repeats the queries that it keeps.
 #include <gtest/gtest.h>
 
 #include "oracles/verify/verify.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace verify_again_test { namespace {
 
-// Always wrong, and counts how often it is asked.
+// Always wrong; counts its queries.
 template <int D>
 class Counting final : public PairQuery<D> {
  public:
@@ -26,8 +26,8 @@ class Counting final : public PairQuery<D> {
   }
 };
 
-// Of a single pair, the simplest failure and the one with the largest error are the same text.
-TEST(Verify, AKeptFailureIsAskedAgainOnce) {
+// For a single pair, the simplest failure and that of the largest error are the same text.
+TEST(Verify, KeptFailuresAreRepeatedOnce) {
   static const Registrar<PairQuery, Counting, 2> registrar(__FILE__);
   const Verified verified = verify({.dimension = 2,
                                     .kindA = ShapeKind::box,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// `lpc verify --stage time_of_impact`: methods of every kind of shapes on drawn motions, and that who is late, blind or
-// too early is found.
+// `lpc verify --stage time_of_impact`: methods on drawn motions of every kind of shape. Late, blind and early methods
+// must be found.
 #include <gtest/gtest.h>
 
 #include "oracles/verify/verify.h"
@@ -35,7 +35,7 @@ LedgerEntry sumOf(const Verified& v, const std::string& method, const std::strin
   return sum;
 }
 
-// None is late or blind, whatever the kinds; the error is within the band; every family and speed is drawn.
+// No method is late or blind, for any kinds; errors are within the band; every family and speed is drawn.
 template <int D>
 void oursAreRight() {
   std::vector<Method<D>> methods;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What `lpc verify` asks and how it judges: right methods are right, planted wrong ones are found out and named.
+// The inputs and verdicts of `lpc verify`: right methods are right, planted bugs are found and named.
 #include "oracles/verify/verify.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace verify_test { namespace {
 
-// Every two kinds up to `last`.
+// All pairs of kinds up to `last`.
 std::vector<std::pair<ShapeKind, ShapeKind>> kindPairs(int dimension,
                                                        ShapeKind last = static_cast<ShapeKind>(kShapeKinds - 1)) {
   std::vector<std::pair<ShapeKind, ShapeKind>> out;
@@ -35,7 +35,7 @@ std::vector<std::pair<ShapeKind, ShapeKind>> kindPairs(int dimension,
   return out;
 }
 
-// Every competitor of the stage on every two kinds.
+// Every competitor of the stage on all pairs of kinds.
 Verified verifyOurs(StageKind stage, int dimension, int count) {
   VerifyTask task{.stage = stage, .dimension = dimension, .range = {.seed = 2, .first = 0, .count = count}};
   for (const Registered* r : Registry::instance().list(stage, dimension)) {
@@ -75,13 +75,13 @@ std::set<std::string> failures(const Verified& verified) {
 template <int D>
 Verified verifyQuery(const Candidate<PairQuery<D>>& method, int count, std::uint64_t seed = 3) {
   Verified out;
-  for (const auto& [a, b] : kindPairs(D, ShapeKind::polytope)) {  // planted methods know no others
+  for (const auto& [a, b] : kindPairs(D, ShapeKind::polytope)) {  // planted methods support no other kinds
     verifyPairQueries<D>(a, b, {.seed = seed, .first = 0, .count = count}, {&method, 1}, out);
   }
   return out;
 }
 
-// --- what is asked ---------------------------------------------------------------------------------------------------
+// --- inputs ----------------------------------------------------------------------------------------------------------
 
 template <int D>
 void everythingIsDrawn() {
@@ -111,7 +111,7 @@ void everythingIsDrawn() {
   EXPECT_EQ(families.size(), hardPairFamilies().size());
   for (const std::string_view regime : regimeNames()) {
     if (regime == "undecided") {
-      EXPECT_LE(regimes[regime], 0.03 * n);  // rings of minima of curved pairs; none of any other
+      EXPECT_LE(regimes[regime], 0.03 * n);  // rings of minima of curved pairs; no others
     } else {
       EXPECT_GE(regimes[regime], 0.01 * n) << regime;
     }
@@ -121,7 +121,7 @@ void everythingIsDrawn() {
 }
 TEST(VerifyInputs, EveryFamilyAndRegimeIsDrawn) { everythingIsDrawn<2>(), everythingIsDrawn<3>(); }
 
-TEST(VerifyInputs, PairsAreTheSameWhereverTheyAreDrawn) {
+TEST(VerifyInputs, PairsDependOnSeedAndNumberOnly) {
   const auto one = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 17);
   const auto other = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 18);
   const auto again = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 17);
@@ -132,7 +132,7 @@ TEST(VerifyInputs, PairsAreTheSameWhereverTheyAreDrawn) {
 
 // --- our methods -----------------------------------------------------------------------------------------------------
 
-// A right answer along another normal than the referee's is a tie, and ties happen.
+// A right answer along another normal than the referee's is a tie; ties occur.
 TEST(Verify, OurMethodsAreRight) {
   for (const StageKind stage : {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase}) {
     for (const int d : {2, 3}) {
@@ -149,7 +149,7 @@ TEST(Verify, OurMethodsAreRight) {
   }
 }
 
-// Blocks add up to the whole, whatever they are cut into; only times differ.
+// The ledgers of blocks add up to that of the whole, for any division; only times differ.
 TEST(Verify, LedgersAddUp) {
   VerifyTask task{.kindA = ShapeKind::box, .kindB = ShapeKind::polytope, .range = {}, .methods = {"sat", "gjk_epa"}};
   task.range = {.seed = 4, .first = 0, .count = 60};
@@ -169,7 +169,7 @@ TEST(Verify, LedgersAddUp) {
   }
 }
 
-// What a generator is asked does not depend on the cut either, the small motions of resting faces included.
+// A generator's inputs do not depend on the division either, including the small motions of resting faces.
 template <int D>
 class Recorder final : public ContactGenerator<D> {
  public:
@@ -181,7 +181,7 @@ class Recorder final : public ContactGenerator<D> {
     }
   }
 };
-TEST(Verify, ContactsAreAskedTheSameHoweverTheyAreCut) {
+TEST(Verify, ContactInputsDoNotDependOnBlocks) {
   const auto recorder = planted<ContactGenerator<3>, Recorder<3>>();
   const auto ask = [&](std::vector<std::pair<int, int>> parts) {
     Verified ignored;
@@ -212,7 +212,7 @@ TEST(Verify, WrongPairQueriesAreFound) {
   isFound<wrong_queries::ForgetsRounding>("wrong_side");
 }
 
-// Ends without an answer, one after the other.
+// Planted bug: four ways of ending without an answer, in turn.
 template <int D>
 class Fails final : public PairQuery<D> {
  public:
@@ -220,7 +220,7 @@ class Fails final : public PairQuery<D> {
   void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
              WorkDone&) override {
     for (std::size_t at = 0; at < pairs.size(); ++at) {
-      const int i = m_asked++;  // pairs are asked one by one, too
+      const int i = m_asked++;  // also when pairs come one by one
       PairAnswer<D> answer;
       answer.status = i % 4 == 0 ? QueryStatus::refused : i % 4 == 1 ? QueryStatus::failed : QueryStatus::converged;
       if (i % 4 == 2) answer.distance = std::numeric_limits<Real>::quiet_NaN();
@@ -232,7 +232,7 @@ class Fails final : public PairQuery<D> {
  private:
   int m_asked = 0;
 };
-TEST(Verify, WhatIsNoAnswerIsBookedAsSuch) {
+TEST(Verify, MissingAnswersAreRecorded) {
   const Verified verified = verifyQuery<2>(planted<PairQuery<2>, Fails<2>>(), 40);
   const LedgerEntry all = total(verified);
   EXPECT_EQ(all[Tally::refused], all[Tally::asked] / 4);
@@ -260,7 +260,7 @@ class Troubled final : public Witness<3> {
  private:
   std::vector<Ending> m_endings;
 };
-TEST(Verify, EndingsOfWitnessesAreBooked) {
+TEST(Verify, EndingsOfWitnessesAreRecorded) {
   AlgorithmInfo info;
   info.role = AlgorithmRole::witness;
   const auto method = planted<PairQuery<3>>([] { return std::make_unique<Troubled>(); }, info);
@@ -272,8 +272,8 @@ TEST(Verify, EndingsOfWitnessesAreBooked) {
   EXPECT_NEAR(all.nanoseconds, 40000, 1e-6);
 }
 
-// What a lost worker would have been asked is booked as its end, and nobody is asked again.
-TEST(Verify, LostWorkersAreBooked) {
+// The inputs of a lost worker are recorded with its end; they are not repeated.
+TEST(Verify, LostWorkersAreRecorded) {
   VerifyTask task{.kindA = ShapeKind::box, .kindB = ShapeKind::box, .range = {}, .methods = {"sat"}};
   task.range = {.seed = 1, .first = 7, .count = 1, .ended = Tally::crashed};
   const Verified verified = verify(task);
@@ -281,7 +281,7 @@ TEST(Verify, LostWorkersAreBooked) {
   EXPECT_EQ(failures(verified), (std::set<std::string>{"crashed"}));
 }
 
-// Every failure that is kept fails again from its text alone: in the same way, by the very same error.
+// Every kept failure fails again from its text alone, in the same way and with the same error.
 template <class StageOf>
 void allFailAgain(const Verified& verified, const Candidate<StageOf>& method) {
   constexpr int D = StageOf::kDimension;
@@ -343,7 +343,7 @@ void plantedOnesFailAgain() {
 TEST(Verify, KeptFailuresFailAgain2) { plantedOnesFailAgain<2>(); }
 TEST(Verify, KeptFailuresFailAgain3) { plantedOnesFailAgain<3>(); }
 
-// Wrong when a pair is asked in a run, all together and then alone; right from then on.
+// Wrong for the first two queries of a pair, in the run and then alone; right from then on.
 template <int D>
 class Forgetful final : public PairQuery<D> {
  public:
@@ -360,14 +360,14 @@ class Forgetful final : public PairQuery<D> {
       answer.status = QueryStatus::converged;
       const PairView<D>& pair = pairs[i];
       const Real length = pair.X_AB.p.norm(), truth = length - pair.a.radius - pair.b.radius;
-      static std::map<double, int> asked;  // by the distance of centres
+      static std::map<double, int> asked;  // by the distance of the centres
       answer.distance = ++asked[double(length)] <= 2 ? -1 - 2 * std::abs(truth) : truth;
       answer.normal = length > 0 ? Vec<D>(pair.X_AB.p / length) : Vec<D>(Vec<D>::Unit(0));
       answers[i] = answer;
     }
   }
 };
-TEST(Verify, WhatDoesNotFailAgainIsTold) {
+TEST(Verify, FailuresThatDoNotRepeatAreMarked) {
   static const Registrar<PairQuery, Forgetful, 2> registrar(__FILE__);
   const Verified verified = verify({.dimension = 2,
                                     .kindA = ShapeKind::sphere,
@@ -383,7 +383,7 @@ TEST(Verify, WhatDoesNotFailAgainIsTold) {
   }
 }
 
-// Of all failing pairs the one with the fewest vertices is kept.
+// The failing pair with the fewest vertices is kept.
 TEST(Verify, TheSimplestFailingPairIsKept) {
   const Verified verified = verifyQuery<3>(planted<PairQuery<3>, wrong_queries::CentreRayDepth<3>>(), 40);
   const FoundCase& kept = verified.found.at({"planted", "wrong_distance"});
@@ -413,7 +413,7 @@ std::vector<Real> numbersOf(const ShapeView<D>& shape) {
   return out;
 }
 
-// What a method was asked comes back from a file with its very numbers, whatever the kinds.
+// Inputs read back from a file have the same numbers, for any kinds.
 template <int D>
 void comesBack(StageKind stage) {
   const std::string path = ::testing::TempDir() + "exact_case.json";
@@ -491,7 +491,7 @@ TEST(Verify, WrongContactGeneratorsAreFound) {
   generatorIsFound<FeaturesFromDepth>("resting_faces");
 }
 
-TEST(Verify, WrongDimensionIsTheUsersMistake) {
+TEST(Verify, WrongDimensionIsAUserError) {
   EXPECT_THROW(verify({.dimension = 4, .range = {}, .methods = {"sat"}}), UserError);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Velocity resolvers that are to converge, and the witness of them, on drawn problems: who is wrong is told by what he
-// leaves.
+// Velocity resolvers that solve to convergence, and their witness, on drawn problems: the residual shows which one is
+// wrong.
 #include <gtest/gtest.h>
 
 #include "framework/stage/profiler.h"
@@ -13,7 +13,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace verify_velocities_tes
 template <int D>
 using Method = Candidate<VelocityResolver<D>>;
 
-/// The first of ours, asked another problem than it says.
+/// The first of our converging resolvers, on a changed problem.
 template <int D>
 class Planted final : public VelocityResolver<D> {
  public:
@@ -51,8 +51,8 @@ Verified asked(const std::vector<Method<D>>& methods, int count) {
 
 constexpr int kProblems = 40;
 
-// Of 40 problems most are solved by all, to the same velocities; those whose impulses are not unique, too. Admm and
-// Siconos come to the end of nearly all; what the others do not come to the end of is booked as wrong.
+// Of 40 problems most are solved by all methods with the same velocities, even if the impulses are not unique. Admm and
+// Siconos converge on nearly all; unconverged solutions of the others are recorded as wrong.
 template <int D>
 void agree() {
   std::vector<Method<D>> methods = {registered<D>({"siconos", {}})};
@@ -82,7 +82,7 @@ Method<D> witness(std::function<std::unique_ptr<VelocityResolver<D>>()> create) 
   return {"planted", info, std::move(create)};
 }
 
-// A witness that is wrong in one thing is found to be.
+// A witness with one fault is found.
 template <int D>
 void finds(const char* what, typename Planted<D>::Change change) {
   const Method<D> planted = witness<D>([change] { return std::make_unique<Planted<D>>(change); });
@@ -97,7 +97,7 @@ TEST(VerifyVelocities, FindsAWitnessThatIsWrong) {
   });
 }
 
-/// Says what is right and does another thing.
+/// Returns the right impulses and another velocity.
 class Elsewhere final : public VelocityResolver<3> {
  public:
   void solve(const VelocityInput<3>& in) override {
@@ -105,13 +105,13 @@ class Elsewhere final : public VelocityResolver<3> {
     in.bodies.motion.back().v[0] += Real(0.01);
   }
 };
-TEST(VerifyVelocities, LooksAtVelocitiesNotAtImpulses) {
+TEST(VerifyVelocities, JudgesVelocitiesNotImpulses) {
   const Method<3> planted = witness<3>([] { return std::make_unique<Elsewhere>(); });
   test::expectCaught("VerifyVelocities right impulses and another velocity",
                      rowOf<3>(asked<3>({planted}, kProblems), "planted")[Tally::wrong] < kProblems / 2);
 }
 
-/// How many verdicts of these methods are others when one is asked alone than among all, to the last bit.
+/// The number of verdicts that change, even in the last bit, when a method runs alone instead of among all.
 template <int D>
 int differing(const std::vector<Method<D>>& methods) {
   int out = 0;
@@ -126,7 +126,8 @@ int differing(const std::vector<Method<D>>& methods) {
   return out;
 }
 
-// A verdict is the method's own, right or wrong, in the company of Siconos, which may leave less than any of ours.
+// A method's verdict, right or wrong, does not depend on the other methods. Siconos is among them, which may leave a
+// smaller residual than any of ours.
 template <int D>
 void alike() {
   const auto twice = [](Manifold<D>& m) { m.friction *= 2; };
@@ -134,14 +135,14 @@ void alike() {
                                     witness<D>([twice] { return std::make_unique<Planted<D>>(twice); })};
   for (const Spec& spec : convergedResolvers(D)) methods.push_back(registered<D>(spec));
   EXPECT_EQ(differing<D>(methods), 0);
-  // A reference that comes from those that are asked: under the names of ours that are to converge, one that is wrong.
+  // Planted bug: a reference taken from the tested methods. One wrong resolver replaces our converging ones.
   for (std::size_t k = 2; k < methods.size(); ++k) methods[k].create = methods[1].create;
   test::expectCaught("VerifyVelocities a reference of those that are asked", differing<D>(methods) == 0);
 }
-TEST(VerifyVelocities, VerdictIsThatOfAMethodAlone2) { alike<2>(); }
-TEST(VerifyVelocities, VerdictIsThatOfAMethodAlone3) { alike<3>(); }
+TEST(VerifyVelocities, VerdictsAreIndependentOfOtherMethods2) { alike<2>(); }
+TEST(VerifyVelocities, VerdictsAreIndependentOfOtherMethods3) { alike<3>(); }
 
-// The problem of a number is the same whoever asks, and has rows to solve.
+// The problem of a number is reproducible, and has rows to solve.
 TEST(VerifyVelocities, DrawsTheSameAgain) {
   std::map<std::string, int> families;
   for (int i = 0; i < 100; ++i) {

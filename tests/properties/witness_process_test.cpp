@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Planted witnesses that hang, abort, throw and lie: each is booked to its pair, and the pairs around it are answered.
+// Planted witnesses that hang, abort, throw and return wrong numbers: each ending is recorded for its pair, and the
+// other pairs are answered.
 #include "oracles/witnesses/witness_process.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace witness_process_test 
 
 enum class Fault { throws, throwsInPlace, aborts, segfaults, exits, spins, sleeps, nan, infiniteNormal, prints };
 
-// The answer to the pair at (x, 0, 0) is -x with normal x: from a library that misbehaves at chosen places.
+// Answers the pair at (x, 0, 0) with -x and the normal x, but misbehaves at chosen places.
 class Planted final : public IsolatedWitness<3> {
  public:
   std::map<int, Fault> faults;
@@ -78,8 +79,8 @@ void expectBooked(Planted& witness, int count, const std::map<int, Ending>& expe
   EXPECT_GT(witness.nanoseconds(), 0);
 }
 
-// Around the ends of blocks of 1,000, too, and two in a row.
-TEST(WitnessProcess, EachEndingIsBookedToItsPair) {
+// Also around the ends of blocks of 1,000, and twice in a row.
+TEST(WitnessProcess, EachEndingIsRecordedForItsPair) {
   Planted witness;
   witness.faults = {{0, Fault::aborts},
                     {1, Fault::throws},
@@ -115,7 +116,7 @@ TEST(WitnessProcess, BlocksOfAnyLengthAreAnswered) {
   for (const int count : {1, 2, 999, 1000, 1001, 2000, 3}) expectBooked(witness, count, {});
 }
 
-// The stage's interface, on a batch longer than a block.
+// Through the stage's interface, on a batch longer than a block.
 TEST(WitnessProcess, BatchesAreAnswered) {
   Planted witness;
   witness.faults = {{3, Fault::throws}, {1023, Fault::aborts}};
@@ -135,8 +136,8 @@ TEST(WitnessProcess, BatchesAreAnswered) {
   EXPECT_EQ(witness.endings()[1023], Ending::crashed);
 }
 
-// Sums of every number of a pair, weighted by where it stands: of the lengths, which the child sees in another unit,
-// and of the rest.
+// Sums of all numbers of a pair, weighted by their position: one of the lengths, which the child process gets in
+// another unit, and one of the rest.
 struct Fingerprint {
   Real lengths = 0, rest = 0, weight = 1;
 
@@ -179,7 +180,7 @@ TEST(WitnessProcess, ShapesArriveWhole) {
   const std::vector<Vec<3>> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, Real(1.25)}, {1, 1, Real(0.5)}};
   const Shape<3> hull = Shape<3>::polytope(points, Real(0.125)), box = Shape<3>::box({1, 2, 3}, Real(0.5)),
                  capsule = Shape<3>::capsule(2, Real(0.25));
-  // More than the memory that a block has at first, alone and 40 times: the memory grows, the block is cut short.
+  // Larger than the initial memory of a block, alone and 40 times: the memory grows, and the block is shortened.
   Polytope<3> huge, large;
   for (int i = 0; i < 500000; ++i)
     huge.vertices.emplace_back(Real(i % 7), Real(i % 11), Real(1)), huge.loop.push_back(i);
@@ -202,7 +203,7 @@ TEST(WitnessProcess, ShapesArriveWhole) {
   }
 }
 
-// Tells how far from the origin A is, and that x is the world's.
+// Returns the distance from A to B and their positions, with the x axis of the frame as normal.
 class Placed final : public IsolatedWitness<3> {
  public:
   using IsolatedWitness::IsolatedWitness;
@@ -218,7 +219,7 @@ class Placed final : public IsolatedWitness<3> {
   PairAnswer<3> m_answer;
 };
 
-TEST(WitnessProcess, AWorldsFrameIsAnother) {
+TEST(WitnessProcess, WorldFrameDiffersFromOwnFrame) {
   const auto pairs = pairsInARow(3);
   std::vector<PairAnswer<3>> own(3), world(3);
   Placed(PairFrame::own).ask(pairs, own);
@@ -228,13 +229,13 @@ TEST(WitnessProcess, AWorldsFrameIsAnother) {
     EXPECT_EQ(own[i].pB, pairs[i].X_AB.p);
     EXPECT_LT(std::abs(world[i].normal[0]), Real(0.9)) << "the world's x is not A's";
     EXPECT_NEAR(world[i].normal.norm(), 1, 1e-6);
-    EXPECT_NEAR((world[i].pB - pairs[i].X_AB.p).norm(), 0, 1e-5) << i;  // back in A's frame
+    EXPECT_NEAR((world[i].pB - pairs[i].X_AB.p).norm(), 0, 1e-5) << i;  // transformed back to A's frame
     EXPECT_NEAR(world[i].pA.norm(), 0, 1e-5);
     EXPECT_NEAR(world[i].distance, own[i].distance, 1e-5);
   }
 }
 
-// Says who it is.
+// Returns its process id.
 class Named final : public IsolatedWitness<3> {
  public:
   bool supports(ShapeKind, ShapeKind) const override { return true; }
@@ -255,7 +256,7 @@ class Named final : public IsolatedWitness<3> {
   }
 };
 
-// 'R', 'S', 'Z' ...; 0 when there is no such process.
+// 'R', 'S', 'Z' ...; 0 if there is no such process.
 char stateOf(pid_t process) {
   std::ifstream in("/proc/" + std::to_string(process) + "/stat");
   std::string number, name;
@@ -281,13 +282,13 @@ TEST(WitnessProcess, OneProcessLivesAsLongAsItsWitness) {
   EXPECT_EQ(stateOf(process), 0);  // not even a zombie
 }
 
-// Killed while it had nothing to do: no pair is at fault.
-TEST(WitnessProcess, AnIdleDeathIsBookedToNobody) {
+// A process killed while idle: no pair is at fault.
+TEST(WitnessProcess, DyingIdleIsNoFaultOfAPair) {
   Named witness;
   const pid_t first = witness.process();
   kill(first, SIGKILL);
   EXPECT_NE(witness.process(), first);
-  // With the thread that forked it, the kernel ends it, too.
+  // The kernel also kills the process when the thread that forked it ends.
   Named threaded;
   pid_t second = 0;
   std::thread([&] { second = threaded.process(); }).join();
@@ -323,11 +324,11 @@ TEST(WitnessProcess, ItDiesWithItsParent) {
   EXPECT_NE(stateOf(process), 0);
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
-  // Whoever inherits it buries it when it likes.
+  // The new parent may leave it as a zombie.
   while (stateOf(process) != 0 && stateOf(process) != 'Z') std::this_thread::yield();
 }
 
-TEST(WitnessProcess, WhatItPrintsGoesNowhere) {
+TEST(WitnessProcess, OutputIsDiscarded) {
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   Planted witness;

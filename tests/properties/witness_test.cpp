@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The witnesses: their tables of kinds, their conventions, their error bars, and the failures that they declare.
+// The witnesses: their tables of kinds, conventions, error bars, and declared failures.
 #include "oracles/witnesses/witness.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ std::vector<Entry<D>> witnesses() {
   return out;
 }
 
-// Tests of each witness can be run one by one: EachWitness.ErrorBarsAreMeasured/libccd_gjk_3.
+// Each witness can be tested alone: EachWitness.ErrorBarsAreMeasured/libccd_gjk_3.
 using NameAndDimension = std::pair<std::string, int>;
 class EachWitness : public testing::TestWithParam<NameAndDimension> {
  protected:
@@ -49,7 +49,7 @@ std::vector<NameAndDimension> everyWitness() {
   for (const auto& e : witnesses<3>()) out.emplace_back(e.name, 3);
   return out;
 }
-TEST(Witnesses, AreThereInBothDimensions) {
+TEST(Witnesses, ExistInBothDimensions) {
   EXPECT_FALSE(witnesses<2>().empty());
   EXPECT_FALSE(witnesses<3>().empty());
 }
@@ -68,7 +68,7 @@ PairAnswer<D> ask(const Entry<D>& e, const Pair<D>& pair) {
   return queryPair(*e.query, pair.a.view(), pair.b.view(), pair.X_AB);
 }
 
-// Each describes itself: a list of pairs of kinds without a repetition, and nothing that is not in it is asked.
+// A witness lists its pairs of kinds without repetition, and supports no others.
 template <int D>
 void describesItself(const Entry<D>& e) {
   std::set<std::pair<ShapeKind, ShapeKind>> listed;
@@ -89,7 +89,7 @@ TEST_P(EachWitness, DescribesItself) {
   inItsDimension([](const auto& e) { describesItself(e); });
 }
 
-// Unlike any other, and not symmetric.
+// Different from the other samples, and not symmetric.
 template <int D>
 Shape<D> sample(ShapeKind kind, Real scale, Real rounding) {
   Sketch<D> s;
@@ -114,8 +114,8 @@ Pose<D> sampleAt(Real scale, Real x) {
   }
 }
 
-// Two shapes of every declared pair of kinds, clearly apart and clearly in one another along x: a library that passes
-// over a pair in silence, a margin that is left in, a normal the wrong way round are all seen here, at every size.
+// Two shapes of every declared pair of kinds, clearly apart and clearly overlapping along x, at every size. This finds
+// a library that ignores a pair, a margin that is not removed, or a reversed normal.
 template <int D>
 void answersInOurConventions(const Entry<D>& e, const ErrorBar& bar, bool ownFrame, int& rightNormals) {
   for (const Real scale : {Real(1), Real(1e-3), Real(1e3)}) {
@@ -129,7 +129,7 @@ void answersInOurConventions(const Entry<D>& e, const ErrorBar& bar, bool ownFra
         EXPECT_EQ(e.witness().endings()[0], Ending::answered);
         EXPECT_EQ(e.witness().endings().size(), 1u);
         EXPECT_GT(e.witness().nanoseconds(), 0);
-        if (answer.status == QueryStatus::refused) {  // only a side, and of the cores
+        if (answer.status == QueryStatus::refused) {  // the witness gives only a side, and only for cores
           EXPECT_TRUE(x > 1 && rounding > 0);
           continue;
         }
@@ -138,10 +138,9 @@ void answersInOurConventions(const Entry<D>& e, const ErrorBar& bar, bool ownFra
         const bool sideAlone = answer.status == QueryStatus::degenerate;
         EXPECT_EQ(x > 1 && !e.witness().claimsGap(bar.a, bar.b), sideAlone);
         if (sideAlone) continue;
-        // A margin that is left in would be 0.04 or more. Those with a wide bar are too often off by more than that.
+        // A margin that is not removed would be 0.04 or more. Witnesses with a wide error bar differ by more too often.
         const double s = static_cast<double>(scale), tolerance = 0.01 * s;
-        const bool curved =
-            std::max(bar.a, bar.b) > ShapeKind::polytope;  // of these a sample may be one of the bad 1 %
+        const bool curved = std::max(bar.a, bar.b) > ShapeKind::polytope;  // a curved sample may be among the worst 1 %
         if (bar.bar < 1e-3 && !curved) {
           EXPECT_NEAR(answer.distance, truth.lo, tolerance);
         }
@@ -149,8 +148,8 @@ void answersInOurConventions(const Entry<D>& e, const ErrorBar& bar, bool ownFra
         EXPECT_NEAR(n.norm(), 1, 1e-6);
         const double along = separationAlong(pair.a.view(), Pose<D>{}, pair.b.view(), pair.X_AB, n).hi;
         if (std::abs(answer.distance - truth.lo) < tolerance) {
-          // In 2D portal refinement has depths that are right by chance, along a normal that is not; so has FCL's EPA
-          // away from the origin.
+          // In 2D, portal refinement may have the right depth by chance, along a wrong normal. So may FCL's EPA away
+          // from the origin.
           if ((D == 3 && ownFrame && !curved) || (bar.bar < 1e-3 && !curved)) {
             EXPECT_NEAR(along, truth.lo, 2 * tolerance);
           }
@@ -177,7 +176,7 @@ TEST_P(EachWitness, AnswersInAWorldsFrame) {
   inItsDimension([](const auto& e) { everyKindInOurConventions(e, false); }, "{frame=world}");
 }
 
-// Random pairs at 1 m, from apart to deep, without a family of failures: centres together are one.
+// Random pairs at 1 m, from apart to deep, without known families of failures such as coincident centres.
 template <int D>
 std::vector<Pair<D>> randomPairs(ShapeKind a, ShapeKind b, int count) {
   PlainDraw draw(7);
@@ -226,11 +225,11 @@ Measured measure(const Entry<D>& e, ShapeKind a, ShapeKind b) {
   return m;
 }
 
-// Below a few roundings there is nothing to tell apart.
+// A few roundings cannot be distinguished.
 constexpr double kRounding = 1e-15;
 bool isBarOf(double measured, double bar) { return measured <= bar && (bar <= kRounding || measured >= bar / 2); }
 
-// The table holds what is measured, rounded up to one digit: it fails when a witness gets better, too.
+// The table holds the measured errors, rounded up to one digit. The test also fails when a witness improves.
 template <int D>
 void barsAreMeasured(const Entry<D>& e) {
   for (const auto& [a, b, bar] : e.witness().errorBars()) {
@@ -239,7 +238,7 @@ void barsAreMeasured(const Entry<D>& e) {
     ASSERT_GT(m.errors.size(), 40u);
     const double high = m.quantile(0.99);
     EXPECT_TRUE(isBarOf(high, bar)) << high << " measured, " << bar << " in the table";
-    if (bar > kRounding) {  // what a wrong table looks like
+    if (bar > kRounding) {  // a wrong table must fail
       EXPECT_FALSE(isBarOf(high, 2.01 * bar));
       EXPECT_FALSE(isBarOf(high, bar / 2.01));
     }
@@ -269,12 +268,12 @@ double worstError(const std::string& name, ShapeKind a, ShapeKind b) {
   return measure(witness<D>(name), a, b).errors.back();
 }
 
-// Failures of the witnesses that are declared in their info(): when one of these tests fails, the library was mended.
+// Failures that the witnesses declare in their info(): if one of these tests fails, the library was mended.
 TEST(Witnesses, LibccdGjkHasNoDirectionAtTouch) {
   const PairAnswer<3> answer = ask(witness("libccd_gjk"), Pair<3>{cube(1), cube(1), {Vec<3>(2, 0, 0), {}}});
   EXPECT_FALSE(answer.status == QueryStatus::converged && std::abs(answer.normal.norm() - 1) < Real(1e-3));
 }
-// Cube in cube on the diagonal: the least depth, 0.5, is along an axis.
+// Two cubes displaced along the diagonal: the least depth, 0.5, is along an axis.
 TEST(Witnesses, LibccdMprDepthIsNotMinimal) {
   const PairAnswer<3> answer = ask(witness("libccd_mpr"), Pair<3>{cube(1), cube(1), {Vec<3>::Constant(Real(1.5)), {}}});
   EXPECT_LT(answer.distance, Real(-0.5) * Real(1.05));
@@ -317,7 +316,7 @@ TEST(Witnesses, Box2dRefusesNineCorners) {
 TEST(Witnesses, Box2dPrefersFacesOfTheFirst) {
   EXPECT_GT(worstError<2>("box2d", ShapeKind::box, ShapeKind::box), 1e-4);
 }
-// Its numbers are rounded before it sees them: no fault of its own.
+// box2d gets rounded numbers; this is no fault of box2d.
 TEST(Witnesses, FloatIsJudgedAsFloat) {
   const Entry<2> box2d = witness<2>("box2d");
   const Shape<2> box = Shape<2>::box({Real(0.3), Real(0.7)});
@@ -332,12 +331,12 @@ TEST(Witnesses, FloatIsJudgedAsFloat) {
 TEST(Witnesses, ChipmunkHasNoDepthInTheSamePlace) {
   const Shape<2> box = Shape<2>::box({Real(0.5), Real(0.625)});
   const PairAnswer<2> answer = ask(witness<2>("chipmunk"), Pair<2>{box, box, {}});
-  EXPECT_FALSE(answer.distance < Real(-0.5));  // of 1
+  EXPECT_FALSE(answer.distance < Real(-0.5));  // the right depth is 1
 }
 TEST(Witnesses, ChipmunkCapsulesOnOneLineAreTooDeep) {
   const Shape<2> capsule = Shape<2>::capsule(Real(0.5), Real(0.25));
   const PairAnswer<2> answer = ask(witness<2>("chipmunk"), Pair<2>{capsule, capsule, {Vec<2>(Real(1.4), 0), {}}});
-  EXPECT_LT(answer.distance, Real(-0.2));  // of 0.1
+  EXPECT_LT(answer.distance, Real(-0.2));  // the right depth is 0.1
 }
 TEST(Witnesses, ChipmunkForgetsTheTurnOfACapsule) {
   const Pair<2> pair{Shape<2>::sphere(1), Shape<2>::capsule(Real(0.5), Real(0.25)), {Vec<2>(0, 0), Rot<2>::angle(0.5)}};

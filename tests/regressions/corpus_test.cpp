@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The corpus of published hard cases, through every method that takes them.
+// The corpus of published hard cases, with every method that supports them.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -36,7 +36,7 @@ TEST(Corpus, IsReadWhole) {
     std::visit([&](const auto& g) { shapes += g.a.shape && g.b.shape; }, c.geometry);
   }
   EXPECT_EQ(distances, 84);
-  EXPECT_EQ(shapes, 84 + 5);  // five are under way
+  EXPECT_EQ(shapes, 84 + 5);  // five pairs are moving
 }
 
 TEST(Corpus, CapsulesTurnFromTheirAxis) {
@@ -56,7 +56,7 @@ TEST(Corpus, CapsulesTurnFromTheirAxis) {
   }
 }
 
-// Of each method, its verdict on each case.
+// For each method, its verdict on each case.
 std::map<std::string, std::string> verdictTables(const std::vector<CaseResult>& rows) {
   std::map<std::string, std::string> tables;
   for (const CaseResult& row : rows) {
@@ -72,8 +72,8 @@ std::vector<std::string> linesOf(std::istream& in) {
   return lines;
 }
 
-// What every method makes of every case, ours and theirs, is pinned, one file per method: a library that changes is
-// seen case by case, and a new method adds its file.
+// The verdict of every method on every case is pinned, for our methods and the libraries, one file per method. A
+// changed library shows case by case, and a new method adds its file.
 TEST(Corpus, VerdictsAreThePinnedOnes) {
   namespace fs = std::filesystem;
   const fs::path pinned = fs::path(LPC_SOURCE_DIR) / "tests/regressions/verdicts",
@@ -82,7 +82,7 @@ TEST(Corpus, VerdictsAreThePinnedOnes) {
   fs::create_directories(found);
   std::set<std::string> methods;
   for (const auto& [method, table] : verdictTables(runCases(readCases(kCorpus)))) {
-    if (method == "-") continue;  // a query that nobody takes
+    if (method == "-") continue;  // a query that no method supports
     methods.insert(method + ".csv");
     std::ofstream(found / (method + ".csv")) << table;
     std::ifstream file(pinned / (method + ".csv"));
@@ -98,13 +98,13 @@ TEST(Corpus, VerdictsAreThePinnedOnes) {
     std::cout << "when that is meant: cp " << found.string() << "/* " << pinned.string() << '\n';
 }
 
-// The table itself; `lpc verify --cases` prints the same.
+// Prints the same table as `lpc verify --cases`.
 TEST(Corpus, OursAreRight) {
   std::ostringstream table, csv;
   const int exitCode = verifyCases(kCorpus, table, &csv);
   std::cout << table.str();
   EXPECT_EQ(exitCode, 0);
-  // As many lines: a head there, the counts by method and of our faults here.
+  // Both have the same number of lines: the file has a header, the table has counts by method and of our faults.
   std::istringstream lines(table.str()), rows(csv.str());
   const std::vector<std::string> have = linesOf(lines), inFile = linesOf(rows);
   ASSERT_GT(inFile.size(), 800u);
@@ -119,7 +119,7 @@ TEST(Corpus, OursAreRight) {
   }
 }
 
-// Pairs on which methods of ours were wrong once.
+// Pairs on which one of our methods was wrong once.
 TEST(Corpus, FoundCasesStayRight) {
   std::ostringstream table;
   const int exitCode = verifyCases(std::string(LPC_SOURCE_DIR) + "/tests/regressions/found_cases.json", table);
@@ -137,8 +137,7 @@ TEST(Corpus, TheRefereeConfirmsEveryExpectedValue) {
   EXPECT_EQ(confirmed, 84 + 5);
 }
 
-// A method that is wrong in any of these ways must be seen, and must stop nobody: a corpus that cannot fail is no
-// corpus.
+// Each of these wrong methods must be found and must not stop the run: a corpus that cannot fail is useless.
 template <int D>
 class WrongWitness final : public IsolatedWitness<3> {
  public:
@@ -160,7 +159,7 @@ class WrongWitness final : public IsolatedWitness<3> {
     if (mode == 4) throw std::runtime_error("planted");
     if (mode == 5) std::abort();
     for (volatile int turns = 0; mode == 6;) turns = turns + 1;
-    // libccd-25-cubes, along z: the one case that it knows.
+    // Correct for libccd-25-cubes, along z, only.
     PairAnswer<3> answer;
     answer.status = QueryStatus::converged;
     answer.distance = mode == 1 ? Real(-1.1) * m_depth : mode == 3 ? std::nan("") : -m_depth;
@@ -172,7 +171,7 @@ class WrongWitness final : public IsolatedWitness<3> {
 };
 
 CaseResult cubes(int mode) {
-  static const Registrar<PairQuery, WrongWitness, 3> planted(__FILE__);  // only here: the table above is without it
+  static const Registrar<PairQuery, WrongWitness, 3> planted(__FILE__);  // after the table above is printed
   WrongWitness<3>::mode = mode;
   std::vector<Case> cases = readCases(kCorpus);
   std::erase_if(cases, [](const Case& c) { return c.id != "libccd-25-cubes"; });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Pairs that `lpc verify` found, with the bits that a method was asked: it was wrong, is mended, and stays right. Each
-// build takes the cases of its own precision. And what a file of such cases may not hold, and who is asked about it.
+// Pairs that `lpc verify` found, with the bits of the query. A method was wrong on each, was mended, and must stay
+// right. Each build runs the cases of its own precision. Also: which contents of such a file are refused, and which
+// methods a case queries.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return n;
 }
 
-TEST(FoundCases, MendedOnesStayRight) {
+TEST(FoundCases, MendedCasesStayRight) {
   std::ifstream file(kFile);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   std::size_t asked = 0;
@@ -68,7 +69,7 @@ TEST(FoundCases, OnlyAFindingMayLackAnExpectedValue) {
               "f.json: case 'c': field 'signed_distance' holds null; valid: a number");
     const bool contacts = query == "contacts";
     const std::string found = finding(contacts ? "contacts" : "pair_query", contacts ? "sat_clip" : "sat");
-    // Then there is nothing for the referee to confirm; the methods are judged all the same.
+    // Then the referee has nothing to confirm; the methods are still judged.
     const std::vector<CaseResult> rows = runCases(parseCases(boxes(query, "null", ", " + found), "f.json"));
     EXPECT_GT(rows.size(), 2u);
     for (const CaseResult& row : rows) {
@@ -81,7 +82,7 @@ TEST(FoundCases, OnlyAFindingMayLackAnExpectedValue) {
   }
 }
 
-TEST(FoundCases, CountIsThatOfTheList) {
+TEST(FoundCases, CountEqualsTheLengthOfTheList) {
   std::string text = boxes("contacts", "1", "");
   text.insert(1, R"("count": 1, )");
   EXPECT_EQ(complaint(text), "");
@@ -100,8 +101,8 @@ std::string added(int slot, const std::string& hi = "[1, 1]") {
 std::string removed(int slot) { return R"({"removed": )" + std::to_string(slot) + "}"; }
 std::string moved(int slot) { return R"({"moved": )" + std::to_string(slot) + R"(, "lo": [0, 0], "hi": [1, 1]})"; }
 
-// What ProxyChanges allows, and no more: a slot that is freed, taken again and moved in one step.
-TEST(FoundCases, ScriptsAreWhatAWorldCouldTell) {
+// Only what ProxyChanges allows: a slot may be freed, reused and moved in one step.
+TEST(FoundCases, ScriptsObeyProxyChanges) {
   const std::string first = "[" + added(0) + "], ";
   EXPECT_EQ(complaint(script("2", first + "[" + moved(0) + "]")), "");
   EXPECT_EQ(complaint(script("2", first + "[" + removed(0) + ", " + added(0) + ", " + moved(0) + "]")), "");
@@ -124,8 +125,8 @@ TEST(FoundCases, ScriptsAreWhatAWorldCouldTell) {
             sizeof(Real) == 8 ? "" : "f.json: case 'c': slot 0: 'lo' or 'hi' is too large for f32");
 }
 
-// The judge looks at every two slots in every step: what it would never come to an end of is not taken.
-TEST(FoundCases, ScriptsAreOfASizeThatCanBeJudged) {
+// The check compares all pairs of slots in every step, so cases that would take too long are refused.
+TEST(FoundCases, OversizedScriptsAreRefused) {
   for (const char* const slots : {"0", "2001", "1000000"}) {
     EXPECT_EQ(complaint(script(slots, "")),
               std::string("f.json: case 'c': field 'slots' holds ") + slots + "; valid: a whole number from 1 to 2000");
@@ -136,12 +137,12 @@ TEST(FoundCases, ScriptsAreOfASizeThatCanBeJudged) {
   EXPECT_EQ(complaint(script("2", steps + ", []")), "f.json: case 'c': field 'steps' has 101; valid: at most 100");
 }
 
-// --- who is asked ----------------------------------------------------------------------------------------------------
+// --- queried methods -------------------------------------------------------------------------------------------------
 
 Case parsed(const std::string& text) { return parseCases(text, "f.json").front(); }
 
-// A hull that is flat here may be one in another precision, where it was decided who is asked.
-TEST(FoundCases, ShapesThatAreRefusedAreAskedNobody) {
+// A hull that is flat in this precision may be valid in another, in which the methods to query were chosen.
+TEST(FoundCases, InvalidShapesAreRefused) {
   const std::string flat = R"({"type": "convex", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]})";
   for (const std::string& method : {std::string("sat"), std::string("gjk_epa")}) {
     const Case c = parsed(listed(R"("dim": 3, "query": "signed_distance", "shapeA": )" + flat +
@@ -161,8 +162,8 @@ TEST(FoundCases, ShapesThatAreRefusedAreAskedNobody) {
   }
 }
 
-// A circle in an ellipse that is one, at one centre: every normal is as good, and the referee cannot say.
-TEST(FoundCases, WhatTheRefereeCannotSayIsNobodysFault) {
+// A circle in a circular ellipse with the same centre: every normal is equally good, so the referee cannot decide.
+TEST(FoundCases, UndecidedCasesAreNoFault) {
   for (const bool found : {false, true}) {
     const Case c = parsed(listed(R"("dim": 2, "query": "contacts", "shapeA": {"type": "ellipsoid", "radii": [1, 1]},
         "poseA": {"t": [0, 0]}, "shapeB": {"type": "sphere", "radius": 0.5}, "poseB": {"t": [0, 0]},
@@ -178,8 +179,8 @@ TEST(FoundCases, WhatTheRefereeCannotSayIsNobodysFault) {
   }
 }
 
-// A method that is gone has not been mended.
-TEST(FoundCases, AMethodThatIsNotThereIsTheUsersMistake) {
+// A method that no longer exists was not mended.
+TEST(FoundCases, UnknownMethodsAreAUserError) {
   const Case c = parsed(boxes("signed_distance", "1", ", " + finding("pair_query", "gjk_ep{iterations=20}")));
   try {
     runCases({c});
@@ -191,7 +192,7 @@ TEST(FoundCases, AMethodThatIsNotThereIsTheUsersMistake) {
                             "did you mean 'gjk_epa'? valid: "))
         << message;
   }
-  EXPECT_EQ(askFound(c, "nobody").reason, "unknown_method");  // of the others, one that another precision has
+  EXPECT_EQ(askFound(c, "nobody").reason, "unknown_method");  // as for a method that exists in another precision only
 }
 
 }  // namespace

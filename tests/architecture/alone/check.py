@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Zlib
-"""Each source of the product compiles alone: a batch (LPC_UNITE) hides an #include that an earlier file of the batch has. Run by
-ctest: check.py SOURCE_DIR BINARY_DIR COMPILER. It takes the compile commands of a build without batches and parses, with the
-precompiled headers of BINARY_DIR, each file that is not the first of its batch there: a first file is compiled as if it were
-alone. tests/run --deep also compiles without precompiled headers."""
+"""Each source of the product must compile alone: in a batch (LPC_UNITE), a file may use an #include of an earlier file.
+ctest runs check.py SOURCE_DIR BINARY_DIR COMPILER. It takes the compile commands of a build without batches. With the precompiled
+headers of BINARY_DIR it parses each file that is not the first of its batch; a first file is already compiled alone.
+tests/run --deep also compiles without precompiled headers."""
 
 import json
 import os
@@ -19,17 +19,17 @@ PLANTED = pathlib.Path(__file__).resolve().parent / "planted.cpp"
 
 
 def hidden():
-    """The files of the product that stand in a batch behind another file."""
+    """The files of the product that are not the first of their batch."""
     found = set()
     for folder in (".", "oracles", "experiments", "experiments/bench", "experiments/sandbox"):
         for batch in (BINARY / folder / "CMakeFiles").glob("*.dir/Unity/*_cxx.cxx"):
             found.update(map(pathlib.Path, re.findall(r'(?m)^#include "(.*)"$', batch.read_text())[1:]))
-    return {file for file in found if file.exists()}  # not what an earlier state of the sources had
+    return {file for file in found if file.exists()}  # batches may list removed files
 
 
 def configure():
     """The compile command of each file in a build without batches."""
-    shutil.rmtree(ALONE, ignore_errors=True)  # a cache of another compiler would drop the options below
+    shutil.rmtree(ALONE, ignore_errors=True)  # with the cache of another compiler CMake drops the options below
     done = subprocess.run(["cmake", "-G", "Ninja", "-S", SOURCE, "-B", ALONE, f"-DCMAKE_CXX_COMPILER={COMPILER}",
                            "-DCMAKE_BUILD_TYPE=Release", "-DLPC_ENABLE_ASSERT=ON", "-DLPC_UNITE=OFF", "-DLPC_BUILD_BENCHMARKS=ON",
                            "-DLPC_PRECISIONS=f64", "-DCMAKE_CXX_COMPILER_LAUNCHER=",
@@ -41,7 +41,7 @@ def configure():
 
 
 def parse_only(command, file):
-    """The command as one that writes nothing, with the generated files and the precompiled headers of the build that is there."""
+    """The command without output, with the generated files and the precompiled headers of the build in BINARY."""
     words = iter(shlex.split(command))
     out = []
     for word in words:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A planted bug: it lacks #include "framework/world/invariants.h". In a batch, a file before it could have that line.
+// A planted bug: it lacks #include "framework/world/invariants.h". In a batch, an earlier file could provide it.
 #include "framework/shape/shape.h"
 
 namespace lpc { inline namespace LPC_PRECISION {

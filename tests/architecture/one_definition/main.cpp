@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Two different functions of one name are one function to the linker, which keeps whichever it meets first and says
-// nothing. This reads object files that were compiled without optimisation, where one definition gives one code, and
-// names each weak function of ours whose code is not the same in all of them.
+// The linker treats two different functions of one name as one: it keeps the first that it meets, without a message.
+// This program reads object files compiled without optimisation, where one definition gives one code. It names each
+// weak function of LPC with different code in two files.
 //
 //   one_definition FOLDER...      exit code 1 when there is one
 #include <elf.h>
@@ -32,8 +32,8 @@ struct Object {
   }
 };
 
-// What the symbol's code is: its bytes, and what of ours they refer to. How a call reaches another's function, and
-// where constants lie, differs from file to file and is left out.
+// The code of a symbol: its bytes, and LPC's symbols to which they refer. References to other symbols and the places of
+// constants differ between files and are left out.
 std::string codeOf(const Object& o, std::size_t symbols, const Elf64_Sym& symbol) {
   const Elf64_Shdr& home = o.section(symbol.st_shndx);
   std::ostringstream out;
@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
           const bool weakFunction = ELF64_ST_BIND(s.st_info) == STB_WEAK && ELF64_ST_TYPE(s.st_info) == STT_FUNC;
           if (!weakFunction || s.st_shndx == SHN_UNDEF || s.st_shndx >= o.sections()) continue;
           const std::string name = o.text(o.section(i).sh_link, s.st_name);
-          if (name.find("N3lpc") == name.npos) continue;  // other people's templates are theirs to keep
+          if (name.find("N3lpc") == name.npos) continue;  // templates of other libraries are not LPC's concern
           const std::string code = codeOf(o, i, s);
           const auto [first, fresh] = known.try_emplace(name, First{entry.path(), code});
           if (fresh || first->second.code == code) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Planted: with its twin, two functions of one name (see main.cpp).
+// Planted bug: planted_one.cpp has another function of this name (see main.cpp).
 namespace lpc::planted {
 
 inline double reach(double x) { return x + 2; }
