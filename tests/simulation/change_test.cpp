@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Bodies that are changed after they were added, merged and taken apart; gravity and stages that are exchanged.
+// Bodies that are changed, merged and split after they were added; gravity and stages that change at run time.
 #include <gtest/gtest.h>
 
 #include "framework/shape/shape_between.h"
@@ -58,7 +58,7 @@ BodyDef<D> drawBody(Draw& draw) {
 template <int D>
 using Change = std::function<void(World<D>&, Handle, const BodyDef<D>&)>;
 
-// The same life as if it had been so from the start.
+// A changed body behaves as if it had been added in its new form.
 template <int D>
 void isAsIfAddedSo(Draw& draw, const Change<D>& change) {
   World<D> changed, added;
@@ -108,7 +108,7 @@ struct Ends final : ContactListener<D> {
   void end(const World<D>&, const Manifold<D>&) override { ++ends; }
 };
 
-// Two feet on the ground, and a hook: one foot goes, the other's contact and the joint stay.
+// A body with two feet on the ground and a joint: when one foot goes, the contact of the other and the joint stay.
 template <int D>
 bool keepsWhatIsLeft(const Change<D>& change) {
   World<D> world;
@@ -152,7 +152,7 @@ TYPED_TEST(ChangeTest, WhatIsLeftAsItWasStays) {
   EXPECT_EQ(changed.hash(), woken.hash());
 }
 
-// The same rigid motion about another centre, before anything acts.
+// A new centre of mass keeps the rigid motion, before any force acts.
 TYPED_TEST(ChangeTest, ANewCentreMovesAsItsPlaceDid) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
@@ -163,7 +163,7 @@ TYPED_TEST(ChangeTest, ANewCentreMovesAsItsPlaceDid) {
   def = world.definition(b);
   def.shapes.push_back({.shape = Shape<D>::sphere(1), .X_BS = {at<D>(6, 0)}});
   world.change(b, def);
-  EXPECT_NEAR((world.bodies().pose[0].p - place).norm(), 0, kRounding);  // halfway between the two
+  EXPECT_NEAR((world.bodies().pose[0].p - place).norm(), 0, kRounding);  // halfway between the two spheres
   EXPECT_NEAR((world.motion(b).v - was).norm(), 0, kRounding);
   EXPECT_NEAR((world.pose(b).p - at<D>(2, 1)).norm(), 0, kRounding);
 }
@@ -230,7 +230,7 @@ TYPED_TEST(ChangeTest, TakenApartMovesOn) {
   EXPECT_NEAR(stateInvariants(world).kinetic, before.kinetic, 1000 * kRounding);
 }
 
-// A joint keeps its zero angle and its place, on whichever body it is now.
+// A joint keeps its zero angle and its anchors when its body is merged or split.
 TYPED_TEST(ChangeTest, JointsFollow) {
   constexpr int D = TypeParam::D;
   World<D> world;
@@ -246,10 +246,10 @@ TYPED_TEST(ChangeTest, JointsFollow) {
   for (int i = 0; i < 300; ++i) world.step(kDt);
   EXPECT_LT(stateInvariants(world).jointError, 0.01);
   const Rot<D> q = world.pose(a).q;
-  EXPECT_LT(double(turnOf(q).norm()), 0.5);  // the stop counts from where the joint was made
+  EXPECT_LT(double(turnOf(q).norm()), 0.5);  // limits count from the angle at which the joint was made
 }
 
-// Who changes a material changes that of the contacts that are there, whatever the cache keeps.
+// A new material also applies to existing contacts, whatever the cache keeps.
 TYPED_TEST(ChangeTest, AMaterialIsNewAtOnce) {
   constexpr int D = TypeParam::D;
   for (const Registered* cache : Registry::instance().list(StageKind::cache, D)) {
@@ -313,7 +313,7 @@ TYPED_TEST(ChangeTest, WhatPushesOneOfTwoPushesBoth) {
   EXPECT_GT(world.motion(a).w[D == 3 ? 2 : 0], 0);  // at its right half
 }
 
-// A floor carries all, and is braked by none: what others load on it is nothing to a ball.
+// The rolling resistance of a ball depends on its own load, not on what other bodies load onto the floor.
 TYPED_TEST(ChangeTest, RollingResistanceIsABallsOwn) {
   constexpr int D = TypeParam::D;
   std::array<Real, 2> speed{};
@@ -336,7 +336,7 @@ TYPED_TEST(ChangeTest, RollingResistanceIsABallsOwn) {
   EXPECT_NEAR(speed[0], speed[1], 1e-3);
 }
 
-// A spring pulls at the same place, whose body ever that is now, and wherever its centre of mass.
+// A spring keeps its attachment point when its body is merged or its centre of mass moves.
 TYPED_TEST(ChangeTest, ForcesFollow) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
@@ -346,7 +346,7 @@ TYPED_TEST(ChangeTest, ForcesFollow) {
   world.add(ForceDef<D>{.kind = "spring{stiffness=10}", .bodyA = a, .bodyB = b});
   world.merge(a, b);
   EXPECT_EQ(std::count_if(world.forces().begin(), world.forces().end(), [](const auto& f) { return f.kind; }), 1);
-  world.step(kDt);  // by 2 m upwards at (2, 1): as a force and as a torque about (1, 0)
+  world.step(kDt);  // 2 m of extension upwards at (2, 1): force and torque about (1, 0)
   EXPECT_NEAR(world.motion(a).v[1], 20 * kDt / world.mass(a), 1e-5);
   EXPECT_NEAR(world.motion(a).v[0], 0, 1e-6);
   EXPECT_GT(world.motion(a).w[D == 3 ? 2 : 0], 0);
@@ -370,7 +370,7 @@ TYPED_TEST(ChangeTest, WhatMakesNoBodyIsRefusedAndChangesNothing) {
   };
   with([](BodyDef<D>& d) { d.shapes.clear(); });
   with([](BodyDef<D>& d) { d.shapes[0].shape = Shape<D>::plane(); });
-  with([](BodyDef<D>& d) { d.type = BodyType::fixed; });  // its joint would hold two that do not move
+  with([](BodyDef<D>& d) { d.type = BodyType::fixed; });  // its joint would connect two immovable bodies
   with([](BodyDef<D>& d) { d.gravityScale = std::numeric_limits<Real>::quiet_NaN(); });
   with([](BodyDef<D>& d) { d.mass = MassProperties<D>{.mass = -1}; });
   with([](BodyDef<D>& d) {
@@ -409,11 +409,11 @@ TYPED_TEST(ChangeTest, AWeightByHand) {
   def.mass = MassProperties<D>{.mass = 4, .center = at<D>(1, 0)};
   def.mass->inertia.setIdentity();
   const Handle b = world.add(def);
-  BodyDef<D> bare;  // a point
+  BodyDef<D> bare;  // a point mass
   bare.X_WB.p = at<D>(9, 0), bare.mass = MassProperties<D>{.mass = 2};
   const Handle p = world.add(bare);
   EXPECT_EQ(world.mass(b), 4);
-  world.applyImpulse(b, at<D>(0, 8), at<D>(1, 0));  // at the centre: it does not turn
+  world.applyImpulse(b, at<D>(0, 8), at<D>(1, 0));  // at the centre of mass: no rotation
   world.applyImpulse(p, at<D>(0, 8), at<D>(0, 0));
   EXPECT_EQ(world.motion(b).v, at<D>(0, 2));
   EXPECT_EQ(world.motion(b).w.norm(), 0);
@@ -423,7 +423,7 @@ TYPED_TEST(ChangeTest, AWeightByHand) {
   EXPECT_NEAR(world.motion(b).w[D == 3 ? 2 : 0], 4, kRounding);
   world.step(kDt);
   EXPECT_TRUE(world.definition(b).mass);
-  EXPECT_THROW(world.add(BodyDef<D>{}), UserError);  // dynamic, and nothing
+  EXPECT_THROW(world.add(BodyDef<D>{}), UserError);  // dynamic, but without shapes or mass
   EXPECT_NO_THROW(world.add(BodyDef<D>{.type = BodyType::fixed}));
 }
 
@@ -448,7 +448,7 @@ TYPED_TEST(ChangeTest, ImpulsesMoveWhatCanMove) {
   EXPECT_EQ(world.motion(wall).v.norm() + world.motion(wall).w.norm(), 0);
 }
 
-// Every algorithm of every stage in place of another, in the middle of a life.
+// Replaces the method of each stage by every algorithm while the world runs.
 TYPED_TEST(ChangeTest, StagesAreExchangedAtRunTime) {
   constexpr int D = TypeParam::D;
   for (const StageKind kind : kWorldStages) {
@@ -462,7 +462,7 @@ TYPED_TEST(ChangeTest, StagesAreExchangedAtRunTime) {
       try {
         world.exchange(other);
       } catch (const UserError&) {
-        continue;  // it has not these shapes
+        continue;  // it does not support these shapes
       }
       for (int i = 0; i < 60; ++i) world.step(kDt);
       EXPECT_EQ(world.pipeline()[kind].name, r->info.name);
