@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Scenes that are played and changed by hand, without a window.
+// Scenes that a user plays and changes, without a window.
 #include "experiments/sandbox/session.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ BodyDef<D> ball(Real x, Real y, Real radius = Real(0.5)) {
   return def;
 }
 
-// A floor, and some balls that come one after another.
+// A floor, and balls that are added one after another.
 template <int D>
 SceneSpec<D> heap() {
   SceneSpec<D> scene;
@@ -38,7 +38,7 @@ SceneSpec<D> heap() {
   return scene;
 }
 
-// What a hand may do; false: it was refused, and has changed nothing.
+// Performs a drawn user action. Returns false if it was rejected, which must change nothing.
 template <class S, int D>
 bool drawDeed(Draw& draw, S& session) {
   const int body = draw.below(session.bodies() + 1);
@@ -87,7 +87,7 @@ template <int D>
 struct Careful : Session<D> {
   using Session<D>::Session;
 };
-// Planted bug: what a hand does is done and not remembered.
+// Planted bug: an action is performed but not recorded.
 template <int D>
 struct Forgetful : Session<D> {
   using Session<D>::Session;
@@ -100,12 +100,12 @@ struct Forgetful : Session<D> {
   }
 };
 
-// However one steps forth and back: after so many steps with the same deeds the world is the same to the last bit.
+// However one steps forward and back, the same step with the same actions gives the same bits.
 template <template <int> class S, int D>
 void backIsWhereItWas() {
   RapidCheckDraw draw;
   S<D> session(heap<D>(), {""});
-  std::vector<std::uint64_t> seen = {session.world().hash()};  // by step, after its deeds
+  std::vector<std::uint64_t> seen = {session.world().hash()};  // by step, after its actions
   for (int i = 0, n = 20 + draw.below(80); i < n; ++i) {
     const int what = draw.below(8);
     const auto step = static_cast<std::size_t>(session.steps());
@@ -113,13 +113,13 @@ void backIsWhereItWas() {
       RC_ASSERT(session.back());
       RC_ASSERT(session.world().hash() == seen[step - 1]);
     } else if (what == 1) {
-      if (drawDeed<S<D>, D>(draw, session)) seen.resize(step + 1);  // what comes now is another future
+      if (drawDeed<S<D>, D>(draw, session)) seen.resize(step + 1);  // later steps differ now
       seen[step] = session.world().hash();
     } else {
       session.step();
       RC_ASSERT(!session.fallen());
       if (step + 1 < seen.size()) {
-        RC_ASSERT(session.world().hash() == seen[step + 1]);  // the same deeds were done again
+        RC_ASSERT(session.world().hash() == seen[step + 1]);  // the same actions were replayed
       } else {
         seen.push_back(session.world().hash());
       }
@@ -147,7 +147,7 @@ TEST(Sandbox, EqualLanesNeverPartAndOthersAreMeasured) {
   expectCaught("lanes that part are not told apart", lane.samples.back().error == 0);
 }
 
-// What nobody looks at is not computed.
+// Values that no view shows are not computed.
 TEST(Sandbox, EnergyAndPenetrationAreOfThoseStepsThatAreLookedAt) {
   Session<2> session(heap<2>(), {"", "solver=soft_step"});
   for (int i = 0; i < 90; ++i) {
@@ -165,7 +165,7 @@ TEST(Sandbox, EnergyAndPenetrationAreOfThoseStepsThatAreLookedAt) {
   }
 }
 
-// One that comes to no number stops where it fell, says why, and can be stepped back.
+// A competitor that diverges stops there, says why, and can be stepped back.
 TEST(Sandbox, ALaneThatFallsCanBeSteppedBack) {
   Session<2> session(heap<2>(), {""});
   session.step();
@@ -183,7 +183,7 @@ TEST(Sandbox, ALaneThatFallsCanBeSteppedBack) {
   EXPECT_FALSE(session.fallen());
 }
 
-// Before its first step, too: a step back is one of all, and who could not follow is where it fell.
+// Also before its first step: all competitors step back together, and one that cannot follow stays where it failed.
 TEST(Sandbox, ALaneThatAloneCannotIsLeftBehind) {
   Session<3> session(heap<3>(), {"contacts=query_clip", "contacts=sat_clip"});
   BodyDef<3> def = ball<3>(1, 2);
@@ -209,7 +209,7 @@ TEST(Sandbox, WhatAHandCannotDoIsRefusedAndChangesNothing) {
   EXPECT_FALSE(session.back());
 }
 
-// As `lpc run` refuses it: a world that was saved has its features, whatever the scene says.
+// As in `lpc run`: a saved world has its own model, and the scene must agree with it.
 TEST(Sandbox, ASavedWorldOfOtherFeaturesIsRefused) {
   Session<2> session(heap<2>(), {""});
   for (int i = 0; i < 10; ++i) session.step();
@@ -250,7 +250,7 @@ TEST(Sandbox, CostFollowsIterations) {
   const auto fewer = withMoreIterations("solver=soft_step{substeps=4}", 0.5, 3);
   ASSERT_TRUE(fewer);
   EXPECT_NE(fewer->find("substeps=2"), std::string::npos) << *fewer;
-  EXPECT_FALSE(withMoreIterations("solver=soft_step{substeps=1}", 0.5, 3));  // fewer there are not
+  EXPECT_FALSE(withMoreIterations("solver=soft_step{substeps=1}", 0.5, 3));  // there are no fewer
 }
 
 }  // namespace
