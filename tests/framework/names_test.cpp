@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a message says of a wrong name.
+// Messages about wrong names.
 #include "framework/math/names.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(Names, TheMessageHasBoth) {
 }
 
 TEST(Names, NothingLongIsASlip) {
-  const std::string much(1000000, 'x');  // both ways: a table of their product would be the end
+  const std::string much(1000000, 'x');  // both names long: a table of lengths' product would exhaust memory
   EXPECT_EQ(meantName({"naive", much}, much + "y"), "");
   EXPECT_EQ(meantName({much, "naive"}, "niave"), "naive");
 }
@@ -44,7 +44,8 @@ TEST(Names, NothingLongIsASlip) {
 TEST(Names, AMessageIsOneLine) {
   EXPECT_EQ(oneLine("file.toml:3: 'naïve' is …; valid: 😀"), "file.toml:3: 'naïve' is …; valid: 😀");
   EXPECT_EQ(oneLine(std::string("a\nb\tc\r\x1b[0m\x7f\0z", 13)), "a\\nb\\tc\\x0d\\x1b[0m\\x7f\\x00z");
-  // No UTF-8: a byte that begins nothing, a cut character, an overlong one, a surrogate, too far; and C1, separators.
+  // Invalid UTF-8: a stray byte, a truncated character, an overlong one, a surrogate, one out of range; and C1 controls
+  // and separators.
   EXPECT_EQ(oneLine("\xff|\xc3|\xc0\x80|\xed\xa0\x80|\xf4\x90\x80\x80"),
             "\\xff|\\xc3|\\xc0\\x80|\\xed\\xa0\\x80|\\xf4\\x90\\x80\\x80");
   EXPECT_EQ(oneLine("\xc2\x85|\xe2\x80\xa8"), "\\xc2\\x85|\\xe2\\x80\\xa8");

@@ -314,7 +314,7 @@ TEST_F(Canvas, AViewEndsAtItsFrame) {
   }
 }
 
-// Meshes are cached by shape number, not by address: a new hull at the address of an old one is another mesh.
+// Meshes are cached by the shape's coordinates, not by address: a new hull may get the address of an old one.
 TEST_F(Canvas, MeshesAreOfTheirShapes) {
   GlCanvas<2> canvas;
   int reds[2];
