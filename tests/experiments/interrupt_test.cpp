@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is stopped while it is busy ends, leaves nothing half-written, and can be gone on with. (Films: film_test.cpp.)
+// An interrupted command ends, leaves nothing half-written, and can be resumed. (Films: film_test.cpp.)
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
@@ -16,7 +16,7 @@ TEST(Interrupt, EndsWhateverIsUnderWay) {
           "frames = 12\nn = [8, 16, 24]\nbroadphase = [\"planted_hang\", \"naive\"]\n");
   const std::string sweep = "--plugin " LPC_BINARY_DIR "/lib/liblpc_planted.so sweep s.toml --store s.db";
   const std::pair<std::string, const char*> commands[] = {
-      // and what is there when they are at work
+      // each command, and the file that exists once it is at work
       {sweep, "s.db"},
       {"verify --minutes 100 --store v.db", "v.db"},
       {"verify --pairs 1000000 --store v.db", "v.db"},
@@ -26,7 +26,8 @@ TEST(Interrupt, EndsWhateverIsUnderWay) {
   };
   for (const auto& [command, file] : commands) {
     for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-      if (signal != SIGTERM && command != sweep && command.find("--film") == command.npos) continue;  // one handler
+      if (signal != SIGTERM && command != sweep && command.find("--film") == command.npos)
+        continue;  // one handler for all
       if (*file) std::filesystem::remove(w.path(file));
       Process process(w, command);
       ASSERT_TRUE(process.isBusy(w.path(file))) << command << "\n" << process.said();
@@ -54,7 +55,7 @@ TEST(Interrupt, NohupOutlivesTheTerminal) {
   EXPECT_EQ(process.wait(), 0) << process.said();
 }
 
-// Cases are asked in the program itself, which ends by the signal.
+// Cases run in the program itself, which ends by the signal.
 TEST(Interrupt, EndsCases) {
   Workspace w;
   Process process(w, "verify --cases " LPC_SOURCE_DIR "/tests/regressions/hard_cases.json --csv x.csv");
