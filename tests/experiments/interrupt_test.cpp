@@ -26,8 +26,7 @@ TEST(Interrupt, EndsWhateverIsUnderWay) {
   };
   for (const auto& [command, file] : commands) {
     for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-      if (signal != SIGTERM && command != sweep && command.find("--film") == command.npos)
-        continue;  // one handler for all
+      if (signal != SIGTERM && command != sweep && command.find("--film") == command.npos) continue;  // one handler
       if (*file) std::filesystem::remove(w.path(file));
       Process process(w, command);
       ASSERT_TRUE(process.isBusy(w.path(file))) << command << "\n" << process.said();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is held, what has sunk, who has left, and the body that must fall beside those that rest.
+// Measures of rest: which bodies are supported, have sunk or have left, and a body that must fall beside resting ones.
 #include "experiments/trial/measure/rest.h"
 
 #include <cmath>
@@ -45,7 +45,7 @@ TEST(Rest, SharesAreOfTheSmallestBodyBeyondTheSlop) {
   EXPECT_EQ(r.share(), 0);
 }
 
-// A box of 1 m that another has gone into by a metre rests, keeps its neighbours, and holds nothing.
+// A box of 1 m into which another has sunk by nearly a metre: it rests, keeps its neighbours, and supports nothing.
 TEST(Rest, WhatHasSunkIsNotHeld) {
   const TrialResult through = run("mass_ratio", "solver=avbd{iterations=1}", {{"ratio", 10000}}, 600);
   EXPECT_EQ(through.outcome, "sank") << through.reason;
@@ -55,11 +55,11 @@ TEST(Rest, WhatHasSunkIsNotHeld) {
   EXPECT_EQ(held.outcome, "ok") << held.reason;
   EXPECT_LT(held.metrics.at("sunk"), kRestShare);
   EXPECT_EQ(held.metrics.at("smallest_body"), 1);
-  // The planted bug: drift alone, as it was.
+  // The planted bug: drift alone, as in an early version.
   EXPECT_LT(through.metrics.at("lateral_max"), 0.5) << "nobody went aside, and all touch whom they touched";
 }
 
-// What is cut short, on its way down, was not asked whether it holds.
+// A run that ends while a body is still falling does not decide whether it is supported.
 TEST(Rest, WhoIsNotYetAtRestIsNotJudged) {
   const TrialResult early = run("mass_ratio", "solver=avbd{iterations=1}", {{"ratio", 10000}}, 59);
   EXPECT_EQ(early.outcome, "ok") << early.reason;
@@ -137,7 +137,7 @@ shapes = [{ kind = "circle", radius = 0.1 }]
   EXPECT_EQ(runText(nail).outcome, "left");
 }
 
-// A step's way of 1e-8 m is none where an ulp is 1e-7 m: all rest, whatever they stand on.
+// A motion of 1e-8 m a step vanishes where an ulp is 1e-7 m: all bodies rest, whatever supports them.
 std::string far(double y) {
   return R"(
 needs = []

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Worlds that a run saves, and runs that begin with them.
+// Worlds that a run saves, and runs that start from them.
 #include <nlohmann/json.hpp>
 
 #include "experiments/parse/toml_reader.h"
@@ -18,7 +18,7 @@ std::string hashOf(const Workspace& w, const std::string& arguments) {
   return begin == std::string::npos ? out.text : json::parse(out.text.substr(begin)).value("hash", out.text);
 }
 
-// Of two ways to the same step the ends are equal, bit for bit.
+// Whether an uninterrupted run and a saved, continued one end equal, bit for bit.
 bool goesOn(const Workspace& w, const std::string& scene, const std::string& with, const std::string& pipeline) {
   const std::string options = " --pipeline '" + pipeline + "' " + with;
   const std::string whole = hashOf(w, scene + options + " --steps 80 --save 30:later.toml");
@@ -64,7 +64,7 @@ TEST(SavedScene, WhatItCannotBeIsTold) {
   refused("pyramid --save x:b.toml", "valid: a step and a name");
   refused("pyramid --save 20:b.world", "valid: NAME.toml");
   refused("pyramid --steps 10 --save 20:b.toml", "no step 20");
-  refused("./a.toml --save 1:a.toml", "a.toml");  // it would be written over
+  refused("./a.toml --save 1:a.toml", "a.toml");  // it would be overwritten
   refused("./a.toml --param perturb=0.01", "perturb = 0");
   refused("./a.toml --dimension 3", "3D");
   const std::string scene = readFile(w.path("a.toml")), world = readFile(w.path("a.world"));
@@ -87,7 +87,7 @@ TEST(SavedScene, WhatItCannotBeIsTold) {
   EXPECT_FALSE(std::filesystem::exists(w.path("b.world")));
 }
 
-// What it lacks then is named, and is no damage.
+// The message names the missing force and does not call the file damaged.
 TEST(SavedScene, OfAPluginNeedsThePlugin) {
   const Workspace w;
   w.write("pushed.toml",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Who has passed through what is fixed: along paths whose answer is plain, and in trials of our worlds and of engines.
+// Bodies that pass through static bodies: on paths with an obvious answer, and in trials of LPC's worlds and of
+// engines.
 #include "experiments/trial/measure/tunnelling.h"
 
 #include <algorithm>
@@ -35,7 +36,7 @@ Shape<D> boxOf(double x, double y) {
   return Shape<D>::box(half);
 }
 
-// A world in which nobody steps: `mover` is led along a path past a wall of thickness 2 `half` and height 10 at x = 0.
+// Without stepping, `mover` follows a path past a static body of thickness 2 `half` and height 10 at x = 0.
 template <int D, class Counter = Tunnelling<D>>
 int led(const Path& path, BodyDef<D> mover, double half, std::uint32_t maskOfWall = ~0u, bool jointed = false) {
   World<D> world;
@@ -77,7 +78,8 @@ TEST(Tunnelling, IsToComeOutBehind) {
   });
 }
 
-// Half a circle around the wall's end, three eighths of a radius away from it, in steps that a chord would cut short.
+// Half a circle around the static body's end, three eighths of a radius away, in steps whose chords would cut through
+// it.
 TEST(Tunnelling, IsNotToGoAround) {
   inBoth([]<int D>() {
     for (const int steps : {4, 7, 12, 40}) {
@@ -116,10 +118,10 @@ TEST(Tunnelling, WhoIsPutElsewhereStartsAnew) {
       world.setPose(h, {at<D>(moved, 0), {}});
       seen.observe(world);
     };
-    step(-3, -2), step(2, 3);  // a script carries it through
+    step(-3, -2), step(2, 3);  // a script moves it through
     EXPECT_EQ(seen.count(), 0);
     world.setPose(wall, {at<D>(6, 0), {}});
-    step(3, 5), step(5, 4);  // and the wall out of its way
+    step(3, 5), step(5, 4);  // and moves the static body away
     EXPECT_EQ(seen.count(), 0);
     step(4, 8);
     EXPECT_EQ(seen.count(), 1);
@@ -131,7 +133,7 @@ TEST(Tunnelling, WhoIsPutElsewhereStartsAnew) {
   });
 }
 
-// Planted bugs: what a ray along each step alone would say.
+// Planted bugs: the result of a ray along each step alone.
 template <int D, bool kEnds>
 struct RayPerStep {
   void place(const World<D>& world) { before = world.bodies().pose[1].p; }
@@ -162,7 +164,7 @@ TEST(Tunnelling, ARayPerStepIsNotEnough) {
   });
 }
 
-// --- in trials -------------------------------------------------------------------------------------------------------
+// --- in trials ------------------------------------------------------------------------------------------------------
 
 std::string scene(const std::string& bodies) {
   return R"(
@@ -214,7 +216,7 @@ TEST(Tunnelling, IsCountedInTrials) {
   }
 }
 
-// Bullet sweeps nobody unless it is told, and of Box2D the adapter asks for steps without continuous collision.
+// Bullet applies no continuous collision unless told to, and the adapter asks Box2D for steps without it.
 TEST(Tunnelling, IsMeasuredAlikeForEngines) {
   const Workspace w;
   const std::string file = w.write("scene.toml", scene(kWall + ballOf(400)));
