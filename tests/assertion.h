@@ -18,7 +18,7 @@ struct Claim {
   explicit operator bool() const { return holds; }
 };
 
-// The operands are no longer literals: here 0 is an int whose sign or width differs from that of the other operand.
+// The operands are no longer literals: here 0 is an int with another sign or width than the other operand.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wsign-compare"
 #pragma GCC diagnostic ignored "-Wconversion"

@@ -189,7 +189,7 @@ std::vector<Rot<D>> axisTurns() {
   return out;
 }
 
-/// A box whose axes are permuted or reversed is the same box. It gives the same normal and the same points, up to the
+/// Permuting or reversing a box's axes leaves the same box. It gives the same normal and the same points, up to the
 /// tolerance within which a generator may merge points.
 template <int D>
 void relabelledBoxes(ContactGenerator<D>& generator) {

@@ -26,7 +26,7 @@ FIRST = ["docs/manual.md", *REFERENCE, "README.md"]  # the manual's sweep fills 
 OTHER = sorted({f"docs/{p.name}" for p in (SOURCE / "docs").glob("*.md")} - set(FIRST))
 PAGES = [*FIRST, "CONTRIBUTING.md", *OTHER]
 
-# Sections whose files and commands another test covers.
+# Sections with files and commands that another test covers.
 ELSEWHERE = {
     ("docs/manual.md", "A first world in C++"): "tests/embedding/run.cmake",
     **{(f"docs/{page}.md", section): "tests/embedding/run.cmake"

@@ -87,8 +87,8 @@ std::vector<std::string> everyPipeline() {
   return pipelines;
 }
 
-/// Whether the method's info().failures declare that it fails `property`. A failure whose `when` begins with a value of
-/// a parameter and a colon, "friction=box: a body that lands", applies to that value only.
+/// Whether the method's info().failures declare that it fails `property`. If a failure's `when` begins with a value of
+/// a parameter and a colon, "friction=box: a body that lands", the failure applies to that value only.
 inline bool declares(const Registered& method, const Spec& spec, const std::string& property) {
   const auto applies = [&](const FailureMode& f) {
     for (const ParamInfo& p : method.params) {

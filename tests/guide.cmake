@@ -1,6 +1,6 @@
 # Files and commands of a page. A block fenced with a language and a path is that file; a block fenced with sh holds commands.
 
-# The first block after `from` whose fence is `opening`; `end`: where to search for the next.
+# The first block after `from` with the fence `opening`; `end`: where to search for the next.
 # Empty, with end = -1, if there is none.
 function(page_block text from opening out_block out_end)
   string(SUBSTRING "${text}" ${from} -1 rest)

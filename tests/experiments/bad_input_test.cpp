@@ -202,7 +202,7 @@ TEST(BadInput, AbsurdForcesEndTheRunAtTheirStep) {
   }
 }
 
-// So do events whose numbers are finite but whose product is not.
+// So do events with finite numbers if their product is not finite.
 TEST(BadInput, EventsBeyondAllNumbersEndTheRunAtTheirStep) {
   Workspace w;
   const std::pair<const char*, const char*> events[] = {
@@ -275,7 +275,7 @@ TEST(BadInput, SweepsWithoutCellsOrWithWrongValues) {
   refused(w, "sweep s.toml --jobs 0", {"--jobs", "0", "1 to"});
 }
 
-// A missing plugin: the message names the line whose text names its method, whatever precedes it.
+// A missing plugin: the message names the line that names its method, whatever precedes it.
 TEST(BadInput, AMissingMethodIsToldWhereItIsNamed) {
   Workspace w;
   const std::string head = "summary = \"s\"\nkind = \"world\"\n", mine = "\"solver=split_solver{velocity=mine}\"\n",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The search of settings on stores whose rows the test writes: with known times, interrupted, resumed, in parts. No
+// The search of settings on stores with rows written by the test: with known times, interrupted, resumed, in parts. No
 // trial runs, except through the command.
 #include <cmath>
 #include <map>

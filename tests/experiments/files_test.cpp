@@ -71,7 +71,7 @@ TEST(Files, NobodysFileIsTakenForAPartialOne) {
   EXPECT_EQ(readFile(w.path("a.partial")), "mine");
   const std::set<std::string> all = filesIn(w);
   EXPECT_EQ(all.size(), 5u) << "r.toml, a, b and two that were there";
-  // Nor after a rejected run, nor after a run whose worker dies.
+  // Nor after a rejected run, nor after a run with a dead worker.
   refused(w, "run r.toml --record a --profile nowhere/b", {"nowhere/b: cannot be written"});
   const Outcome out = w.lpc("run r.toml --record a", "LPC_WORKERS=" + w.path("none"));
   EXPECT_NE(out.code, 0) << out.text;

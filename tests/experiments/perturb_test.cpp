@@ -107,7 +107,7 @@ TEST(Perturb, movesTheDynamicBodiesOfEveryScene) {
   everyScene<3>();
 }
 
-// A see-saw whose board is defined from its end: the pivot is at its centre of mass and stays there.
+// A see-saw with a board defined from its end: the pivot is at its centre of mass and stays there.
 TEST(Perturb, aPinnedBodyTurnsAboutItsCentreOfMass) {
   SceneSpec<2> still;
   BodyDef<2> board;

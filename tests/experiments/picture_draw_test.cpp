@@ -27,7 +27,7 @@ bool samePatches(const Picture& a, const Picture& b) {
       [](const Patch& p, const Patch& q) { return p.corners == q.corners && p.fill == q.fill && p.edge == q.edge; });
 }
 
-// The picture of each step of a heap, some of whose bodies fall asleep, equals that of its film.
+// Some bodies of a heap fall asleep. The picture of each step equals that of its film.
 template <int D>
 void aWorldIsItsFilm() {
   const Workspace w;

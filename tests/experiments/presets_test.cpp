@@ -238,7 +238,7 @@ TEST(Presets, EachShapeLiesOnItsOwn) {
   }
 }
 
-// In 3D the larger pyramid is a wall one box thick whose rows slide on each other: bodies that sleep on a sliding
+// In 3D the larger pyramid is a wall one box thick, and its rows slide on each other: bodies that sleep on a sliding
 // support must wake.
 TEST(Presets, TheWallOfSpaceStandsWithTheReportsSleeping) {
   Play<3> play("6", {}, kSleep);

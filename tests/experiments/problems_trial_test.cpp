@@ -32,7 +32,7 @@ TEST(Spectrum, IsThatOfTheIteration) {
   EXPECT_NEAR(twice.gaussSeidel, 0, 1e-12);
 }
 
-/// catto whose second iteration gives NaN.
+/// catto, but its second iteration gives NaN.
 template <int D>
 class NotANumber final : public VelocityResolver<D> {
  public:

@@ -49,8 +49,7 @@ kind = "drag"
 )";
 constexpr int kSteps = 24;
 
-// A user whose actions are performed on the world and written to a script. Actions that the world rejects are not
-// written.
+// Performs a user's actions on the world and writes them to a script. Actions that the world rejects are not written.
 template <int D>
 class Hand {
  public:

@@ -76,7 +76,7 @@ TEST(SleepingTrial, SlowRollersStopOrRollOn) {
   }
 }
 
-// A scene whose script does nothing has no wave.
+// A scene with a script that does nothing has no wave.
 TEST(SleepingTrial, WithoutAnActNobodyIsWoken) {
   const auto m = run("sleep_roll", "none", 2).metrics;
   EXPECT_TRUE(std::isnan(m.at("woken")));

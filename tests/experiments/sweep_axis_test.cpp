@@ -154,7 +154,7 @@ Names lacking(const PlannedSweep& sweep) {
 
 // Direct methods: their cost cannot be set.
 const Names kWithoutSweeps = {"direct_lcp", "proximal_newton"};
-// Methods whose trials are equal for every calibrated setting, by their first cell that can run.
+// Methods with the same trials for every calibrated setting, by their first cell that can run.
 Names withoutSetting(const PlannedSweep& sweep) {
   Names out, seen;
   const auto look = [&](const json& axes, const auto& planAt) {

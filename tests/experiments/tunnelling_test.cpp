@@ -78,8 +78,8 @@ TEST(Tunnelling, IsToComeOutBehind) {
   });
 }
 
-// Half a circle around the static body's end, three eighths of a radius away, in steps whose chords would cut through
-// it.
+// Half a circle around the static body's end, three eighths of a radius away, in steps so long that their chords would
+// cut through it.
 TEST(Tunnelling, IsNotToGoAround) {
   inBoth([]<int D>() {
     for (const int steps : {4, 7, 12, 40}) {

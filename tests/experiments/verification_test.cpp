@@ -206,7 +206,7 @@ TEST(Verification, EveryKeptFailureFailsAgain) {
   for (const nlohmann::json& c : all["cases"]) {
     const auto& found = c.at("found");
     const std::string id = c.at("id"), method = found.at("method"), failure = found.at("failure");
-    // The method's line, whose error is printed with two digits.
+    // The method's line; its error is printed with two digits.
     std::string line;
     std::istringstream lines(run.text);
     while (std::getline(lines, line)) {

@@ -66,7 +66,7 @@ void facesMayBeShared(const Refuses& refuses) {
   const bool round = draw.coin();  // a ball or an ellipsoid touches the box's face
   const std::vector<Real> half(b.data(), b.data() + D);
   const ShapePart<D> box{Shape<D>::box(a), *poses<D>(3)};
-  // A box, sometimes as a hull whose frame lies beside it: the overlap test shrinks it about its own centre.
+  // A box, sometimes as a hull with its frame beside it: the overlap test shrinks it about its own centre.
   Vec<D> aside = Vec<D>::Zero();
   aside[0] = draw.real(0, 5);
   std::vector<Vec<D>> corners;

@@ -240,7 +240,7 @@ bool pairsAreTheSteps(const Drawing<D>& drawing) {
          near<D>(all.strokes[1].a, at<D>(0, 0.5)) && near<D>(all.strokes[1].b, at<D>(0.9, 1.4));
 }
 
-// A pivot whose anchors were pulled 0.3 m apart.
+// A pivot with anchors pulled 0.3 m apart.
 template <int D>
 bool jointsAndTheirErrorsAreSeen(const Drawing<D>& drawing) {
   World<D> world;

@@ -184,7 +184,7 @@ void boxesAgree(Overlaps overlaps) {
     half[k] = sizeOf(s) * draw.real(0, 1) * draw.pick({Real(1), Real(0.01), Real(100)});
     shift[k] = half[k] * draw.signedUnit();
   }
-  // A box around an inner point, and a box whose nearest corner, edge or face lies beyond a supporting plane.
+  // A box around an inner point, and a box with its nearest corner, edge or face beyond a supporting plane.
   const Vec<D> in = provenInside(s, X) + shift;
   const Real room = 8 * kEps * (in.norm() + half.norm());
   if (s.kind() != ShapeKind::segment) {

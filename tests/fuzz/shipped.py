@@ -56,7 +56,7 @@ def small_scenes(source):
 
 
 def sweeps(source):
-    """Sweeps without sets and without large ones, whose planning takes a second."""
+    """Sweeps without sets and without large ones, which take a second to plan."""
     found = [p.read_bytes() for p in sorted((source / "experiments/sweeps").glob("*.toml")) if not p.stem.endswith("_full")]
     return [text for text in found if b"sweeps = " not in text]
 

@@ -118,7 +118,7 @@ TEST(Compare, WhenOneFallsTheOthersGoOn) {
   EXPECT_EQ(session.world(1).hash(), whole.world(1).hash());
 }
 
-// --- engines, whose states are not kept -----------------------------------------------------------------------------
+// --- engines: their states are not kept -----------------------------------------------------------------------------
 
 template <int D>
 void enginesBeginAnew() {

@@ -46,7 +46,7 @@ Gap gap(const ViewCamera<3>& camera, int x, int y, const Vec<3>& p) {
   return {(p - ray.origin).cross(ray.direction).norm(), 1 / camera.scaleAt(p)};
 }
 
-// The ball covers the pixels whose view rays hit it. Its corners lie up to a fifth of a pixel inside; its edge is a
+// The ball covers the pixels with view rays that hit it. Its corners lie up to a fifth of a pixel inside; its edge is a
 // line.
 template <int D, class Twin = void>
 void ballIsThere(Window& window) {

@@ -62,7 +62,7 @@ class Sandbox(Played):
         self.assertEqual(len(marks), 24)  # a line of the plot's height
         self.assertEqual(len(set(marks[:, 1])), 1)
 
-    # Eight competitors whose boxes still stand approximately as those of the first.
+    # Eight competitors; their boxes still stand approximately as those of the first.
     EIGHT = ("", "solver=soft_step", "solver=avbd", "solver=xpbd", "solver=tgs", "solver=split_solver{velocity=jacobi}",
              "solver=split_solver{velocity=catto{iterations=30},position=ngs{iterations=7}}",
              "solver=split_solver{velocity=nncg}")
@@ -189,7 +189,7 @@ class Sandbox(Played):
                 made, shown = png(self.folder / f"{name}.png"), png(SOURCE / "docs" / "drawings" / f"{name}.png")
                 other = (made != shown).any(axis=-1)
                 other[690:, :700] = False  # times in the bottom line
-                if name != "sandbox_pair":  # and in these panels, whose texts have equal length
+                if name != "sandbox_pair":  # and in these panels, where texts have equal length
                     writing = [(rows[50:600, 910:1270].max(axis=-1) < 90).sum() for rows in (made, shown)]
                     self.assertLess(abs(writing[0] / writing[1] - 1), 0.1)
                     other[50:600, 910:1270] = False

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A planar scene and its extrusion to prisms move alike under every solver. A prism face has four contact points where
 // its base has two, so impulses are distributed differently and per-contact effects count twice. Iterative methods get
-// enough iterations to converge. Methods that sweep once per sub-step, or whose contacts are soft, have a wider bound.
+// enough iterations to converge. Methods that sweep once per sub-step, or have soft contacts, have a wider bound.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -98,8 +98,8 @@ struct Scene {
   void (*deep)(Prisms<3>&);
   double swept, giving;  // largest allowed distance between prism and base, m
 };
-// Worst of the iterative methods, scene by scene: jacobi; admm, to rounding; catto with symmetric sweeps; avbd, whose
-// penalties use the mean over D directions. Worst of the others: tgs_ngs, xpbd and xpbd; their hinges agree to
+// Worst of the iterative methods, scene by scene: jacobi; admm, to rounding; catto with symmetric sweeps; avbd with
+// penalties that use the mean over D directions. Worst of the others: tgs_ngs, xpbd and xpbd; their hinges agree to
 // rounding.
 const Scene kScenes[] = {{"stack", stack<2>, stack<3>, 2e-3, 8e-3},
                          {"slope", slope<2>, slope<3>, 1e-10, 8e-4},

@@ -62,7 +62,7 @@ void breaksByTorque() {
 }
 TEST(Joints, BreakAboveTheirTorque) { breaksByTorque<2>(), breaksByTorque<3>(); }
 
-// Two bodies whose joint disabled their collision collide once it is broken.
+// A joint disables the collision of its bodies; once it is broken, they collide.
 TEST(Joints, WhatIsBrokenHoldsNobody) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);

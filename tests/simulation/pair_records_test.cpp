@@ -43,7 +43,7 @@ void comesAndGoes() {
 }
 TEST(PairRecords, ComeAndGoWithCandidates) { comesAndGoes<2>(), comesAndGoes<3>(); }
 
-// Sleeping pairs, and pairs whose contacts the cache keeps, are not queried and keep their records.
+// Sleeping pairs, and pairs with contacts kept by the cache, are not queried and keep their records.
 template <int D>
 void outlast(const std::string& pipeline, bool sleeping) {
   SCOPED_TRACE(pipeline);

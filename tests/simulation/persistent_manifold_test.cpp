@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A world whose generator adds one contact point a step. replay_test.cpp shows that it continues bit for bit when
+// A world with a generator that adds one contact point a step. replay_test.cpp shows that it continues bit for bit when
 // loaded; tests/conformance/contact_history_test.cpp tests its manifolds.
 #include <gtest/gtest.h>
 

@@ -53,8 +53,8 @@ void everySolverStays() {
 TEST(Rest, EverySolverStays2) { everySolverStays<2>(); }
 TEST(Rest, EverySolverStays3) { everySolverStays<3>(); }
 
-// A pyramid of base 4 whose boxes overlap by a quarter. Within a second no body exceeds 20 m/s, the speed of a throw 20
-// m high.
+// A pyramid of base 4 with boxes that overlap by a quarter. Within a second no body exceeds 20 m/s, the speed of a
+// throw 20 m high.
 template <int D>
 bool comesApart(const std::string& solver) {
   World<D> world(Pipeline::parse("solver=" + solver));

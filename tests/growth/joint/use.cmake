@@ -18,6 +18,6 @@ b = "sled"
 anchor = [0, 0, 0]
 ]=])
 must_say("outcome +ok" ${bin}/lpc run ${work}/rail.toml)
-# Scenes whose joint kind is a parameter accept it, and the shipped sweep contains it without an edit.
+# Scenes with the joint kind as a parameter accept it, and the shipped sweep contains it without an edit.
 must_say("outcome +ok" ${bin}/lpc run bridge --param joint=slider --steps 5)
 must_say("joints +[1-9][0-9]* trials, [1-9][0-9]* timed, 0 unsupported" ${bin}/lpc sweep joints --only slider --dry-run)
