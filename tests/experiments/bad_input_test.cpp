@@ -276,7 +276,7 @@ TEST(BadInput, SweepsWithoutCellsOrWithWrongValues) {
 }
 
 // A missing plugin: the message names the line that names its method, whatever precedes it.
-TEST(BadInput, AMissingMethodIsToldWhereItIsNamed) {
+TEST(BadInput, AMissingMethodIsReportedAtItsLine) {
   Workspace w;
   const std::string head = "summary = \"s\"\nkind = \"world\"\n", mine = "\"solver=split_solver{velocity=mine}\"\n",
                     scene = "[axes]\nscene = \"pyramid\"\nbase = [4]\n",
@@ -301,7 +301,7 @@ const std::string kSweep =
     "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\ndistribution = \"uniform\"\nframes = 60\n"
     "n = [8, 16, 24, 32, 40, 48]\nbroadphase = [\"naive\", \"sort_and_sweep\"]\n";
 
-TEST(BadInput, StoresThatAreNone) {
+TEST(BadInput, InvalidStores) {
   Workspace w;
   w.write("s.toml", kSweep);
   w.write("text.db", "no database, but text enough for the header of one: " + std::string(200, '.'));

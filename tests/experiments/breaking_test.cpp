@@ -62,7 +62,7 @@ TEST(Breaking, WholeNumbersEndAtNeighbours) {
 }
 
 // A method that holds at the last value, or fails at the first, is tried there with all seeds.
-TEST(Breaking, EndsOfALadderAreTriedWithAllSeeds) {
+TEST(Breaking, EndsOfTheRangeUseAllSeeds) {
   BreakQuestion q = question(1, 60);
   q.seeds = 20;
   EXPECT_EQ(climb(q, true, [](double) { return 0; }).held->of, 20);
@@ -109,7 +109,7 @@ TEST(Breaking, AFinerGridSeesMore) {
 }
 
 // The search finds the lowest breaking point and lists values that hold beyond it.
-TEST(Breaking, WhatIsNotMonotoneIsListed) {
+TEST(Breaking, ValuesThatHoldBeyondAFailureAreListed) {
   const Broken b =
       climb(question(1, 64), true, [](double n) { return n == 8 || n == 64 || n >= 20 ? n == 32 ? 0 : 5 : 0; });
   EXPECT_EQ(b.held->value, 7);
@@ -119,7 +119,7 @@ TEST(Breaking, WhatIsNotMonotoneIsListed) {
 
 // Half of the seeds start to fail between the last value at which most surely hold and the first at which most surely
 // fail.
-TEST(Breaking, TheIntervalIsThatOfTheShares) {
+TEST(Breaking, TheIntervalFollowsTheSharesOfFailures) {
   const Broken b = climb(question(1, 16), true, [](double n) { return n < 5 ? 0 : n < 7 ? 2 : n < 16 ? 3 : 5; });
   EXPECT_EQ(b.held->value, 6);
   EXPECT_EQ(*b.low, 4);
@@ -143,7 +143,7 @@ TEST(Breaking, TheIntervalIsThatOfTheShares) {
 }
 
 // Few seeds far from the breaking point. All seeds at its two sides, and wherever the share of failures is uncertain.
-TEST(Breaking, ManySeedsAreForTheEdge) {
+TEST(Breaking, ManySeedsRunOnlyNearTheBreakingPoint) {
   const Broken b = climb(question(1, 64), true, [](double n) { return n < 20 ? 0 : n < 22 ? 2 : n < 23 ? 3 : 5; });
   EXPECT_EQ(b.held->value, 21);
   EXPECT_EQ(b.fell->value, 22);
@@ -162,7 +162,7 @@ TEST(Breaking, ManySeedsAreForTheEdge) {
 
 // With 4 seeds, 2 fail by chance; with 20, 9 fail: the search continues where the result of many seeds moves the
 // breaking point.
-TEST(Breaking, WhatManySeedsSayMovesTheEdge) {
+TEST(Breaking, ManySeedsMoveTheBreakingPoint) {
   std::vector<Rung> known;
   const auto failed = [](double n, long seeds) { return n < 10 ? 0 : n > 12 ? seeds : seeds == 20 ? 9 : 2L; };
   for (std::vector<WantedRung> next; !(next = nextRungs(question(1, 64), true, known)).empty();) {
@@ -218,7 +218,7 @@ break = { parameter = "n", from = 1, to = 24 }
 scene = "vertical_stack"
 )";
 
-TEST(Breaking, StoppedAnywhereItEndsAsIfItHadNotBeen) {
+TEST(Breaking, AResumedSearchEndsAsAnUninterruptedOne) {
   Workspace w;
   const std::string equal =
       "calibrate = { equal = \"cost\", metric = \"work_multiply_adds\", setting = \"iterations\", most = 64 }\nbudgets "
@@ -250,7 +250,7 @@ TEST(Breaking, StoppedAnywhereItEndsAsIfItHadNotBeen) {
 }
 
 // A value fails if even one iteration exceeds the budget: 16 boxes cost 16, the budget is 15.
-TEST(Breaking, WhatTheBudgetCannotPayForFails) {
+TEST(Breaking, ValuesBeyondTheBudgetFail) {
   Workspace w;
   const std::string path =
       w.write("s.toml",
@@ -270,7 +270,7 @@ const std::string kSlope =
     "break slope --parameter friction --falling --from 0.2 --to 0.8 --limit \"slope_distance<1\" "
     "--steps 60 --seeds 1 --perturb 0 --ratio 1.01 --quiet --store b.db ";
 
-TEST(Breaking, TheCommandFindsWhatTheFormulaSays) {
+TEST(Breaking, TheCommandAgreesWithTheFormula) {
   Workspace w;
   const std::string pipeline = "--pipeline solver=split_solver";
   const Outcome out = w.lpc(kSlope + pipeline);

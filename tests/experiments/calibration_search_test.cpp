@@ -142,7 +142,7 @@ TEST(CalibrationSearch, SeedsHaveOneSetting) {
   EXPECT_EQ(search(path, store, law).asked, 0);
 }
 
-TEST(CalibrationSearch, StoppedAnywhereItEndsAsIfItHadNotBeen) {
+TEST(CalibrationSearch, AResumedSearchEndsAsAnUninterruptedOne) {
   Workspace w;
   const std::string path = w.write("s.toml", twoMethods("ms_per_step_median", kTimed));
   Store whole(w.path("whole.db"), true);
@@ -258,7 +258,7 @@ TEST(CalibrationSearch, TheLargestSettingIsPlannedFirst) {
 }
 
 // The timed code names the parts of a step, so a wrong name is detected only after a run.
-TEST(CalibrationSearch, AMetricThatNobodyHasIsAMistake) {
+TEST(CalibrationSearch, AnUnknownMetricIsAMistake) {
   Workspace w;
   w.write("s.toml", twoMethods("work_row_update", "budgets = [8]\n"));
   const Outcome counts = w.lpc("sweep s.toml --store never.db");

@@ -118,7 +118,7 @@ TEST(Calibration, EqualCostIsWhatArithmeticGives) {
 }
 
 // The error of a stack of four falls as its iterations grow; the test runs each setting on its own.
-TEST(Calibration, EqualErrorIsTheFewestIterationsThatErrNoMore) {
+TEST(Calibration, EqualErrorTakesTheFewestIterations) {
   Workspace w;
   const std::string metric = "penetration_poses";
   const std::string axes = "[axes]\nscene = \"vertical_stack\"\nn = 4\ngap = 0\ndimension = 2\nsteps = 60\n";
@@ -140,7 +140,7 @@ TEST(Calibration, EqualErrorIsTheFewestIterationsThatErrNoMore) {
 }
 
 // Methods without the setting or the dimension, or that stop early: each has its rows.
-TEST(Calibration, WhatCannotBeSearchedIsARow) {
+TEST(Calibration, MethodsThatCannotBeSearchedHaveRows) {
   Workspace w;
   w.write("s.toml", R"(
 summary = "s"

@@ -29,7 +29,7 @@ std::string script(const Workspace& w, const std::string& text) {
   return path;
 }
 
-TEST(Child, IsGivenAndTakenFromAtOnce) {
+TEST(Child, ReadsAndWritesAtTheSameTime) {
   Child cat("/bin/cat", kLong, -1, false);
   ASSERT_TRUE(cat.wait(never));
   EXPECT_EQ(cat.exitCode(), 0);
@@ -37,7 +37,7 @@ TEST(Child, IsGivenAndTakenFromAtOnce) {
 }
 
 // A child that ends without reading, or never reads, does not block this program.
-TEST(Child, NeedNotRead) {
+TEST(Child, MayEndWithoutReading) {
   Workspace w;
   Child deaf(script(w, "exec 0<&-; exit 3"), kLong, -1, false);
   ASSERT_TRUE(deaf.wait(never));
@@ -121,7 +121,7 @@ TEST(Child, ThatFindsNoDescriptorIsTheUsersMistake) {
 }
 
 // Time in which this program itself was stopped (Ctrl-Z) does not count against a worker.
-TEST(Child, IsNotLateWhenNobodyLooks) {
+TEST(Child, IsNotLateWhileItsParentIsStopped) {
   Workspace w;
   const std::string program = script(w, "head -c 1000000 /dev/zero");
   std::filesystem::rename(program, w.path("lpc-worker-f64"));
@@ -136,7 +136,7 @@ TEST(Child, IsNotLateWhenNobodyLooks) {
 }
 
 // Its own child processes end with it.
-TEST(Child, EndsWithItsOwn) {
+TEST(Child, EndsWithItsChildren) {
   Workspace w;
   std::string sleeper;
   {

@@ -58,7 +58,7 @@ TEST(CommandLine, listsOneStageAlone) {
 }
 
 // Names fit on a screen; parameters are shown on request, for one method or for all.
-TEST(CommandLine, listsNamesAndTellsOnRequest) {
+TEST(CommandLine, listsNamesAndDetailsOnRequest) {
   Workspace w;
   const Outcome brief = w.lpc("list"), all = w.lpc("list --all");
   const auto lines = [](const Outcome& out) { return std::count(out.text.begin(), out.text.end(), '\n'); };
@@ -83,7 +83,7 @@ TEST(CommandLine, listsNamesAndTellsOnRequest) {
 }
 
 // Each number has its unit and is listed with others of its kind.
-TEST(CommandLine, runTellsUnitsByKind) {
+TEST(CommandLine, runPrintsUnitsByKind) {
   Workspace w;
   const Outcome out = w.lpc("run vertical_stack --param n=3 --steps 40 --plot");
   EXPECT_EQ(out.code, 0) << out.text;
@@ -358,7 +358,7 @@ TEST(CommandLine, listsEverything) {
 }
 
 // A failure that a method has in 3D only is listed as such.
-TEST(CommandLine, tellsInWhichDimensionsAMethodFails) {
+TEST(CommandLine, listsTheDimensionsOfAFailure) {
   Workspace w;
   const auto all = nlohmann::json::parse(w.lpc("list --json").text);
   for (const auto& [key, entry] : Registry::instance().all()) {

@@ -126,7 +126,7 @@ TEST(EngineTrial, EveryEventIsPlayedAlike) {
 }
 
 // Rejected before the first step. Waking has no effect if nothing sleeps.
-TEST(EngineTrial, WhatIsOfOurWorldsAloneIsARowWithAReason) {
+TEST(EngineTrial, AnUnsupportedEventIsARowWithAReason) {
   if (!built("lpc-engine-worker-f64")) GTEST_SKIP() << "this build has no engines";
   const Workspace w;
   const std::string head = "[[event]]\nstep = 32\ndo = ", wake = "\"wake\"\n", clear = "\"clear\"\n";
@@ -168,7 +168,7 @@ TEST(EngineTrial, MistakesAreOneLine) {
   }
 }
 
-TEST(EngineTrial, SweepsHoldThemBesidePipelines) {
+TEST(EngineTrial, SweepsMixEnginesAndPipelines) {
   if (!built("lpc-engine-worker-f32")) GTEST_SKIP() << "this build has no f32";
   const Workspace w;
   const std::string sweep = w.write("mine.toml", R"(
@@ -231,7 +231,7 @@ engine = "*"
   EXPECT_EQ(names, (std::set<std::string>{"box2d", "bullet"}));
 }
 
-TEST(EngineTrial, JudgesOfPairsAreNotTheirs) {
+TEST(EngineTrial, TheRefereesCodeDoesNotIncludeThem) {
   const SourceHash plain[] = {{"oracles/referee/referee.h", "1"}};
   const SourceHash more[] = {{"oracles/referee/referee.h", "1"}, {"oracles/engines/engine_world.h", "2"}};
   EXPECT_EQ(judgesHash(plain), judgesHash(more)) << "an engine changes no key of a pairs trial";

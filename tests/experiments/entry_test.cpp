@@ -66,7 +66,7 @@ std::uint64_t pairs(const std::string& drawing) {
 }
 
 // Computed with the code before entries existed.
-TEST(Entries, WhatANameDrawsStays) {
+TEST(Entries, ANameAlwaysDrawsTheSame) {
   EXPECT_EQ(boxes<2>("uniform"), 0xa3a022688f626781u);
   EXPECT_EQ(boxes<3>("uniform"), 0xdc0c3532e7928c91u);
   EXPECT_EQ(boxes<2>("cluster"), 0x2749bafc16170283u);
@@ -129,7 +129,7 @@ int verticesDrawn(int vertices) {
   }
   return least;
 }
-TEST(Entries, HullsHaveTheVerticesThatWereAskedFor) {
+TEST(Entries, HullsHaveTheRequestedVertices) {
   for (const int n : {4, 8, 32, 256}) {
     EXPECT_EQ(verticesDrawn<2>(n), n);
     EXPECT_EQ(verticesDrawn<3>(n), n);
@@ -148,7 +148,7 @@ std::string errorOf(const F& f) {
   return "no error";
 }
 
-TEST(Entries, PlansKnowThem) {
+TEST(Entries, PlansAcceptThem) {
   Planner planner;
   const auto boxesOf = [&](const char* distribution) {
     return planner.boxes({{"dimension", 3}, {"n", 8}, {"distribution", distribution}, {"broadphase", "naive"}});

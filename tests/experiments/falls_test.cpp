@@ -148,7 +148,7 @@ std::string wrong(const std::string& store, const Film& film) {
 }
 
 // The last run of each kind is drawn once, also if the store has trials but no films. A run that stands is not drawn.
-TEST(Falls, AreDrawnAsTheyFellOnceAndByAStoreWithoutThem) {
+TEST(Falls, AreDrawnOnceAndAddedToAStoreWithoutThem) {
   Workspace w;
   w.write("towers.toml", kTowers);
   std::filesystem::create_directory(w.path("temporary"));
@@ -235,7 +235,7 @@ n = [14]
 }
 
 // The sweep continues: it has its trials.
-TEST(Falls, WhoseWorkerTellsNothingAreNotDrawn) {
+TEST(Falls, AreNotDrawnWithoutAResult) {
   Workspace w;
   w.write("crowd.toml", kCrowd), w.write("crowds.toml", kCrowds);
   const std::string worker = w.write("lpc-worker-f64", R"(#!/bin/sh
@@ -251,7 +251,7 @@ case "$request" in *'"record":"/'*) echo nothing ;; *) printf %s "$request" | ")
   EXPECT_EQ(ask(w.path("s.db"), "SELECT outcome FROM trial"), "collapsed");
 }
 
-TEST(Falls, WhoAreTooManyAreNotDrawn) {
+TEST(Falls, OfTooManyBodiesAreNotDrawn) {
   Workspace w;
   w.write("crowd.toml", kCrowd);
   w.write("crowds.toml", kCrowds);

@@ -208,7 +208,7 @@ TEST(FclibFile, RefusesInOneLine) {
   EXPECT_GT(wrong, 5);
 }
 
-TEST(FclibFile, SaysWhatItDoesNotHold) {
+TEST(FclibFile, ReportsWhatItCannotHold) {
   const FrozenProblem<2> problem = heapProblem<2>();
   Workspace w;
   if (!isThere(problem, w)) GTEST_SKIP() << "FCLIB is absent";

@@ -252,7 +252,7 @@ TEST(FieldScenes, ProximalNewtonHoldsWhatSweepsDrop) {
 }
 
 // With many more contacts than bodies need, a resting structure takes few row updates a step.
-TEST(FieldScenes, ProximalNewtonIsQuickWhereNothingMoves) {
+TEST(FieldScenes, ProximalNewtonIsFastAtRest) {
   for (const auto& [scene, most] : {std::pair("card_house", 100000u), {"arch", 4000u}}) {
     Play<3> play(scene, {}, "solver=split_solver{velocity=proximal_newton}");
     play.steps(70);

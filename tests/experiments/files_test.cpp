@@ -61,7 +61,7 @@ TEST(Files, TwoOutputsAreTwoFiles) {
 }
 
 // A user's file with the name that an output's temporary file would have.
-TEST(Files, NobodysFileIsTakenForAPartialOne) {
+TEST(Files, UsersFilesAreNotTakenForTemporaryOnes) {
   Workspace w;
   w.write("r.toml", kScene);
   w.write("a.partial", "mine");
@@ -80,7 +80,7 @@ TEST(Files, NobodysFileIsTakenForAPartialOne) {
 }
 
 // A pipe without a writer, and an endless device.
-TEST(Files, NobodyIsWaitedFor) {
+TEST(Files, NoInputBlocks) {
   Workspace w;
   w.write("r.toml", kScene);
   w.write("bench.json", "");

@@ -20,7 +20,7 @@ std::size_t countOf(const std::string& text, const std::string& part) {
 }
 
 // Two runs are equal until their solvers differ; a larger tolerance reports it later.
-TEST(FilmBeside, TwoRunsFromWhereTheyPart) {
+TEST(FilmBeside, ShowsTwoRunsFromTheirDivergence) {
   Workspace w;
   const std::string run = "run pyramid --param base=4 --steps 60 --record ";
   ASSERT_EQ(w.lpc(run + "a.rec").code, 0);
@@ -216,7 +216,7 @@ TEST(FilmBeside, IsAsLongAndAsWideAsBothNeed) {
 }
 
 // Bodies correspond if slot and generation agree. A body that only one run has is named.
-TEST(FilmBeside, TwinsAreTheSameBody) {
+TEST(FilmBeside, CorrespondingBodiesHaveOneSlotAndGeneration) {
   Workspace w;
   std::string scene =
       "name = \"cast\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 8\ngravity = [0, 0, 0]\n"

@@ -103,7 +103,7 @@ std::string ball(const std::string& position) {
 
 // The triangles of a ground are ordered by their distance, not by the ground's origin. The origin is nearer than the
 // pillar and farther than the body under the ground.
-TEST(FilmDepth, AGroundIsBehindWhatStandsOnItAndBeforeWhatIsUnderIt) {
+TEST(FilmDepth, TheGroundIsBehindBodiesOnItAndBeforeBodiesUnderIt) {
   const FirstPicture seen(kGround + block("fixed", "[0, 1, -5]", "[1, 1, 1]") +
                           block("fixed", "[1, -2, 3]", "[1, 1, 1]"));
   EXPECT_EQ(seen.at({0, 1, -4}), kFront) << "the pillar's front";
@@ -112,14 +112,14 @@ TEST(FilmDepth, AGroundIsBehindWhatStandsOnItAndBeforeWhatIsUnderIt) {
   EXPECT_EQ(seen.at({1, -2, 4}), seen.at({5, 0, 5})) << "the ground";
 }
 
-TEST(FilmDepth, ABodyIsSeenOnAPlatformWhoseMiddleIsNearer) {
+TEST(FilmDepth, ABodyIsVisibleOnAPlatformWithANearerCentre) {
   const FirstPicture seen(ball("[-8, 0.5, -8]") + block("kinematic", "[0, -0.5, 0]", "[10, 0.5, 10]"));
   EXPECT_EQ(seen.at({-8, 0.5, -8}), kBodies[2]);
   EXPECT_EQ(seen.at({0, 0, 0}), "#cc7788") << "the platform";
 }
 
 // Slots: 2 is the static body, 3 and 4 the balls.
-TEST(FilmDepth, AWallIsOfGlassWhereABodyIsBehindIt) {
+TEST(FilmDepth, AStaticBodyIsTransparentBeforeOtherBodies) {
   const std::string wall = block("fixed", "[0, 2, 0]", "[3, 2, 0.2]"), before = ball("[1, 2, 2]");
   const FirstPicture one(wall + before);
   EXPECT_EQ(one.at({1, 2, 2}), kBodies[3]);
@@ -136,14 +136,14 @@ TEST(FilmDepth, AWallIsOfGlassWhereABodyIsBehindIt) {
 }
 
 // The ground is transparent over bodies that fell through it.
-TEST(FilmDepth, WhoFellThroughTheGroundIsSeen) {
+TEST(FilmDepth, ABodyBelowTheGroundIsVisible) {
   const FirstPicture seen(kGround + ball("[0, 1, 0]") + ball("[1, -2, 3]"));
   EXPECT_EQ(seen.at({0, 1, 0}), kBodies[3]);
   EXPECT_EQ(seen.at({1, -2, 3}), kBodies[4]);
 }
 
 // Bodies that interpenetrate may cover each other in a cycle, which has no order.
-TEST(FilmDepth, NobodyIsLostWhereThereIsNoOrder) {
+TEST(FilmDepth, CyclesOfBodiesLoseNoBody) {
   const FirstPicture seen(
       "[[body]]\ntype = \"kinematic\"\nrepeat = { i = 40 }\nposition = [\"rand(-1, 1)\", \"rand(-1, 1)\", "
       "\"rand(-1, 1)\"]\nangle = [\"rand(0, 3)\", \"rand(0, 3)\", \"rand(0, 3)\"]\n"

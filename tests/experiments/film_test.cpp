@@ -140,7 +140,7 @@ TEST(Film, LeavesOtherFoldersAlone) {
 }
 
 // A failed film does not lose the run's results.
-TEST(Film, IsDrawnAfterTheResultsAreTold) {
+TEST(Film, IsDrawnAfterTheResultsArePrinted) {
   Workspace w;
   std::filesystem::create_symlink("/dev/full", w.path("full.svg"));
   const Outcome out = w.lpc("run pyramid --param base=2 --steps 2 --film full.svg");
@@ -157,7 +157,7 @@ Outcome stopped(const Workspace& w, const std::string& command, const std::strin
       "cat out.txt; rm -f out.txt none.txt; exit $code; }");
 }
 
-TEST(Film, StoppedLeavesNothing) {
+TEST(Film, InterruptedLeavesNothing) {
   Workspace w;
   std::filesystem::create_directory(w.path("temporary"));
   const std::string run = "run pyramid --param base=2 --dimension 2 --steps ";
@@ -177,7 +177,7 @@ TEST(Film, StoppedLeavesNothing) {
 
 // The film of a long run shows a part of it and says so. For PNG files the message also says that steps and times are
 // missing.
-TEST(Film, TellsWhatItLeavesOut) {
+TEST(Film, ReportsWhatItOmits) {
 #if defined(LPC_SANITIZED)
   GTEST_SKIP() << "600 pictures by what other tests draw under sanitizers";
 #endif
@@ -199,7 +199,7 @@ TEST(Film, TellsWhatItLeavesOut) {
 }
 
 // A body that flies as far as a run allows still gives a path of complete coordinate pairs.
-TEST(Film, WhatFliesFarIsStillWritten) {
+TEST(Film, FarBodiesGiveValidPaths) {
   Workspace w;
   w.write("fly.toml",
           "name = \"fly\"\nsummary = \"s\"\ndimensions = [2, 3]\ndt = 10\nsteps = 20000\ngravity = [0, 0, 0]\n"

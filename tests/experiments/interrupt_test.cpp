@@ -9,7 +9,7 @@ using test::ask;
 using test::Process;
 using test::Workspace;
 
-TEST(Interrupt, EndsWhateverIsUnderWay) {
+TEST(Interrupt, EndsEveryCommand) {
   Workspace w;
   w.write("s.toml",
           "summary = \"s\"\nkind = \"boxes\"\nwall_limit = 1000\n[axes]\ndimension = 2\ndistribution = \"uniform\"\n"

@@ -118,7 +118,7 @@ TEST(JointAxis, TheKindIsInTheKeyWithAllItsParameters) {
 }
 
 // A setting of one kind is valid in the cells of other kinds, too; these cells are one trial.
-TEST(JointAxis, SettingsAreOfTheKindsThatHaveThem) {
+TEST(JointAxis, SettingsApplyToKindsThatHaveThem) {
   Workspace w;
   const auto kinds = [](const PlannedSweep& sweep) {
     std::multiset<std::string> out;
@@ -134,7 +134,7 @@ TEST(JointAxis, SettingsAreOfTheKindsThatHaveThem) {
   EXPECT_NE(mistakeOf(w, slack + "joint = \"weld\"\n").find("axis 'slack' means nothing"), std::string::npos);
 }
 
-TEST(JointAxis, WhatCannotBeIsUnsupportedWithTheReason) {
+TEST(JointAxis, ImpossibleKindsAreUnsupportedWithAReason) {
   Workspace w;
   std::map<std::string, std::string> reasons;
   for (const PlannedTrial& t : planned(w, "dimension = [2, 3]\njoint = \"*\"\n").trials) {

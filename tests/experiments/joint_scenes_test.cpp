@@ -206,7 +206,7 @@ TEST(JointScenes, TheZipCloses) {
 
 // All of preset 8: the pendulum swings through, the cradle releases one ball for each that hits, the seesaw tips to the
 // heavier side, the vehicle crosses the bridge.
-TEST(JointScenes, TheReportsJointsDoWhatItSays) {
+TEST(JointScenes, Preset8BehavesAsInTheReport) {
   Play<2> play("preset_8", {}, "solver=split_solver{impact=sequential}");
   const auto x = [&](int body) { return double(play.world.pose(play.director.body(body)).p[0]); };
   constexpr int kPendulum = 4, kBall = 7, kChassis = 28;

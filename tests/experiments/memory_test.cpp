@@ -46,7 +46,7 @@ json ran(const Workspace& w, const std::string& arguments) {
 }
 
 // Planted: a broadphase that allocates 4096 more bytes after each step. No other row may contain them.
-TEST(Memory, WhoHoardsIsTold) {
+TEST(Memory, GrowingMemoryIsReported) {
   Workspace w;
   const std::string plugin = "--plugin " LPC_BINARY_DIR "/lib/liblpc_planted.so ";
   const json with = ran(w, plugin + kStack + " --pipeline broadphase=planted_hoard");
@@ -111,7 +111,7 @@ TEST(Memory, IsTheSameEachTimeAndAddsUp) {
 }
 
 // Bodies that a script adds count as the scene's.
-TEST(Memory, WhoComesLaterIsOfTheScene) {
+TEST(Memory, LaterBodiesCountAsTheScenes) {
   Workspace w;
   auto rows = rowsOf(ran(w, "run director_1 --param rain_until=100 --param every=30 --memory"));
   EXPECT_EQ(rows["scene"]["last_step"], 100) << "the firework";

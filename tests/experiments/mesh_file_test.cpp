@@ -128,7 +128,7 @@ TEST(MeshFile, EveryFormatHoldsTheSameTriangles) {
   test::expectCaught("mesh files: a triangle that faces inwards", isTheBox(planted));
 }
 
-TEST(MeshFile, WhatIsBrokenIsRefusedWithItsReason) {
+TEST(MeshFile, BrokenFilesAreRefusedWithAReason) {
   const Workspace w;
   if (!isThere(w)) GTEST_SKIP() << "assimp is absent";
   const std::string box = obj(kCorners, kSides), text = stlText(kCorners, kSides), binary = stl(kCorners, kSides);
@@ -189,7 +189,7 @@ TEST(MeshFile, WhatIsBrokenIsRefusedWithItsReason) {
 }
 
 // Rejected before reading: ten million points take neither time nor memory.
-TEST(MeshFile, WhatIsTooLargeIsRefusedAtOnce) {
+TEST(MeshFile, LargeFilesAreRefusedBeforeReading) {
   const Workspace w;
   const std::string path = w.write("large.obj", "v 0 0 0\n");
   std::filesystem::resize_file(path, std::uintmax_t{10000000} * 30);
@@ -275,7 +275,7 @@ TEST(MeshFile, ABodyIsTheHullOfItsFile) {
             spec.spawns.back().body.shapes.at(0).shape.view().hull);
 }
 
-TEST(MeshFile, BodiesThatAreNoneAreRefusedWithAdvice) {
+TEST(MeshFile, UnsuitableMeshesOfBodiesAreRefusedWithAdvice) {
   const Workspace w;
   if (!isThere(w)) GTEST_SKIP() << "assimp is absent";
   const std::string advice =
@@ -320,7 +320,7 @@ TEST(MeshFile, BodiesThatAreNoneAreRefusedWithAdvice) {
 }
 
 // The L cannot be a dynamic body, but can be ground, with its concave edge.
-TEST(MeshFile, GroundIsAsItsFileHasIt) {
+TEST(MeshFile, GroundKeepsTheFilesTriangles) {
   const Workspace w;
   if (!isThere(w)) GTEST_SKIP() << "assimp is absent";
   w.write("letter.obj", obj(kLetter, kLetterSides));

@@ -47,7 +47,7 @@ TEST(Needs, PlansEachModelForEachSeedAndItsOwnTwice) {
 }
 
 // The default methods for sleeping and continuous collision do nothing, so enabling them must choose a real method.
-TEST(Needs, ASwitchTurnsARealPolicy) {
+TEST(Needs, ASwitchUsesARealMethod) {
   EXPECT_EQ(withPolicies(""), Pipeline::parse("sleep=timer_island continuous=cast").text());
   EXPECT_EQ(withPolicies("sleep=millington"), Pipeline::parse("sleep=millington continuous=cast").text());
   EXPECT_EQ(withPolicies("sleep=none"), Pipeline::parse("sleep=none continuous=cast").text())
@@ -69,7 +69,7 @@ TEST(Needs, ASwitchTurnsARealPolicy) {
 }
 
 // A block sliding on a slope: without friction it slides elsewhere; joints and restitution have no effect.
-TEST(Needs, TellsWhatChangesAndWhatDoesNot) {
+TEST(Needs, ReportsWhatChangesAndWhatDoesNot) {
   Workspace w;
   const std::string command = "needs slope --seeds 2 --steps 60 --quiet --store n.db";
   const Outcome out = w.lpc(command);
@@ -116,7 +116,7 @@ TEST(Needs, MistakesAreOneLine) {
 }
 
 // Ctrl-C keeps finished trials, and the same command continues.
-TEST(Needs, GoesOnAfterCtrlC) {
+TEST(Needs, ContinuesAfterCtrlC) {
   Workspace w;
   const std::string run = "needs slope --steps 100 --seeds 8 --store n.db";
   // Interrupted at the first progress message, so that the machine's speed does not matter.

@@ -110,7 +110,7 @@ TEST(PairCorpus, TheRunnerCountsWrongAnswers) {
   EXPECT_LT(counted(side, "wrong"), all) << side.text;
 }
 
-TEST(PairCorpus, WhatIsFilledInStaysAndMistakesWriteNothing) {
+TEST(PairCorpus, AFilledInRunnerStaysAndMistakesWriteNothing) {
   Workspace w;
   const std::pair<std::string, std::string> wrong[] = {
       {"", "--export"},

@@ -141,8 +141,8 @@ void asAWorldAsks() {
   EXPECT_GT(met, 1000u);
   test::expectCaught("PairCollector looks after the step", !isLate);
 }
-TEST(PairStream, IsWhatAWorldIsAskedAbout2) { asAWorldAsks<2>(); }
-TEST(PairStream, IsWhatAWorldIsAskedAbout3) { asAWorldAsks<3>(); }
+TEST(PairStream, HoldsTheQueriesOfAWorld2) { asAWorldAsks<2>(); }
+TEST(PairStream, HoldsTheQueriesOfAWorld3) { asAWorldAsks<3>(); }
 
 /// Number of pairs of parts that may collide, are nearer than the margin and are not in these ids. Tests every two
 /// parts with a query.
@@ -208,8 +208,8 @@ void nobodyNearIsMissing() {
   test::expectCaught("PairCollector takes the first part of a compound alone", partless == 0);
   test::expectCaught("PairCollector forgets a pair", forgetful == 0);
 }
-TEST(PairStream, NobodyNearIsMissing2) { nobodyNearIsMissing<2>(); }
-TEST(PairStream, NobodyNearIsMissing3) { nobodyNearIsMissing<3>(); }
+TEST(PairStream, HoldsEveryNearPair2) { nobodyNearIsMissing<2>(); }
+TEST(PairStream, HoldsEveryNearPair3) { nobodyNearIsMissing<3>(); }
 
 /// Whether numbers and pairs of parts correspond one to one, and each pose is that of its parts. Names are user data.
 template <int D, class NumberOf>

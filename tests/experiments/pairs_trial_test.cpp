@@ -175,7 +175,7 @@ TrialResult asked(const std::string& method, const std::string& stream, bool tim
 
 // Three boxes on the ground and on each other make contact in each of four steps: the first time, the second, and so
 // on.
-TEST(PairsTrial, AStreamIsAskedInItsOrderWithWhatIsRemembered) {
+TEST(PairsTrial, AStreamIsQueriedInOrderWithItsMemory) {
   static const Registrar<PairQuery, Remembering, 2> planted(__FILE__);
   const auto warm = asked("planted_remembering", "warm").metrics;
   EXPECT_EQ(warm.at("asked"), 12);
@@ -230,7 +230,7 @@ TEST(PairsTrial, TheRefereesCodeIsPartOfTheKeyOfPairsAlone) {
 }
 
 // The referee's code is in the key of every trial of pairs; a changed or new adapter is not.
-TEST(PairsTrial, AnAdapterIsNoneOfTheRefereesCode) {
+TEST(PairsTrial, TheRefereesCodeIncludesNoAdapter) {
   const auto hash = [](std::string_view referee, std::string_view adapter) {
     return judgesHash(
         std::array<SourceHash, 2>{{{"oracles/referee/referee.h", referee}, {"oracles/witnesses/fcl.cpp", adapter}}});

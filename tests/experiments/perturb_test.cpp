@@ -154,7 +154,7 @@ TEST(Perturb, noJointStartsWithAnError) {
   }
 }
 
-TEST(Perturb, isNoNameForAnotherParameter) {
+TEST(Perturb, itsNameIsReserved) {
   Workspace w;
   const std::string text = "name = \"s\"\nsummary = \"s\"\ndimensions = [2]\n[parameters]\n";
   w.write("s.toml", text + "perturb = { default = 1, min = 0, max = 2, meaning = \"m\" }\n");
@@ -171,7 +171,7 @@ std::string ensemble(const std::string& scene, const std::string& more) {
   return "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"" + scene + "\"\nsteps = 5\nseed = [1, 2, 3]\n" + more;
 }
 
-TEST(Perturb, aSeedThatDecidesNothingIsTold) {
+TEST(Perturb, aSeedWithoutEffectIsReported) {
   Workspace w;
   w.write("idle.toml", ensemble("vertical_stack", ""));
   w.write("moved.toml", ensemble("vertical_stack", "perturb = 1e-6\n"));

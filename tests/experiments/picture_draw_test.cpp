@@ -57,10 +57,10 @@ void aWorldIsItsFilm() {
     EXPECT_TRUE(samePatches(live[i], reel.picture(i, camera))) << "frame " << i;
     asIfAwake = asIfAwake && samePatches(awake[i], reel.picture(i, camera));
   }
-  expectCaught("PictureDraw.AWorldIsItsFilm: nobody is paler " + std::to_string(D) + 'D', asIfAwake);
+  expectCaught("PictureDraw.PicturesEqualTheFilm: nobody is paler " + std::to_string(D) + 'D', asIfAwake);
 }
-TEST(PictureDraw, AWorldIsItsFilm2) { aWorldIsItsFilm<2>(); }
-TEST(PictureDraw, AWorldIsItsFilm3) { aWorldIsItsFilm<3>(); }
+TEST(PictureDraw, PicturesEqualTheFilm2) { aWorldIsItsFilm<2>(); }
+TEST(PictureDraw, PicturesEqualTheFilm3) { aWorldIsItsFilm<3>(); }
 
 struct Pixels {
   std::size_t width = 0, height = 0;

@@ -71,7 +71,7 @@ std::string refusal(const std::string& path) {
   return "";
 }
 
-TEST(PngFile, IsThereWholeOrNotAtAll) {
+TEST(PngFile, IsWrittenCompletelyOrNotAtAll) {
   const Workspace w;
   EXPECT_EQ(refusal(w.path("nowhere/a.png")),
             w.path("nowhere/a.png") + ": cannot be written: No such file or directory");

@@ -115,7 +115,7 @@ bool of2009(const SceneSpec<2>& s) {
          shape.restitution == report.restitution && shape.friction == report.friction;
 }
 
-TEST(Presets, SettingsOfASceneAreBelowItsOwnKeys) {
+TEST(Presets, KeysOfASceneOverrideSettings) {
   const std::string key = "settings = \"2009\"";
   EXPECT_TRUE(of2009(scene(key)));
   expectCaught("a scene without them", of2009(scene("")));
@@ -136,7 +136,7 @@ TEST(Presets, SettingsOfASceneAreBelowItsOwnKeys) {
   }
 }
 
-TEST(Presets, AllHaveTheReports) {
+TEST(Presets, AllHaveTheReportsSettings) {
   for (const std::string number : {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11"}) {
     const SceneSpec<2> s = SceneFile::load(findToml("scenes", number)).build<2>({}, 1);
     EXPECT_EQ(s.settings.gravity, Vec<2>(0, Real(-9.8))) << number;
@@ -240,7 +240,7 @@ TEST(Presets, EachShapeLiesOnItsOwn) {
 
 // In 3D the larger pyramid is a wall one box thick, and its rows slide on each other: bodies that sleep on a sliding
 // support must wake.
-TEST(Presets, TheWallOfSpaceStandsWithTheReportsSleeping) {
+TEST(Presets, TheWallIn3dStandsWithTheReportsSleeping) {
   Play<3> play("6", {}, kSleep);
   play.steps(450);
   EXPECT_LT(play.moved("box"), play.scene.limits.drift);

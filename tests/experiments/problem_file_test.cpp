@@ -114,7 +114,7 @@ TEST(ProblemFile, IsSolvedToTheSameBits2) {
 }
 TEST(ProblemFile, IsSolvedToTheSameBits3) { sameBits<3>("coloured"); }
 
-TEST(ProblemFile, WhatIsLeftOutIsMissed) {
+TEST(ProblemFile, EveryFieldIsNeeded) {
   Freezer<2> freezer;
   freezer.resolver = "catto";
   const FrozenProblem<2> problem = heapProblem(freezer, "solver=split_solver{position=baumgarte}");

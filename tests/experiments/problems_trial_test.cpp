@@ -18,7 +18,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace problems_trial_test {
 using nlohmann::json;
 using test::Workspace;
 
-TEST(Spectrum, IsThatOfTheIteration) {
+TEST(Spectrum, PredictsTheRateOfConvergence) {
   const std::vector<double> two = {2, 1, 1, 2};
   const Spectrum s = spectrumOf(two, 2);
   EXPECT_EQ(s.rank, 2);
@@ -142,7 +142,7 @@ TEST(ProblemsTrial, ResidualFallsAsTheMatrixSays) {
   }
 }
 
-TEST(ProblemsTrial, MeasuresWhatIsLeft) {
+TEST(ProblemsTrial, MeasuresTheResidual) {
   Workspace w;
   const std::string file = stackFile(w, 2);
   const TrialResult cold = trialOf(file, "catto", 200), warm = trialOf(file, "catto", 200, "warm");
@@ -170,14 +170,14 @@ TEST(ProblemsTrial, MeasuresWhatIsLeft) {
   }
 }
 
-TEST(ProblemsTrial, AWitnessTellsItsTimeItself) {
+TEST(ProblemsTrial, AWitnessReportsItsOwnTime) {
   Workspace w;
   const std::string file = stackFile(w, 2);
   EXPECT_NEAR(trialOf(file, "planted_clock", 1, "cold", "on", "recorded", true).metrics.at("ns_per_solve"), 3e9, 1);
 }
 
 // A box that slides obliquely in 3D, where friction laws differ: each method has no residual by its own law.
-TEST(ProblemsTrial, LeavesNothingOfItsOwnLaw) {
+TEST(ProblemsTrial, HasNoResidualByItsOwnLaw) {
   Workspace w;
   World<3> world;
   test::addGround(world);
@@ -203,7 +203,7 @@ TEST(ProblemsTrial, LeavesNothingOfItsOwnLaw) {
 }
 
 // A method that starts at one iteration also has a value for zero: the impulses of the last step, or none.
-TEST(ProblemsTrial, CurvesBeginAtNoIteration) {
+TEST(ProblemsTrial, CurvesBeginAtZeroIterations) {
   Workspace w;
   const std::string file = stackFile(w, 2);
   for (const char* start : {"cold", "warm"}) {
@@ -214,7 +214,7 @@ TEST(ProblemsTrial, CurvesBeginAtNoIteration) {
   }
 }
 
-TEST(ProblemsTrial, WhatIsNoNumberIsARowWithAReason) {
+TEST(ProblemsTrial, NaNIsARowWithAReason) {
   Workspace w;
   const std::string file = stackFile(w, 3);
   EXPECT_EQ(trialOf(file, "planted_nan", 4).outcome, "ok");

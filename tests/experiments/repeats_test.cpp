@@ -57,7 +57,7 @@ TEST(Repeats, areInterleavedAndOneMethodIsTimedTwice) {
       << untimed.text;
 }
 
-TEST(Repeats, afterTheFirstTellTimesAlone) {
+TEST(Repeats, afterTheFirstReportOnlyTimes) {
   Workspace w;
   w.write("s.toml",
           "summary = \"s\"\nkind = \"world\"\ntimed = true\nrepeats = 2\n[axes]\nscene = \"vertical_stack\"\nn = 3\n"

@@ -138,7 +138,7 @@ TEST(Reproduction, PlantedProgramsAreCaught) {
 }
 
 // Answers that give only the side, or nothing: the programs' return values.
-TEST(Reproduction, ASideAloneIsJudgedByTheSide) {
+TEST(Reproduction, AnAnswerWithoutADistanceIsJudgedByItsSide) {
   constexpr double kApart = std::numeric_limits<double>::infinity();
   Question q{.snippet = {}, .truth = {}, .allowed = 1e-12};
   q.truth.lo = -0.5, q.truth.hi = -0.25;
@@ -155,7 +155,7 @@ TEST(Reproduction, ASideAloneIsJudgedByTheSide) {
   EXPECT_FALSE(q.isRight(-kApart));
 }
 
-TEST(Reproduction, TheCommandWritesAFileAndTellsOneLine) {
+TEST(Reproduction, TheCommandWritesAFileAndPrintsOneLine) {
   Workspace w;
   const Outcome named = w.lpc("verify --repro libccd-25-cubes --witness bullet_gjk_epa --out cubes.cpp");
   EXPECT_EQ(named.code, 0) << named.text;

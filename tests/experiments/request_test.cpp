@@ -41,7 +41,7 @@ std::vector<decltype(TrialRequest::trial)> everyKind() {
 // The difference between two documents; "" if there is none.
 std::string difference(const json& a, const json& b) { return a == b ? "" : json::diff(a, b).dump(); }
 
-TEST(Request, SurvivesTheWayToItsWorker) {
+TEST(Request, ReachesItsWorkerUnchanged) {
   for (const auto& trial : everyKind()) {
     TrialRequest request{.trial = trial, .sceneFile = "a.toml", .scriptFile = "b.toml"};
     request.plugins = {"c.so"}, request.profile = "d.csv", request.record = "e.lpcr", request.saves = {{4, "f.toml"}};

@@ -46,7 +46,7 @@ TEST(Rest, SharesAreOfTheSmallestBodyBeyondTheSlop) {
 }
 
 // A box of 1 m into which another has sunk by nearly a metre: it rests, keeps its neighbours, and supports nothing.
-TEST(Rest, WhatHasSunkIsNotHeld) {
+TEST(Rest, ASunkBodyIsNotSupported) {
   const TrialResult through = run("mass_ratio", "solver=avbd{iterations=1}", {{"ratio", 10000}}, 600);
   EXPECT_EQ(through.outcome, "sank") << through.reason;
   EXPECT_NE(through.reason.find("of the smallest body (1 m), over 1 %"), std::string::npos) << through.reason;
@@ -60,7 +60,7 @@ TEST(Rest, WhatHasSunkIsNotHeld) {
 }
 
 // A run that ends while a body is still falling does not decide whether it is supported.
-TEST(Rest, WhoIsNotYetAtRestIsNotJudged) {
+TEST(Rest, ABodyNotYetAtRestIsNotJudged) {
   const TrialResult early = run("mass_ratio", "solver=avbd{iterations=1}", {{"ratio", 10000}}, 59);
   EXPECT_EQ(early.outcome, "ok") << early.reason;
   EXPECT_GT(early.metrics.at("sunk"), kRestShare) << "but it is told";
@@ -93,7 +93,7 @@ velocity = [4, 0, 0]
 shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
 )";
 
-TEST(Rest, WhoIsBelowAllThatHoldsHasLeft) {
+TEST(Rest, ABodyBelowAllSupportsHasLeft) {
   const TrialResult over = runText(kFloor + kSlides);
   EXPECT_EQ(over.outcome, "left") << over.reason;
   EXPECT_NE(over.reason.find("over an edge"), std::string::npos) << over.reason;
@@ -119,7 +119,7 @@ shapes = [{ kind = "plane" }]
   EXPECT_EQ(runText(plane + kSlides).outcome, "ok");
 }
 
-TEST(Rest, WhoHangsHasNotLeft) {
+TEST(Rest, AHangingBodyHasNotLeft) {
   const std::string nail = R"(
 needs = ["joints", "rotation"]
 steps = 120
@@ -157,7 +157,7 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
 )";
 }
 
-TEST(Rest, WhereABodyDoesNotFallStillnessTellsNothing) {
+TEST(Rest, StillnessIsFrozenIfAFreeBodyDoesNotFall) {
   EXPECT_EQ(runText(far(0)).outcome, "ok");
   const TrialResult frozen = runText(far(1e9));
   EXPECT_EQ(frozen.outcome, "frozen") << frozen.reason;

@@ -51,7 +51,7 @@ TEST(SavedScene, IsASceneOfASweep) {
   EXPECT_EQ(test::ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "4");
 }
 
-TEST(SavedScene, WhatItCannotBeIsTold) {
+TEST(SavedScene, MistakesAreOneLine) {
   const Workspace w;
   ASSERT_EQ(w.lpc("run pyramid --param base=3 --steps 40 --save 20:a.toml").code, 0);
   const auto refused = [&](const std::string& arguments, const std::string& said) {
@@ -113,7 +113,7 @@ TEST(SavedScene, OfTheOtherPrecisionIsUnsupported) {
   EXPECT_NE(out.text.find("32-bit numbers"), std::string::npos) << out.text;
 }
 
-TEST(SavedScene, WhatWasNotReachedIsNotWritten) {
+TEST(SavedScene, AStepThatIsNotReachedIsNotWritten) {
   const Workspace w;
   w.write("fall.toml",
           "name = \"fall\"\nsummary = \"f\"\ndimensions = [2]\nneeds = []\nsteps = 100\n[limits]\ndrift = 0.1\n"
@@ -133,7 +133,7 @@ TEST(SavedScene, WhatWasNotReachedIsNotWritten) {
   EXPECT_FALSE(std::filesystem::exists(w.path("d.toml")));
 }
 
-TEST(SavedScene, NothingSleepsWhereItIsAsked) {
+TEST(SavedScene, NoSleepingSwitchesSleepOff) {
   const Workspace w;
   EXPECT_NE(hashOf(w, "pyramid --param base=3 --pipeline 2009"), hashOf(w, "pyramid --param base=3"));
   const Outcome asleep = w.lpc("run 2 --pipeline 2009 --steps 240"),

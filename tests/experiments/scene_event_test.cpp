@@ -175,11 +175,11 @@ velocity = [0, 1, 0]
   for (auto& e : wrong.events) e.body = 0;
   expectCaught("another body is set", isSet(wrong));
 }
-TEST(SceneEvent, SetIsWhatItSays) { set<2>(), set<3>(); }
+TEST(SceneEvent, SetSetsPoseAndMotion) { set<2>(), set<3>(); }
 
 // --- add, joint, remove ---------------------------------------------------------------------------------------------
 
-TEST(SceneEvent, BodiesComeAreJoinedAndGo) {
+TEST(SceneEvent, BodiesAreAddedJoinedAndRemoved) {
   const auto spec = scene<2>(R"(
 [[event]]
 do = "add"

@@ -390,7 +390,7 @@ TEST(SceneFile, jointsHaveDirections) {
 }
 
 // A block with zero iterations has no values, so its directions are not checked.
-TEST(SceneFile, directionsOfNoTurnAreNotMeasured) {
+TEST(SceneFile, directionsInABlockWithoutIterationsAreNotChecked) {
   const std::string text =
       "name = \"t\"\nsummary = \"t\"\ndimensions = [3]\nneeds = [\"joints\"]\n[[body]]\nname = \"a\"\n"
       "shapes = [{ kind = \"circle\", radius = 1 }]\n[[joint]]\nrepeat = { i = 0 }\nkind = \"wheel\"\na = \"world\"\n"

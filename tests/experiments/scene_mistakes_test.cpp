@@ -20,7 +20,7 @@ std::string nested(int n, const std::string& open, const std::string& inside, co
   return times(n, open) + inside + times(n, close);
 }
 
-TEST(SceneMistakes, WhatIsNestedTooDeep) {
+TEST(SceneMistakes, DeepNestingIsRefused) {
   const int n = 100000;
   const std::string deep = nested(30000, "a{b=", "a", "}");
   refused({
@@ -53,7 +53,7 @@ TEST(SceneMistakes, WhatIsNestedTooDeep) {
   EXPECT_EQ(messageOf<2>(placed(times(4000, "1+") + "1")), "no error");
 }
 
-TEST(SceneMistakes, ProgramsEndInOneLineHoweverDeep) {
+TEST(SceneMistakes, DeepNestingEndsProgramsInOneLine) {
   Workspace w;
   const std::string deep = nested(30000, "a{b=", "a", "}"), lists = nested(100000, "[", "", "]");
   const std::string start = "{\"cases\": [{\"id\": \"c\", \"query\": \"signed_distance\", \"dim\": ";
@@ -80,7 +80,7 @@ TEST(SceneMistakes, ProgramsEndInOneLineHoweverDeep) {
 }
 
 // Limits over all blocks together; the message names the block that exceeds them.
-TEST(SceneMistakes, ScenesWithoutAnEnd) {
+TEST(SceneMistakes, UnboundedScenesAreRefused) {
   const std::string million = "repeat = { i = 1000000, j = 1000000 }\n", many = "more than 1000000 ";
   const std::string spring = "[[force]]\na = \"world\"\nb = \"a\"\nkind = \"spring\"\n";
   const std::string push = "[[event]]\ndo = \"push\"\nbody = \"a\"\nimpulse = [1, 0]\nstep = 0\n";
@@ -220,7 +220,7 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
   EXPECT_EQ(e.evaluate("n"), 3) << "a refused assignment has changed it";
 }
 
-TEST(SceneMistakes, NamesThatAreTaken) {
+TEST(SceneMistakes, ReservedNamesAreRefused) {
   const auto parameter = [](const std::string& name) {
     return "[parameters]\n" + name + " = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";
   };
@@ -277,7 +277,7 @@ TEST(SceneMistakes, NamesOfTheTableLet) {
 }
 
 // Each expression is compiled with all names.
-TEST(SceneMistakes, MoreNamesThanPeopleWrite) {
+TEST(SceneMistakes, TooManyNamesAreRefused) {
   const auto parameters = [](int n) {
     std::string out = "[parameters]\n";
     for (int i = 0; i < n; ++i) {

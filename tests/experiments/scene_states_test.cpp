@@ -122,9 +122,9 @@ void build() {
     EXPECT_EQ(hashOf(scene), pinned->second.hash) << "is the change meant? Then read the top of scene_states.txt";
   });
 }
-TEST(SceneStates, areWhatTheyWere) { build<2>(), build<3>(); }
+TEST(SceneStates, areUnchanged) { build<2>(), build<3>(); }
 
-TEST(SceneStates, namesScenesThatAreThere) {
+TEST(SceneStates, namesOnlyExistingScenes) {
   EXPECT_GT(test::sceneStates().size(), 40u);
   for (const auto& [key, state] : test::sceneStates()) {
     EXPECT_TRUE(SceneFile::load(findToml("scenes", key.first)).has(key.second)) << key.first;

@@ -23,7 +23,7 @@ struct Screw : JointKind<D> {
 
 // A block with zero iterations is parsed but not evaluated: unknown bodies and invalid numbers or sizes in it do not
 // matter.
-TEST(SceneMistakes, BlocksOfNoTurns) {
+TEST(SceneMistakes, BlocksWithoutIterationsAreOnlyParsed) {
   const std::string joints = "needs = [\"joints\"]\n", none = "repeat = { i = 0, j = \"i + 1\" }\n";
   const auto event = [](const std::string& rest) { return kNamed + "[[event]]\n" + rest; };
   refused({
@@ -153,7 +153,7 @@ parameters = { pitch = "1 / n" }
 }
 
 // Exactly the allowed number of iterations, in any number of loops; only innermost iterations count.
-TEST(SceneMistakes, AsManyTurnsAsMayBe) {
+TEST(SceneMistakes, TheLimitOfIterationsIsExact) {
   const auto scene = [](const std::string& rest) { return "[[body]]\nwhen = 0\n" + rest + kBall + kNamed; };
   for (const std::string repeat : {"{ i = 1000, j = 1000 }", "{ i = 1000, j = 1000, n = 1 }"}) {
     EXPECT_EQ(messageOf<2>(scene("repeat = " + repeat + "\n")), "no error") << repeat;

@@ -403,8 +403,8 @@ void everyDeed() {
   // An action on a body that does not exist yet is an error and counts as caught.
   expectFalsified("two events of a step swapped" + in, [=] { oneLife<D>(asItIs, swapTwo<D>); });
 }
-TEST(ScriptWriter, ADeedIsAnEvent2) { everyDeed<2>(); }
-TEST(ScriptWriter, ADeedIsAnEvent3) { everyDeed<3>(); }
+TEST(ScriptWriter, ActionsReplayAsEvents2) { everyDeed<2>(); }
+TEST(ScriptWriter, ActionsReplayAsEvents3) { everyDeed<3>(); }
 
 // Every kind of action occurs.
 template <int D>
@@ -455,9 +455,9 @@ void surfaces() {
     EXPECT_EQ(had, has) << i;
   }
 }
-TEST(ScriptWriter, SurfacesAreWhatTheyWere) { surfaces<2>(), surfaces<3>(); }
+TEST(ScriptWriter, SurfacesRoundTrip) { surfaces<2>(), surfaces<3>(); }
 
-TEST(ScriptWriter, SaysWhatAScriptCannot) {
+TEST(ScriptWriter, ReportsWhatAScriptCannotDo) {
   ScriptWriter<2> writer;
   const std::string before = writer.text("s");
   BodyDef<2> body;

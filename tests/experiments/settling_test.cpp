@@ -51,7 +51,7 @@ shapes = [{ kind = "circle", radius = 0.5 }]
   EXPECT_EQ(m.at("fell_through"), 0);
 }
 
-TEST(Settling, WithoutGravityAllWaysAreSideways) {
+TEST(Settling, WithoutGravityAllMotionIsLateral) {
   const auto m = run(R"(
 gravity = [0, 0, 0]
 [[body]]
@@ -82,7 +82,7 @@ struct Blow final : ForceGenerator<2> {
 };
 
 // A body at NaN has no measured sinking, and it is not at rest.
-TEST(Settling, WhoIsNowhereHasNotSettled) {
+TEST(Settling, ABodyAtNaNHasNotSettled) {
   World<2> world;
   for (const double x : {0.0, 9.0}) world.add(test::body<2>(Shape<2>::sphere(1), test::at<2>(x, 0)));
   world.add(std::make_shared<const Blow>());
@@ -107,7 +107,7 @@ TEST(Settling, TinyStepsAreKeptOneByOne) {
   EXPECT_TRUE(std::isnan(seen.creep()) && std::isnan(seen.jitter()));
 }
 
-TEST(Settling, RestIsToldFromItsBeginning) {
+TEST(Settling, RestIsReportedFromItsStart) {
   const auto m = run(kTable + R"(
 [[body]]
 position = [0, 0.5, 0]
@@ -120,7 +120,7 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
   EXPECT_EQ(m.at("supports_changed"), 0);
 }
 
-TEST(Settling, WhoSlidesOffATableHasOtherSupports) {
+TEST(Settling, SlidingOffATableChangesTheSupports) {
   const auto m = run(kTable + R"(
 [[body]]
 position = [0, 0.5, 0]
@@ -134,7 +134,7 @@ creep = 0.1
   EXPECT_NE(m.reason.find("in a second, over 0.1 m"), std::string::npos) << m.reason;
 }
 
-TEST(Settling, WhoIsInTheFloorFellThrough) {
+TEST(Settling, ABodyInTheFloorFellThrough) {
   const auto m = run(kTable + R"(
 [[body]]
 position = [0, -1, 0]
@@ -147,7 +147,7 @@ shapes = [{ kind = "circle", radius = 0.1 }]
 
 // One sweep over three boxes leaves most of the residual, hundreds leave almost none. A method without a velocity
 // problem has no residual.
-TEST(NaturalMap, IsWhatIsLeftOfAStep) {
+TEST(NaturalMap, IsTheResidualOfAStep) {
   const auto left = [](const std::string& solver) {
     return run(kTable + R"(
 [[body]]

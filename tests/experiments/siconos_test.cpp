@@ -68,7 +68,7 @@ TEST(Siconos, IsAMethodOfTrials) {
 }
 
 // Siconos runs in its own process, so this process cannot time it. A test can only check that it reports a time.
-TEST(Siconos, ItTellsTheTimeOfItsLibrary) {
+TEST(Siconos, ReportsTheTimeOfItsLibrary) {
   FrozenProblem<2> problem = ProblemFile::load(shipped("arch")).of<2>()[0].problem;
   WorkDone work;
   Profiler profiler;

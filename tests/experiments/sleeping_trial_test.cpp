@@ -77,7 +77,7 @@ TEST(SleepingTrial, SlowRollersStopOrRollOn) {
 }
 
 // A scene with a script that does nothing has no wave.
-TEST(SleepingTrial, WithoutAnActNobodyIsWoken) {
+TEST(SleepingTrial, WithoutAnActionNoBodyIsWoken) {
   const auto m = run("sleep_roll", "none", 2).metrics;
   EXPECT_TRUE(std::isnan(m.at("woken")));
   EXPECT_TRUE(std::isnan(m.at("wake_steps")));

@@ -50,7 +50,7 @@ std::string errorOf(const std::string& name, const std::string& text) {
   return "no error";
 }
 
-TEST(SweepStar, IsEveryRegisteredOneOfAnyStage) {
+TEST(SweepStar, IsEveryRegisteredMethodOfAStage) {
   for (const StageInfo& stage : kStages) {
     const std::string name{stage.name};
     SCOPED_TRACE(name);
@@ -77,14 +77,14 @@ TEST(SweepStar, StandsInsideAnotherMethod) {
 }
 
 // A parameter applies to the methods that have it; the others are still in the sweep.
-TEST(SweepStar, GivesParametersToThoseWhoHaveThem) {
+TEST(SweepStar, GivesParametersToMethodsThatHaveThem) {
   const auto axis = axisOf("r", R"({ "$velocity" = "solver=split_solver{velocity=*{iterations=$n}}" })");
   EXPECT_EQ(axis.at("catto"), "solver=split_solver{velocity=catto{iterations=$n}}");
   EXPECT_EQ(axis.at("millington"), "solver=split_solver{velocity=millington}");
   EXPECT_EQ(axisOf("velocity", "\"*-naive-catto{iteration_factor=3}\"").count("millington{iteration_factor=3}"), 1u);
 }
 
-TEST(SweepStar, PlansAlsoThoseWithoutTheParameter) {
+TEST(SweepStar, PlansAlsoMethodsWithoutTheParameter) {
   Workspace w;
   const auto sweeps = planSweeps(w.write("s.toml", R"(
 summary = "s"
@@ -121,7 +121,7 @@ TEST(SweepStar, MistakesAreOneLine) {
 }
 
 // Marks that were not replaced are rejected by name, not as a syntax error.
-TEST(SweepStar, IsNobodysName) {
+TEST(SweepStar, IsNoValidName) {
   Workspace w;
   const test::Outcome run = w.lpc("run box_drop --pipeline 'solver=split_solver{velocity=*}'");
   EXPECT_EQ(run.code, 2);
@@ -353,7 +353,7 @@ TEST(SweepWith, MistakesAreOneLine) {
   EXPECT_FALSE(std::filesystem::exists(w.path("never.db")));
 }
 
-TEST(SweepSet, OneValueStandsForAnAxisWhereverItIs) {
+TEST(SweepSet, OneValueReplacesAnAxisEverywhere) {
   Workspace w;
   const std::string path = w.write("s.toml", kTwoResolvers);
   const auto sweeps = planSweeps(path, {}, {}, {"iterations=7"});
@@ -395,7 +395,7 @@ TEST(SweepSet, ChooseTimesEveryMethodUnderTwentySeedsFourTimes) {
 }
 
 // The best method of each stage, all together, runs beside the pipeline in which each stage was compared.
-TEST(SweepSet, WhatIsTakenRunsBesideWhatWasGiven) {
+TEST(SweepSet, TheTakenMethodsRunBesideTheGivenPipeline) {
   const auto sweeps = planSweeps("choose_together", {}, {"taken=broadphase=naive solver=soft_step"}, {"n=50"});
   std::set<std::string> labels;
   for (const PlannedTrial& t : sweeps.at(0).trials) labels.insert(t.axes.at("together"));
@@ -433,7 +433,7 @@ TEST(SweepSet, MistakesAreOneLine) {
   }
 }
 
-TEST(SweepAxis, NoneHasTheNameOfWhatTheStoreKeepsBesideThem) {
+TEST(SweepAxis, NamesOfOtherColumnsAreRefused) {
   for (const std::string_view name : kNoAxes) {
     EXPECT_NE(errorOf(std::string(name), "[\"a\", \"b\"]").find("s.toml:1: an axis '" + std::string(name) + "'"),
               std::string::npos)
@@ -462,7 +462,7 @@ steps = 2
   }
 }
 
-TEST(SweepReport, TheChartsThatASweepIsForAreInTheStore) {
+TEST(SweepReport, TheStoreNamesTheChartsOfASweep) {
   Workspace w;
   const auto text = [](const std::string& charts) {
     return "summary = \"s\"\nkind = \"boxes\"\nreport = " + charts +

@@ -109,7 +109,7 @@ std::string untimed(const std::string& store) {
   return timeless(copy);
 }
 
-TEST(SweepRules, HoldForAStoreAndNotForThoseOfWrongRunners) {
+TEST(SweepRules, HoldForARightStoreAndNotForWrongOnes) {
   Workspace w;
   w.write("s.toml", sweepText(kSizes, kMethods));
   ASSERT_EQ(w.lpc(sweepCommand("right.db")).code, 0);

@@ -44,7 +44,7 @@ TEST(SweepPlan, isTheProductOfItsAxes) {
   EXPECT_EQ(sweeps[0].trials[0].axes["kind"], "boxes");
 }
 
-TEST(SweepPlan, onlyKeepsWhatTakesPart) {
+TEST(SweepPlan, onlySelectsByMethod) {
   Workspace w;
   const std::string path = w.write("s.toml", boxes("n = [8, 16]\nbroadphase = \"*\"\n"));
   const auto all = planSweeps(path, {}), some = planSweeps(path, {"naive"});
@@ -56,7 +56,7 @@ TEST(SweepPlan, onlyKeepsWhatTakesPart) {
   EXPECT_NE(messageOf(path, {"naive", "nobody"}).find("--only nobody"), std::string::npos);
 }
 
-TEST(SweepPlan, PrecisionKeepsTheTrialsOfOne) {
+TEST(SweepPlan, PrecisionSelectsTrials) {
   Workspace w;
   w.write("a.toml",
           "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"box_drop\"\nprecision = [\"f64\", \"f32\"]\n");
@@ -277,7 +277,7 @@ std::string workers(const Workspace& w, const std::string& text, bool executable
 }
 
 // The sweep continues whatever a worker does, and the row gives the true reason why the worker ended.
-TEST(SweepRun, aWorkerOfAnyKindIsARow) {
+TEST(SweepRun, everyEndOfAWorkerIsARow) {
   Workspace w;
   w.write("s.toml", boxes("n = [8, 16, 24]\nbroadphase = \"naive\"\n", "wall_limit = 5\nmemory_limit = 0.02\n"));
   const std::pair<const char*, const char*> kinds[] = {
@@ -300,7 +300,7 @@ TEST(SweepRun, aWorkerOfAnyKindIsARow) {
 }
 
 // A worker that cannot be started gives a one-line message, and no store is made.
-TEST(SweepRun, noWorkerEndsIt) {
+TEST(SweepRun, aMissingWorkerEndsIt) {
   Workspace w;
   w.write("s.toml", boxes("n = [8, 16]\nbroadphase = \"naive\"\n"));
   for (const bool executable : {false, true}) {
@@ -330,7 +330,7 @@ TEST(SweepRun, aRepeatWithAnotherHashIsNondeterministic) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial" + where + "'%broadphase/naive%'"), "0");
 }
 
-TEST(SweepRun, whatCannotRunIsARowToo) {
+TEST(SweepRun, unsupportedTrialsAreRows) {
   Workspace w;
   w.write("holes.toml",
           "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = [2, 3]\ndistribution = \"uniform\"\n"

@@ -66,7 +66,7 @@ const Path kPressed = {{-1, 0}, {-0.5, 0}, {-0.15, 0}, {-0.05, 0}, {0, 0}, {0.05
 const Path kSunk = {{-1, 0}, {-0.15, 0}, {-0.05, 0}, {0.05, 0}, {-0.05, 0}, {-0.15, 0}, {-1, 0}};
 const Path kBounced = {{-9, 0}, {-5, 0}, {-0.5, 0}, {-4, 0}};
 
-TEST(Tunnelling, IsToComeOutBehind) {
+TEST(Tunnelling, MeansLeavingOnTheFarSide) {
   inBoth([]<int D>() {
     EXPECT_EQ(led<D>(kShot, ball<D>(), 0.1), 1);
     EXPECT_EQ(led<D>(kShot, ball<D>(), 1e-6), 1);
@@ -80,7 +80,7 @@ TEST(Tunnelling, IsToComeOutBehind) {
 
 // Half a circle around the static body's end, three eighths of a radius away, in steps so long that their chords would
 // cut through it.
-TEST(Tunnelling, IsNotToGoAround) {
+TEST(Tunnelling, DoesNotIncludeGoingAround) {
   inBoth([]<int D>() {
     for (const int steps : {4, 7, 12, 40}) {
       Path around = {{-0.6, 4}};
@@ -94,7 +94,7 @@ TEST(Tunnelling, IsNotToGoAround) {
   });
 }
 
-TEST(Tunnelling, IsOfWhoeverMayNotPass) {
+TEST(Tunnelling, CountsOnlyBodiesThatCollide) {
   inBoth([]<int D>() {
     EXPECT_EQ(led<D>(kShot, ball<D>(), 0.1, 2), 0) << "the two do not collide";
     EXPECT_EQ(led<D>(kShot, ball<D>(), 0.1, ~0u, true), 0) << "nor do these";
@@ -106,7 +106,7 @@ TEST(Tunnelling, IsOfWhoeverMayNotPass) {
   });
 }
 
-TEST(Tunnelling, WhoIsPutElsewhereStartsAnew) {
+TEST(Tunnelling, AMovedBodyStartsAgain) {
   inBoth([]<int D>() {
     World<D> world;
     const Handle wall = world.add(body<D>(boxOf<D>(0.1, 5), at<D>(0, 0), BodyType::fixed));

@@ -35,7 +35,7 @@ std::string ledgerText(const std::string& path) {
   return out;
 }
 
-TEST(Verification, BooksOnceAndGoesOn) {
+TEST(Verification, RecordsOnceAndContinues) {
   Workspace w;
   const std::string command = "verify --stage pair_query,broadphase --dimension 2 --methods closed_form naive --quiet";
   const Outcome first = w.lpc(command);
@@ -61,7 +61,7 @@ TEST(Verification, BooksOnceAndGoesOn) {
 }
 
 // Changes that must not affect the answer are tested together with the answers, and recorded once.
-TEST(Verification, MetamorphicIsBookedOnce) {
+TEST(Verification, MetamorphicIsRecordedOnce) {
   Workspace w;
   const std::string plain = "verify --stage pair_query --dimension 2 --methods closed_form --quiet";
   const std::string command = plain + " --metamorphic";
@@ -77,7 +77,7 @@ TEST(Verification, MetamorphicIsBookedOnce) {
 }
 
 // If a method's code changes, the numbers recorded with the old code leave its sums.
-TEST(Verification, ChangedCodeStartsAnew) {
+TEST(Verification, ChangedCodeStartsAgain) {
   Workspace w;
   const std::string command = "verify --stage broadphase --dimension 2 --methods naive sort_and_sweep --quiet";
   ASSERT_EQ(w.lpc(command).code, 0);
@@ -125,7 +125,7 @@ TEST(Verification, ResumesAfterSigkill) {
 }
 
 // A method that crashes its worker is isolated pair by pair; the others keep their answers.
-TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
+TEST(Verification, CrashesAndWrongAnswersAreRecordedAndKept) {
   Workspace w;
   const std::string command = "--plugin " + kPlugin +
                               " verify --stage pair_query --dimension 2 --quiet --store v/s.db --methods planted_abort "
@@ -221,7 +221,7 @@ TEST(Verification, EveryKeptFailureFailsAgain) {
   EXPECT_NE(all.dump().find("libccd_mpr{tolerance=1e-14}"), std::string::npos);
 }
 
-TEST(Verification, FoundCasesAreAskedInTheirOwnPrecision) {
+TEST(Verification, FoundCasesRunInTheirOwnPrecision) {
   if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   Workspace w;
   const std::string found = LPC_SOURCE_DIR "/tests/regressions/found_cases.json";
@@ -244,7 +244,7 @@ TEST(Verification, FoundCasesAreAskedInTheirOwnPrecision) {
 }
 
 // If a method crashes its worker, only methods of LPC count as faults.
-TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
+TEST(Verification, LostWorkersAreFaultsOnlyOfOurMethods) {
   Workspace w;
   std::filesystem::create_directory(w.path("bin"));
   const auto worker = [&](const std::string& ofMethods, const std::string& ofReferee) {
@@ -281,7 +281,7 @@ TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
 
 // A witness that is judged at one tolerance must be allowed that tolerance: FCL's default is 1e-6. All are also queried
 // away from the origin, as an engine would.
-TEST(Verification, WitnessesAreAlsoAskedAtTheTightestToleranceOfTheirLibraryAndAwayFromTheOrigin) {
+TEST(Verification, WitnessesAlsoRunAtTheirTightestToleranceAndAwayFromTheOrigin) {
   int tight = 0;
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 3)) {
     const std::vector<Spec> specs = specsToVerify(*r);

@@ -73,7 +73,7 @@ position = [0, "0.5 + height", 0]
 shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
 )";
 
-TEST(WorldTrial, whatABoxStartsWithAndFallsIntoIsNotWhatItIsLeftWith) {
+TEST(WorldTrial, initialAndSettledPenetrationAreSeparate) {
   Workspace w;
   const TrialResult inside = run(w, kDrop, {{"height", -0.02}}), above = run(w, kDrop, {{"height", 1}});
   ASSERT_EQ(inside.outcome + above.outcome, "okok") << inside.reason << above.reason;
@@ -192,7 +192,7 @@ bool slidRight(double way, double g, double mu) {
   return std::abs(way - std::max(0.0, right)) < 0.03 * std::max(0.1, right);
 }
 
-TEST(WorldTrial, whatSlidesIsMeasuredAgainstItsOwnClosedForm) {
+TEST(WorldTrial, slidingIsComparedWithItsClosedForm) {
   Workspace w;
   for (const double g : {4.0, 10.0}) {
     const TrialResult r = run(w, kHill, {{"g", g}});
@@ -220,7 +220,7 @@ bool isDescribed(std::string_view what, std::string_view kind, const std::string
   return false;
 }
 
-TEST(Metrics, allThatTrialsWriteIsDescribed) {
+TEST(Metrics, everyMetricIsDescribed) {
   Workspace w;
   for (const bool timed : {false, true}) {
     const TrialResult r = run(w, kHill, {}, timed);
@@ -306,7 +306,7 @@ class PushesNaN final : public Solver<D> {
 };
 LPC_REGISTER(Solver, PushesNaN, 2);
 
-TEST(WorldTrial, anImpulseThatIsNoNumberEndsTheRun) {
+TEST(WorldTrial, aNaNImpulseEndsTheRun) {
   Workspace w;
   std::string scene = kHill + "[[joint]]\nkind = \"pivot\"\na = \"world\"\nb = \"block\"\nanchor = [0, 0]\n";
   scene.replace(scene.find("[\"cache\", "), 10, "[\"joints\", \"cache\", ");
@@ -423,7 +423,7 @@ sleep = "none"
   EXPECT_EQ(sweeps[0].roles, roles) << "what each axis is";
 }
 
-TEST(WorldSweep, aPartOfAStageIsAMethodToo) {
+TEST(WorldSweep, partsOfAStageAreMethods) {
   Workspace w;
   w.write("throw.toml", kThrow);
   const auto sweeps = planSweeps(w.write("s.toml", R"(

@@ -21,7 +21,7 @@ BodyDef<D> odd() {
   return def;
 }
 
-TYPED_TEST(BodyTableTest, TheLowestFreeSlotIsTakenAndOldHandlesAreOfNoBody) {
+TYPED_TEST(BodyTableTest, AddTakesTheLowestFreeSlotAndOldHandlesStayInvalid) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   for (int i = 0; i < 3; ++i) in.ball(at<D>(3 * i, 0));
@@ -38,7 +38,7 @@ TYPED_TEST(BodyTableTest, TheLowestFreeSlotIsTakenAndOldHandlesAreOfNoBody) {
   EXPECT_EQ(in.ball(at<D>(0, 0)), 0u);
 }
 
-TYPED_TEST(BodyTableTest, ADefinitionComesBack) {
+TYPED_TEST(BodyTableTest, DefinitionsRoundTrip) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   in.ball(at<D>(9, 9));
@@ -107,7 +107,7 @@ TYPED_TEST(BodyTableTest, KindsAreCountedByTheirParts) {
   EXPECT_FALSE(in.table.kinds()[sphere]);
 }
 
-TYPED_TEST(BodyTableTest, WhatIsTouchedWakesAndHasAFreshBox) {
+TYPED_TEST(BodyTableTest, ChangedBodiesWakeAndGetANewBox) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
@@ -133,7 +133,7 @@ TYPED_TEST(BodyTableTest, WhatIsTouchedWakesAndHasAFreshBox) {
   EXPECT_EQ(in.table.bodies.motion[i].v, at<D>(0, 0));
 }
 
-TYPED_TEST(BodyTableTest, MassesAreThoseOfWhatMovesByForces) {
+TYPED_TEST(BodyTableTest, InverseMassesAreZeroForBodiesThatForcesDoNotMove) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   const std::size_t free = in.ball(at<D>(0, 0)), fixed = in.ball(at<D>(3, 0), BodyType::fixed);
@@ -157,7 +157,7 @@ TYPED_TEST(BodyTableTest, MassesAreThoseOfWhatMovesByForces) {
 }
 
 // All derived data follow from the arrays alone, as after loading.
-TYPED_TEST(BodyTableTest, ArraysFromElsewhereGoOnAsTheirOwn) {
+TYPED_TEST(BodyTableTest, DerivedDataFollowFromTheArrays) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in, copy;
   for (int i = 0; i < 4; ++i) in.add(odd<D>());

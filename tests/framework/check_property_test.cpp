@@ -96,7 +96,7 @@ TEST_F(CheckProperty, RunsKeptFailuresFirst) {
 }
 
 // A long message is kept in a file, which is deleted once the property passes.
-TEST_F(CheckProperty, KeepsTheRestOfALongStory) {
+TEST_F(CheckProperty, KeepsLongMessagesInAFile) {
   const std::filesystem::path folder = ::testing::TempDir() + fileNameOf(currentTest());
   std::filesystem::remove_all(folder);
   const KeptFailures kept(folder);

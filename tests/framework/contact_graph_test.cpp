@@ -104,7 +104,7 @@ void islandsAreWhatIsConnected(Answer answer) {
   RC_ASSERT(found.groups == walked(in, false));
 }
 
-TEST(ContactGraph, IslandsAreWhatIsConnected) {
+TEST(ContactGraph, IslandsAreConnectedBodies) {
   check(
       "islands of any graph", [] { islandsAreWhatIsConnected([](const GraphInput& in) { return answersOf(in); }); },
       500);
@@ -224,7 +224,7 @@ void isIndependentOfTheQuestions(const Ask& ask) {
   RC_ASSERT(ask(in, questions) == answersOf(in));
 }
 
-TEST(ContactGraph, AnswersDoNotDependOnWhatWasAskedBefore) {
+TEST(ContactGraph, AnswersDoNotDependOnEarlierQueries) {
   check("answers in any order",
         [] { isIndependentOfTheQuestions([](const auto& in, const auto& q) { return answersOf(in, q); }); });
   expectFalsified("islands are what was grouped first", [] {

@@ -63,7 +63,7 @@ struct Maker : Inhabitants<D> {
 };
 using Bodies2 = std::vector<std::pair<int, int>>;
 
-TYPED_TEST(ContactMakerTest, PairsAreThoseOfBodiesThatMayMeetInTheOrderOfTheirBodies) {
+TYPED_TEST(ContactMakerTest, PairsMayCollideAndAreSortedByBodies) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   m.ball(at<D>(0, 0));                                    // body 0
@@ -86,7 +86,7 @@ TYPED_TEST(ContactMakerTest, PairsAreThoseOfBodiesThatMayMeetInTheOrderOfTheirBo
   EXPECT_EQ(m.touching(), (Bodies2{{0, 1}, {0, 4}, {2, 3}}));
 }
 
-TYPED_TEST(ContactMakerTest, OrderIsByBodiesWhateverTheSlotsOfShapes) {
+TYPED_TEST(ContactMakerTest, OrderIsByBodiesNotByShapeSlots) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
@@ -115,7 +115,7 @@ TYPED_TEST(ContactMakerTest, PairsAheadHaveTheirOwnMarginAndComeOnce) {
   EXPECT_EQ(m.generator.margins, std::vector<Real>{m.settings.margin});
 }
 
-TYPED_TEST(ContactMakerTest, WhatACacheKeepsIsNotMadeAndHasTheMaterialOfItsShapes) {
+TYPED_TEST(ContactMakerTest, CachedContactsAreNotGeneratedAndHaveTheirShapesMaterial) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   m.ball(at<D>(0, 0)), m.ball(at<D>(1.5, 0));
@@ -162,7 +162,7 @@ TYPED_TEST(ContactMakerTest, RecordsLastAsLongAsTheirPairs) {
 }
 
 // Contacts and records of sleeping pairs are skipped; those of others are updated.
-TYPED_TEST(ContactMakerTest, WhatRestsStays) {
+TYPED_TEST(ContactMakerTest, ContactsOfSleepersStay) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   m.ball(at<D>(0, 0)), m.ball(at<D>(1.5, 0)), m.ball(at<D>(30, 0)), m.ball(at<D>(31.5, 0));
@@ -184,7 +184,7 @@ TYPED_TEST(ContactMakerTest, WhatRestsStays) {
   EXPECT_TRUE(m.maker.before().empty());
 }
 
-TYPED_TEST(ContactMakerTest, ContactsOfAShapeThatGoesEndOncePerPair) {
+TYPED_TEST(ContactMakerTest, ContactsOfARemovedShapeEndOncePerPair) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   std::vector<ShapePart<D>> parts = {{Shape<D>::sphere(1), {at<D>(0, 0), {}}},

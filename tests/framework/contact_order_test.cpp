@@ -65,7 +65,7 @@ void sortsInBoth() {
   SortsByLowBytes<D> bug;
   expectCaught("manifolds sorted by low bytes", sortsAsStdDoes<D>(bug));
 }
-TEST(ContactOrder, IsThatOfTheStandardLibrary) { sortsInBoth<2>(), sortsInBoth<3>(); }
+TEST(ContactOrder, SortsAsStableSort) { sortsInBoth<2>(), sortsInBoth<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::contact_order_test

@@ -63,7 +63,7 @@ TYPED_TEST(ContinuousPassTest, AFastBallStopsAtAWallAndASlowOneGoesOn) {
   EXPECT_NEAR(f.profiler.frame().lostTime, 1 - 9. / 40, 1e-3);
 }
 
-TYPED_TEST(ContinuousPassTest, NothingIsStoppedWhereTheSceneOrTheMethodDoesNotLook) {
+TYPED_TEST(ContinuousPassTest, NothingIsStoppedWithoutContinuousCollision) {
   constexpr int D = TypeParam::D;
   for (const char* name : {"cast", "none", "speculative"}) {
     Flight<D> f(name);
@@ -97,7 +97,7 @@ TYPED_TEST(ContinuousPassTest, VetoedAndJointedPairsPassThroughEachOther) {
 }
 
 // Of two balls in a row the first hits the static body. The second then stops at the first one's final position.
-TYPED_TEST(ContinuousPassTest, MeetingsComeInTheOrderOfTheirTimes) {
+TYPED_TEST(ContinuousPassTest, ImpactsHappenInTimeOrder) {
   constexpr int D = TypeParam::D;
   Flight<D> f("cast");
   const std::size_t second = f.fly(-4, 40);
@@ -110,7 +110,7 @@ TYPED_TEST(ContinuousPassTest, MeetingsComeInTheOrderOfTheirTimes) {
 }
 
 // A body far from the static body is stopped with the body that it is jointed to.
-TYPED_TEST(ContinuousPassTest, WhatIsJointedStopsTogether) {
+TYPED_TEST(ContinuousPassTest, JointedBodiesStopTogether) {
   constexpr int D = TypeParam::D;
   Flight<D> f("cast");
   f.wall(10);
@@ -125,7 +125,7 @@ TYPED_TEST(ContinuousPassTest, WhatIsJointedStopsTogether) {
 }
 
 // Two balls fly at each other, and a joint stops one early. They touch at its final position, not halfway.
-TYPED_TEST(ContinuousPassTest, AMeetingIsAskedAnewWhenOneOfTheTwoHasStopped) {
+TYPED_TEST(ContinuousPassTest, ImpactsAreRecomputedAfterAStop) {
   constexpr int D = TypeParam::D;
   Flight<D> f("cast");
   const std::size_t first = f.fly(0, 40), second = f.fly(30, -40), mate = f.ball(at<D>(30, 20));
@@ -139,7 +139,7 @@ TYPED_TEST(ContinuousPassTest, AMeetingIsAskedAnewWhenOneOfTheTwoHasStopped) {
   EXPECT_NEAR(f.x(first), 25, 2 * kClose);
 }
 
-TYPED_TEST(ContinuousPassTest, PairsAheadReachAsFarAsBothGo) {
+TYPED_TEST(ContinuousPassTest, MarginsAheadCoverTheMotionOfBoth) {
   constexpr int D = TypeParam::D;
   Flight<D> f("speculative");
   f.wall(10);
@@ -158,7 +158,7 @@ TYPED_TEST(ContinuousPassTest, PairsAheadReachAsFarAsBothGo) {
 }
 
 // A large ball takes the slot of a small one; the same motion is short for it.
-TYPED_TEST(ContinuousPassTest, AShapeThatIsForgottenIsMeasuredAnew) {
+TYPED_TEST(ContinuousPassTest, AForgottenShapeIsMeasuredAgain) {
   constexpr int D = TypeParam::D;
   Flight<D> f("speculative");
   f.wall(20);

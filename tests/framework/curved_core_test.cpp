@@ -100,7 +100,7 @@ void lengths() {
     EXPECT_LE(level(shape.view(), coreSupport(shape.view(), Vec<D>(Vec<D>::Zero()))), 1 + 8 * kEps);
   });
 }
-TEST(CurvedCore, LengthOfTheDirectionIsNothing) { lengths<2>(), lengths<3>(); }
+TEST(CurvedCore, LengthOfTheDirectionDoesNotMatter) { lengths<2>(), lengths<3>(); }
 
 TEST(CurvedCore, SupportFaces) {
   const Real sizes[2] = {1, Real(0.5)};

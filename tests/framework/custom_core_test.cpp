@@ -107,7 +107,7 @@ TEST(CustomCore, UnsoundOnesAreRefused) {
   }
 }
 
-TEST(CustomCore, TwoOfThemAreNone) {
+TEST(CustomCore, TwoRegistrationsAreRefused) {
   const Registered registered;
   const CurvedRegistrar<Ball, 3> another{ShapeKind::custom, {{"radius"}}};
   EXPECT_EQ(refusal<2>(), "taken");

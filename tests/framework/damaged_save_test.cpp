@@ -66,7 +66,7 @@ void everyFlipIsTold() {
   }
   ASSERT_EQ(world.bodyCount(), 0);
 }
-TEST(DamagedSave, EveryFlippedByteIsTold) { everyFlipIsTold<2>(), everyFlipIsTold<3>(); }
+TEST(DamagedSave, EveryFlippedByteIsDetected) { everyFlipIsTold<2>(), everyFlipIsTold<3>(); }
 
 #if defined(LPC_SANITIZED)
 constexpr std::size_t kEvery = 5;  // neighbouring bytes behave alike, and sanitizers are slow
@@ -319,7 +319,7 @@ void explode() {
   world.step(kDt), copy.step(kDt);
   EXPECT_EQ(saved(copy), saved(world));
 }
-TEST(DamagedSave, AnExplodedWorldIsNone) { explode<2>(), explode<3>(); }
+TEST(DamagedSave, AnExplodedWorldIsNotDamaged) { explode<2>(), explode<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::damaged_save_test

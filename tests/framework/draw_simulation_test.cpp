@@ -340,8 +340,8 @@ void everyCheck() {
                  c.holds(c.bug));
   }
 }
-TEST(DrawSimulation, WhatTheWorldHas2) { everyCheck<2>(); }
-TEST(DrawSimulation, WhatTheWorldHas3) { everyCheck<3>(); }
+TEST(DrawSimulation, DrawsTheContentOfTheWorld2) { everyCheck<2>(); }
+TEST(DrawSimulation, DrawsTheContentOfTheWorld3) { everyCheck<3>(); }
 
 template <int D>
 void nothingOfNobody() {
@@ -365,8 +365,8 @@ void nothingOfNobody() {
   EXPECT_TRUE(world.pairs().empty());
   EXPECT_GT(heard<D>(drawSimulation<D>, world, allLayers()).size(), 0u);
 }
-TEST(DrawSimulation, NothingOfNobody2) { nothingOfNobody<2>(); }
-TEST(DrawSimulation, NothingOfNobody3) { nothingOfNobody<3>(); }
+TEST(DrawSimulation, AnEmptyWorldDrawsNothing2) { nothingOfNobody<2>(); }
+TEST(DrawSimulation, AnEmptyWorldDrawsNothing3) { nothingOfNobody<3>(); }
 
 // Bodies, shapes and stages change between a step and its drawing.
 template <int D>
@@ -411,8 +411,8 @@ void vetoedBearNothing() {
   impulses.friction = true;
   EXPECT_EQ(heard<D>(drawSimulation<D>, world, impulses).size(), 0u);
 }
-TEST(DrawSimulation, VetoedBearNothing2) { vetoedBearNothing<2>(); }
-TEST(DrawSimulation, VetoedBearNothing3) { vetoedBearNothing<3>(); }
+TEST(DrawSimulation, VetoedContactsShowNoLoad2) { vetoedBearNothing<2>(); }
+TEST(DrawSimulation, VetoedContactsShowNoLoad3) { vetoedBearNothing<3>(); }
 
 // Drawn over another world: one colour, and bodies behind others are visible.
 template <int D>
@@ -433,8 +433,8 @@ void tintIsAll() {
     EXPECT_TRUE(s.look.fill == *layers.tint && s.look.edge == *layers.tint);
   }
 }
-TEST(DrawSimulation, TintIsAll2) { tintIsAll<2>(); }
-TEST(DrawSimulation, TintIsAll3) { tintIsAll<3>(); }
+TEST(DrawSimulation, TintColoursEverything2) { tintIsAll<2>(); }
+TEST(DrawSimulation, TintColoursEverything3) { tintIsAll<3>(); }
 
 // The table lists every switch. Each layer alone draws something in a world that has everything, except two that only
 // change how shapes look.

@@ -29,7 +29,7 @@ TEST(Indexed, AnyIntegerAndNumberedNameIsAnIndex) {
   EXPECT_EQ(a, (std::array<int, 3>{1, 2, 1}));
 }
 
-TEST(Indexed, IsItsBase) {
+TEST(Indexed, ConvertsToItsBase) {
   IndexedVector<int> v = std::vector<int>{1, 2};
   grow(v);
   EXPECT_EQ(sumOf(v), 11);

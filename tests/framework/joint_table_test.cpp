@@ -35,7 +35,7 @@ struct Chain : Inhabitants<D> {
   }
 };
 
-TYPED_TEST(JointTableTest, JointsAreListedByTheirBodiesAndTellWhenTheyGo) {
+TYPED_TEST(JointTableTest, JointsAreListedByBodyAndNotifyOnRemoval) {
   constexpr int D = TypeParam::D;
   Chain<D> c;
   EXPECT_EQ(c.joints.of(c.bodies[1]).size(), 2u);
@@ -75,7 +75,7 @@ TYPED_TEST(JointTableTest, AJointNeedsTwoBodiesOfWhichOneMoves) {
 
 // The load is the impulse of the step over its length. A joint that breaks notifies its bodies; removing it later does
 // not.
-TYPED_TEST(JointTableTest, WhatBearsTooMuchBreaks) {
+TYPED_TEST(JointTableTest, OverloadedJointsBreak) {
   constexpr int D = TypeParam::D;
   for (const Real dt : {Real(0.5), Real(0.25)}) {
     Chain<D> c;
@@ -153,7 +153,7 @@ TYPED_TEST(JointTableTest, JointedBodiesAreUnpairedUnlessTheyShallCollide) {
   EXPECT_FALSE(contains(0, 1) || contains(1, 2));
 }
 
-TYPED_TEST(JointTableTest, RecordsFromElsewhereAreListedAnew) {
+TYPED_TEST(JointTableTest, CopiedRecordsAreListed) {
   constexpr int D = TypeParam::D;
   Chain<D> c;
   c.joints.remove(c.links[0], c.table);

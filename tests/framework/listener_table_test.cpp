@@ -45,7 +45,7 @@ struct Room : Inhabitants<D> {
   void next() { before = std::exchange(now, {}), this->table.events.clear(); }
 };
 
-TYPED_TEST(ListenerTableTest, EachHearsOfAContactOnce) {
+TYPED_TEST(ListenerTableTest, EachListenerReceivesAContactOnce) {
   constexpr int D = TypeParam::D;
   Room<D> r;
   Listener<D> all, first, last, both;
@@ -97,7 +97,7 @@ TYPED_TEST(ListenerTableTest, PairsBeginPersistAndEndWithAllTheirParts) {
 }
 
 // Contacts that are generated again within a step, or again for sleeping bodies: listeners are not called again.
-TYPED_TEST(ListenerTableTest, WhatWasSaidStaysWithinAStepAndForSleepers) {
+TYPED_TEST(ListenerTableTest, AnswersStayWithinAStepAndForSleepers) {
   constexpr int D = TypeParam::D;
   for (const bool again : {false, true}) {
     Room<D> r;

@@ -10,7 +10,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace name
 
 const std::vector<std::string> kNames = {"naive", "naive_sphere", "region_tree", "sort_and_sweep", "uniform_grid"};
 
-TEST(Names, ASlipOfThePenIsUnderstood) {
+TEST(Names, TyposAreRecognised) {
   for (const auto& [given, meant] :
        {std::pair("niave", "naive"), std::pair("naiv", "naive"), std::pair("Naive", "naive"),
         std::pair("naive-sphere", "naive_sphere"), std::pair("sort_and_swep", "sort_and_sweep"),
@@ -19,23 +19,23 @@ TEST(Names, ASlipOfThePenIsUnderstood) {
   }
 }
 
-TEST(Names, WhatBeginsSoIsMeantBeforeWhatHoldsIt) {
+TEST(Names, PrefixesAreSuggestedBeforeInnerParts) {
   EXPECT_EQ(meantName({"bullet_gjk_epa", "gjk_epa", "gjk_old"}, "gjk"), "gjk_epa");
 }
 
-TEST(Names, AnotherWordIsNotTakenForOne) {
+TEST(Names, OtherWordsAreNotSuggested) {
   for (const char* given : {"", "x", "bullet", "zzzzz", "an"}) EXPECT_EQ(meantName(kNames, given), "") << given;
   EXPECT_EQ(meantName(kNames, "naive"), "") << "the name is right";
   EXPECT_EQ(meantName({"n", "x"}, "m"), "") << "one letter is all of such a name";
 }
 
-TEST(Names, TheMessageHasBoth) {
+TEST(Names, TheMessageHasSuggestionAndValidNames) {
   EXPECT_EQ(validNames({"f64", "f32"}, "f46"), "; did you mean 'f64'? valid: f64, f32");
   EXPECT_EQ(validNames({"f64", "f32"}, "double"), "; valid: f64, f32");
   EXPECT_EQ(validNames({}, "double"), "; valid: none");
 }
 
-TEST(Names, NothingLongIsASlip) {
+TEST(Names, LongNamesAreNotTypos) {
   const std::string much(1000000, 'x');  // both names long: a table of lengths' product would exhaust memory
   EXPECT_EQ(meantName({"naive", much}, much + "y"), "");
   EXPECT_EQ(meantName({much, "naive"}, "niave"), "naive");
@@ -62,7 +62,7 @@ TEST(Names, AMessageIsOneLine) {
   EXPECT_EQ(oneLine(letters).find('\\'), std::string::npos) << "cut within a character";
 }
 
-TEST(Names, APartOfAStageIsPutInItsPlace) {
+TEST(Names, APartOfAStageIsShownInItsPlace) {
   EXPECT_EQ(placeInPipeline(*stageByName("solver"), "soft_step"), "");
   EXPECT_EQ(placeInPipeline(*stageByName("velocity"), "catto"),
             "velocity is a part of solver: solver=split_solver{velocity=catto}");

@@ -337,7 +337,7 @@ void refuses(const Points<D>& points, const std::string& text) {
   }
 }
 
-TEST(Hull, RefusesWhatHasNoVolume) {
+TEST(Hull, RefusesPointsWithoutVolume) {
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
   refuses<2>({{0, 0}, {1, 0}}, "2 points are given; valid: at least 3");
   refuses<3>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, "3 points are given; valid: at least 4");
@@ -353,7 +353,7 @@ TEST(Hull, RefusesWhatHasNoVolume) {
 }
 
 // A hull filled in by the caller has vertices, edges and faces; derived data is computed when the shape is made.
-TEST(Hull, MadeByHandKnowsItsNeighbours) {
+TEST(Hull, HandMadeHullsGetTheirNeighbours) {
   const Hull<3> whole = hullOf<3>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   Polytope<3> hand = *whole;
   hand.spokes.clear(), hand.firstSpoke.clear();

@@ -64,7 +64,7 @@ bool are(const MemoryUse& a, const MemoryUse& b) {
   return a.allocations == b.allocations && a.allocated == b.allocated && a.held == b.held;
 }
 
-TEST(ProfilerMemory, ScopesTellWhatTheyUsedThemselves) {
+TEST(ProfilerMemory, ScopesReportTheirOwnUse) {
   Profiler profiler;
   profiler.countMemory([] { return used; });
   profiler.keepFrames(true);
@@ -85,7 +85,7 @@ TEST(ProfilerMemory, ScopesTellWhatTheyUsedThemselves) {
   test::expectCaught("tells twice", are(of(profiler.frame(), "solver"), {2, 101, 101}));
 }
 
-TEST(ProfilerMemory, IsNotThereWhereNobodyCounts) {
+TEST(ProfilerMemory, IsAbsentWithoutACounter) {
   Profiler profiler;
   profiler.keepFrames(true);
   step<Profiler::Scope>(profiler);

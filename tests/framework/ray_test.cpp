@@ -129,7 +129,7 @@ void missedForEver() {
   world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
   EXPECT_TRUE(world.ray(at<D>(0, Real(1.9)), at<D>(1, -1), kInfinite, false).empty()) << "through its box, past it";
 }
-TEST(Ray, AMissIsOneHoweverFarItMayReach) { missedForEver<2>(), missedForEver<3>(); }
+TEST(Ray, InfiniteRaysMissAsFiniteOnes) { missedForEver<2>(), missedForEver<3>(); }
 
 // --- in a world -----------------------------------------------------------------------------------------------------
 
@@ -189,7 +189,7 @@ void worldRays() {
   EXPECT_EQ(metBy<D>(world, {.category = 2}).size(), 4u);
   EXPECT_EQ(world.ray(at<D>(-5, 0), at<D>(1, 0), 100, false).size(), 4u) << "without a filter every shape";
 }
-TEST(Ray, AWorldTellsNormalsAndUserDataAndFilters) { worldRays<2>(), worldRays<3>(); }
+TEST(Ray, WorldRaysReturnNormalsAndUserDataAndFilter) { worldRays<2>(), worldRays<3>(); }
 
 template <int D>
 void refusedRays() {
@@ -211,7 +211,7 @@ void refusedRays() {
   EXPECT_EQ(world.ray(at<D>(0, 0), at<D>(0, 0), 1, false).size(), 1u) << "no direction: who holds the point";
   EXPECT_TRUE(world.ray(at<D>(2, 0), at<D>(0, 0), 1, false).empty());
 }
-TEST(Ray, OneThatIsNoRayIsRefused) { refusedRays<2>(), refusedRays<3>(); }
+TEST(Ray, InvalidRaysAreRefused) { refusedRays<2>(), refusedRays<3>(); }
 
 // In a compound, the part that the ray enters first gives the normal.
 template <int D>
@@ -230,7 +230,7 @@ void compoundNormals() {
   ASSERT_EQ(below.size(), 1u);
   EXPECT_LE((below[0].normal - at<D>(0, -1)).norm(), 1e-6);
 }
-TEST(Ray, OfACompoundItsPartGivesTheNormal) { compoundNormals<2>(), compoundNormals<3>(); }
+TEST(Ray, TheFirstPartOfACompoundGivesTheNormal) { compoundNormals<2>(), compoundNormals<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::ray_test

@@ -46,7 +46,7 @@ void defaults() {
   }
   expectCaught("another restitution", alike(Settings::lpc2009(D).shape<D>(own.shape), own));
 }
-TEST(Settings, AreWhatWorldsAndShapesAreByThemselves) { defaults<2>(), defaults<3>(); }
+TEST(Settings, DefaultsAreThoseOfWorldsAndShapes) { defaults<2>(), defaults<3>(); }
 
 // Values of A.3.6 of the report; A.4 for the mixing of a pair's materials.
 TEST(Settings, OfTheReport) {
@@ -117,7 +117,7 @@ void afterwards() {
   EXPECT_EQ(before.shapes()[0].friction, Real(0.5));
   EXPECT_EQ(before.shapes()[1].friction, Real(0.1));
 }
-TEST(Settings, ReachOnlyWhatIsMadeAfterwards) { afterwards<2>(), afterwards<3>(); }
+TEST(Settings, AffectOnlyLaterObjects) { afterwards<2>(), afterwards<3>(); }
 
 // v' = -c v / m: exp(-0.5) of the speed remains after one second, within 1 % with 64 steps.
 TEST(Settings, AirSlows) {
@@ -166,7 +166,7 @@ Real depthAfter(const Settings& s) {
 }
 
 // Each position resolver and solver with a slop parameter: smaller depths stay, larger ones are corrected.
-TEST(Settings, OneSlopForWhoeverPushesOut) {
+TEST(Settings, SlopReachesEveryPositionResolver) {
   std::vector<std::string> solvers;
   for (const auto& [key, entry] : Registry::instance().all()) {
     const auto& [stage, dimension, name] = key;

@@ -133,12 +133,12 @@ struct Searched {
   void remove(std::size_t, std::size_t slot, std::uint64_t& visits) { ++visits, owners[slot] = -1; }
 };
 
-TEST(SlotLists, EachHasHisOwnInOrder) {
+TEST(SlotLists, EachOwnerHasItsSlotsInOrder) {
   EXPECT_TRUE(keepsEachHisOwnInOrder(SlotLists()));
   EXPECT_TRUE(keepsEachHisOwnInOrder(Searched()));
   expectCaught("whose slots, in the order in which they came", keepsEachHisOwnInOrder(Appended()));
 }
-TEST(SlotLists, CostWhatEachHas) {
+TEST(SlotLists, CostIsThatOfTheOwnersSlots) {
   EXPECT_TRUE(costsWhatEachHas(SlotLists()));
   expectCaught("whose slots, searched for", costsWhatEachHas(Searched()));
 }

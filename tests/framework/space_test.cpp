@@ -99,7 +99,7 @@ void staysOne() {
   expectFalsified(
       "M1 without normalising", [] { staysRotation<D>([](auto& q, auto& v) { return plainProduct(q, v); }); }, 40);
 }
-TEST(Rotation, StaysOne) { staysOne<2>(), staysOne<3>(); }
+TEST(Rotation, StaysARotation) { staysOne<2>(), staysOne<3>(); }
 
 // M2: a pose and its inverse cancel.
 template <int D, class Inverse>

@@ -43,7 +43,7 @@ void bothWays(Print print) {
   p[StageKind::solver] = s;
   RC_ASSERT(Pipeline::parse(p.text()) == p);
 }
-TEST(Spec, BothWays) {
+TEST(Spec, TextsRoundTrip) {
   check(
       "text and back", [] { bothWays([](const Spec& s) { return s.text(); }); }, 300);
   expectFalsified("a printer that forgets what is nested", [] {
@@ -95,7 +95,7 @@ TEST(Pipeline, Parses) {
 }
 
 // Result files hold these texts: they must not change when the list of stages is reordered.
-TEST(Pipeline, TextsStandForEver) {
+TEST(Pipeline, TextsNeverChange) {
   EXPECT_EQ(Pipeline{}.text(),
             "broadphase=sort_and_sweep contacts=sat_clip cache=by_feature continuous=none solver=split_solver "
             "sleep=none");
@@ -210,7 +210,7 @@ TEST(Registry, CanonicalTextSpellsEverythingOut) {
 }
 
 // A recursive parser would run out of stack on deeply nested input.
-TEST(Spec, IsNotNestedWithoutEnd) {
+TEST(Spec, NestingIsLimited) {
   const auto nested = [](int n) {
     std::string text;
     for (int i = 0; i < n; ++i) text += "a{b=";
@@ -251,7 +251,7 @@ class Twin final : public SleepPolicy<D> {
   static AlgorithmInfo info() { return {.name = "none", .summary = "a second one", .paper = "", .complexity = "1"}; }
   void decide(const SleepInput<D>&, std::span<std::uint8_t>, std::span<std::array<Real, 2>>) override {}
 };
-TEST(RegistryDeathTest, ASecondOfTheSameNameAborts) {
+TEST(RegistryDeathTest, ADuplicateNameAborts) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   using Second = Registrar<SleepPolicy, Twin, 2>;
   EXPECT_DEATH(Second("here"), "two algorithms are registered as sleep none \\(2D\\)");

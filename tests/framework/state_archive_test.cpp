@@ -41,7 +41,7 @@ SavedState<D> readFrom(const std::string& bytes) {
   return readState<D>(in);
 }
 
-TYPED_TEST(StateArchiveTest, WhatIsReadIsWhatWasWritten) {
+TYPED_TEST(StateArchiveTest, BytesRoundTrip) {
   constexpr int D = TypeParam::D;
   const SavedState<D> s = someState<D>();
   const std::string bytes = bytesOf(s);

@@ -50,7 +50,7 @@ void livesAsItsBodyDoes() {
   BodyDef<D> plain = body<D>(Shape<D>::sphere(1), at<D>(0, 9));
   EXPECT_EQ(world.userData(world.add(plain)), 0u) << "a slot that is used again remembers nothing";
 }
-TEST(UserData, LivesAsItsBodyDoes) { livesAsItsBodyDoes<2>(), livesAsItsBodyDoes<3>(); }
+TEST(UserData, LivesAsLongAsItsBody) { livesAsItsBodyDoes<2>(), livesAsItsBodyDoes<3>(); }
 
 // Every contact event gives access to the data of both bodies, also of a body that is being removed.
 template <int D>
@@ -93,7 +93,7 @@ void eventsLeadToIt() {
   EXPECT_EQ(names.text, "e 10 30 11 21;");
   EXPECT_FALSE(world.valid(a));
 }
-TEST(UserData, EventsOfContactsLeadToIt) { eventsLeadToIt<2>(), eventsLeadToIt<3>(); }
+TEST(UserData, ContactEventsGiveAccessToIt) { eventsLeadToIt<2>(), eventsLeadToIt<3>(); }
 
 // A step with user data equals a step without it, bit by bit.
 template <int D>

@@ -68,7 +68,7 @@ TYPED_TEST(WorldTest, ASavedWorldMayEndInFreeSlots) {
   EXPECT_EQ(loaded.hash(), saved.hash());
 }
 
-TYPED_TEST(WorldTest, NoTimeChangesNothing) {
+TYPED_TEST(WorldTest, AStepOfZeroSecondsChangesNothing) {
   constexpr int D = TypeParam::D;
   World<D> world;
   addHeap(world, 5, 1);
@@ -195,7 +195,7 @@ TYPED_TEST(WorldTest, UserForceActsForOneStep) {
 }
 
 // One visit of each body, event and contact: ten times the bodies cost ten times as much.
-TYPED_TEST(WorldTest, UserForcesCostWhatTheForcesCost) {
+TYPED_TEST(WorldTest, UserForcesCostLinearTime) {
   constexpr int D = TypeParam::D;
   for (const int n : {1000, 10'000}) {
     World<D> world(Pipeline::parse("sleep=split_average"));
@@ -385,7 +385,7 @@ TYPED_TEST(WorldTest, InvariantsOfAFreeBodyAreClosedForms) {
 }
 
 // For a body so small that the determinant of its inertia underflows a double.
-TEST(Invariants, OfASpeckAreNumbers) {
+TEST(Invariants, OfATinyBodyAreFinite) {
   World<3> world;
   auto def = body<3>(Shape<3>::sphere(Real(1e-100)), at<3>(0, 0));
   def.shapes[0].density = Real(1e300);

@@ -98,7 +98,7 @@ void bodiesComeAndGoInAll() {
 TEST(Compare, BodiesComeAndGoInAll) { bodiesComeAndGoInAll<2>(), bodiesComeAndGoInAll<3>(); }
 
 // The session's actions do not contain this impulse: only the competitor's own world changes.
-TEST(Compare, WhenOneFallsTheOthersGoOn) {
+TEST(Compare, OneFailureDoesNotStopTheOthers) {
   Session<2> session(pile<2>(), {"", "", "solver=soft_step"}), whole(pile<2>(), {"", "", "solver=soft_step"});
   steps(session, 10), steps(whole, 30);
   session.world(1).applyImpulse(session.handle(3, 1), {Vec<2>(1.7e308, 0), {}});
@@ -147,7 +147,7 @@ void enginesBeginAnew() {
   EXPECT_GT(asked, 80);
   expectCaught("a step back that does not go back", seen[39] == seen[0]);
 }
-TEST(Compare, EnginesBeginAnew) { enginesBeginAnew<2>(), enginesBeginAnew<3>(); }
+TEST(Compare, EnginesStepBackByRestarting) { enginesBeginAnew<2>(), enginesBeginAnew<3>(); }
 
 TEST(Compare, AnEngineThatTakesTooLongIsGivenUp) {
   Session<2> session(pile<2>(), {"", "engine=stand_in"});
@@ -172,7 +172,7 @@ TEST(Compare, AnEngineThatTakesTooLongIsGivenUp) {
 
 // An action that an engine cannot do: its competitor fails, says why, and fails again when the action is replayed. Such
 // an action before the first step, or at a step with a kept world, once aborted the step back half-way.
-TEST(Compare, WhatOneLaneCannotIsItsOwnFall) {
+TEST(Compare, AnUnsupportedActionFailsOneCompetitorOnly) {
   for (const int before : {0, 30}) {
     Session<2> session(pile<2>(), {"", "engine=stand_in", "solver=soft_step"});
     steps(session, before);

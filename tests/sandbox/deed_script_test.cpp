@@ -236,7 +236,7 @@ void isItsScript() {
   }
 }
 
-TEST(SandboxScript, IsWhatWasDone) {
+TEST(SandboxScript, ReplaysTheSession) {
   check("2D", isItsScript<2, Session<2>, asTheyAre<2>>, 60);
   check("3D", isItsScript<3, Session<3>, asTheyAre<3>>, 40);
   expectFalsified("a hand after all of a step", isItsScript<2, LateSession<2>, asTheyAre<2>>, 60);
@@ -244,7 +244,7 @@ TEST(SandboxScript, IsWhatWasDone) {
 }
 
 // Actions before the next step are in the script, which then continues.
-TEST(SandboxScript, WhatIsToComeIsPlayed) {
+TEST(SandboxScript, ActionsBeforeTheNextStepAreIncluded) {
   const SceneFile file = played();
   Session<2> session(file.build<2>({}, 1), {""});
   for (int i = 0; i < 5; ++i) session.step();
@@ -259,7 +259,7 @@ TEST(SandboxScript, WhatIsToComeIsPlayed) {
 }
 
 // The playing script may itself have been written by a session: its names never collide with new ones.
-TEST(SandboxScript, GoesOnFromOneOfItsOwn) {
+TEST(SandboxScript, ContinuesFromItsOwnScript) {
   std::string text = kScript;
   std::uint64_t last = 0;
   for (int round = 0; round < 3; ++round) {

@@ -137,7 +137,7 @@ TEST_F(Canvas, LinesAndPointsAreWhereTheWorldHasThem) {
   EXPECT_GT(seen[1], 20);
 }
 
-TEST_F(Canvas, WhatIsBehindIsCovered) {
+TEST_F(Canvas, NearerShapesCoverFartherOnes) {
   const auto camera = this->camera<3>();
   const Shape<3> small = Shape<3>::box({Real(0.5), Real(0.5), Real(0.5)}), large = Shape<3>::box({2, 2, 2});
   const Pose<3> behind = at<3>(-4 * camera.towards()), before = at<3>({0, 0, 0});
@@ -171,7 +171,7 @@ TEST_F(Canvas, WhatIsBehindIsCovered) {
 
 // Bodies inside a closed static shape are visible, and so is an empty inside. A static body behind everything is
 // opaque.
-TEST_F(Canvas, AWallIsOfGlassWhileItHidesABody) {
+TEST_F(Canvas, StaticBodiesAreTransparentWhileTheyHideABody) {
   const auto camera = this->camera<3>();
   const Shape<3> wall = Shape<3>::sphere(2), ball = Shape<3>::sphere(Real(0.5));
   Look fixed = kRedBody;
@@ -193,7 +193,7 @@ TEST_F(Canvas, AWallIsOfGlassWhileItHidesABody) {
   EXPECT_EQ(solid.green, 0);
 }
 
-TEST_F(Canvas, WhatMovesIsBeforeWhatIsFixed) {
+TEST_F(Canvas, DynamicBodiesAreDrawnOverStaticOnes) {
   const Shape<2> shape = Shape<2>::box({2, 2});
   Look fixed = kBlueBody;
   fixed.moves = false;
@@ -315,7 +315,7 @@ TEST_F(Canvas, AViewEndsAtItsFrame) {
 }
 
 // Meshes are cached by the shape's coordinates, not by address: a new hull may get the address of an old one.
-TEST_F(Canvas, MeshesAreOfTheirShapes) {
+TEST_F(Canvas, MeshesAreCachedByShape) {
   GlCanvas<2> canvas;
   int reds[2];
   for (const int k : {0, 1}) {

@@ -52,10 +52,10 @@ void picks() {
   EXPECT_EQ(pick(t.session.world(), t.camera, Vec<2>(1, 1)).slot, -1);
   expectCaught("nobody is ever under the cursor", pick(t.session.world(), t.camera, t.pixel(0, 0)).slot == -1);
 }
-TEST(SandboxHand, WhoIsUnderTheCursorIsPicked) { picks<2>(), picks<3>(); }
+TEST(SandboxHand, PicksTheBodyUnderTheCursor) { picks<2>(), picks<3>(); }
 
 // In 2D a dynamic body is picked before static ones; in 3D the nearer body.
-TEST(SandboxHand, OfTwoTheOneInFrontIsPicked) {
+TEST(SandboxHand, PicksTheBodyInFront) {
   Table<2> plane;
   plane.session.perform(AddBody<2>{BodyDef<2>::fixed({.shape = Shape<2>::box({4, 4})})});
   const int ball = plane.add(1, 1);
@@ -283,7 +283,7 @@ void turnsAsOne() {
   fixed.t.hand.select({3}), fixed.t.hand.turn(Real(0.5));
   EXPECT_TRUE(fixed.turnedAbout(middle, Real(0.5)));
 }
-TEST(SandboxHand, TurnsWhatIsSelectedAsOne) { turnsAsOne<2>(), turnsAsOne<3>(); }
+TEST(SandboxHand, RotatesTheSelectionAsOneBody) { turnsAsOne<2>(), turnsAsOne<3>(); }
 
 // While paused, the held body carries and rotates the whole selection.
 template <int D>
@@ -308,7 +308,7 @@ void carriesAll() {
   EXPECT_EQ(t.session.deeds().size(), 6u);
   EXPECT_EQ(t.place(other), Table<D>::at(-3, -3));
 }
-TEST(SandboxHand, CarriesAllThatAreSelected) { carriesAll<2>(), carriesAll<3>(); }
+TEST(SandboxHand, CarriesTheSelection) { carriesAll<2>(), carriesAll<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::hand_test

@@ -15,7 +15,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace lane
 
 // --- labels ---------------------------------------------------------------------------------------------------------
 
-TEST(CompareSeen, TitlesSayWhatIsOtherwise) {
+TEST(CompareSeen, TitlesShowDifferences) {
   EXPECT_EQ(laneTitle("", 2), "the default stages");
   EXPECT_EQ(laneTitle("solver=soft_step{substeps=2}", 3), "solver=soft_step{substeps=2}");
   EXPECT_EQ(laneTitle("solver=split_solver{velocity=naive}", 2), "velocity=naive");
@@ -75,7 +75,7 @@ void coloursAreToldApart() {
     for (std::size_t j = 0; j < i; ++j) RC_ASSERT(difference(colours[i], colours[j]) >= kToldApart);
   }
 }
-TEST(CompareSeen, ColoursAreToldApart) {
+TEST(CompareSeen, ColoursAreDistinct) {
   check("any competitors", coloursAreToldApart<false>, 100);
   expectFalsified("the family's colour for all of it", coloursAreToldApart<true>);
 }

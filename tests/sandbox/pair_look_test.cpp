@@ -83,7 +83,7 @@ void looks() {
   pair.look.nobody("nobody is selected");
   EXPECT_EQ(pair.look.says(), "nobody is selected");
 }
-TEST(SandboxPair, IsLookedIntoOnce) { looks<2>(), looks<3>(); }
+TEST(SandboxPair, IsTracedOncePerState) { looks<2>(), looks<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::pair_look_test

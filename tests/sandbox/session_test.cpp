@@ -127,13 +127,13 @@ void backIsWhereItWas() {
   }
 }
 
-TEST(Sandbox, BackIsWhereItWas) {
+TEST(Sandbox, SteppingBackRestoresTheState) {
   check("2D", backIsWhereItWas<Careful, 2>, 40);
   check("3D", backIsWhereItWas<Careful, 3>, 40);
   expectFalsified("deeds that are not remembered", backIsWhereItWas<Forgetful, 2>);
 }
 
-TEST(Sandbox, EqualLanesNeverPartAndOthersAreMeasured) {
+TEST(Sandbox, EqualCompetitorsNeverDivergeAndOthersAreMeasured) {
   Session<2> equal(heap<2>(), {"", "sleep=none"});
   Session<2> others(heap<2>(), {"", "solver=soft_step"});
   for (int i = 0; i < 120; ++i) equal.step(), others.step();
@@ -148,7 +148,7 @@ TEST(Sandbox, EqualLanesNeverPartAndOthersAreMeasured) {
 }
 
 // Values that no view shows are not computed.
-TEST(Sandbox, EnergyAndPenetrationAreOfThoseStepsThatAreLookedAt) {
+TEST(Sandbox, EnergyAndPenetrationAreComputedOnlyWhenShown) {
   Session<2> session(heap<2>(), {"", "solver=soft_step"});
   for (int i = 0; i < 90; ++i) {
     session.measure(i >= 60);
@@ -166,7 +166,7 @@ TEST(Sandbox, EnergyAndPenetrationAreOfThoseStepsThatAreLookedAt) {
 }
 
 // A competitor that diverges stops there, says why, and can be stepped back.
-TEST(Sandbox, ALaneThatFallsCanBeSteppedBack) {
+TEST(Sandbox, AFailedCompetitorCanBeSteppedBack) {
   Session<2> session(heap<2>(), {""});
   session.step();
   const std::uint64_t before = session.world().hash();
@@ -184,7 +184,7 @@ TEST(Sandbox, ALaneThatFallsCanBeSteppedBack) {
 }
 
 // Also before its first step: all competitors step back together, and one that cannot follow stays where it failed.
-TEST(Sandbox, ALaneThatAloneCannotIsLeftBehind) {
+TEST(Sandbox, ACompetitorThatCannotFollowStaysBehind) {
   Session<3> session(heap<3>(), {"contacts=query_clip", "contacts=sat_clip"});
   BodyDef<3> def = ball<3>(1, 2);
   def.shapes[0].shape = Shape<3>::curved(ShapeKind::cylinder, std::vector<Real>{Real(0.5), Real(0.5)});
@@ -198,7 +198,7 @@ TEST(Sandbox, ALaneThatAloneCannotIsLeftBehind) {
   EXPECT_EQ(session.lanes()[1].fallen, why);
 }
 
-TEST(Sandbox, WhatAHandCannotDoIsRefusedAndChangesNothing) {
+TEST(Sandbox, InvalidActionsAreRefusedAndChangeNothing) {
   Session<2> session(heap<2>(), {""});
   const std::uint64_t before = session.world().hash();
   EXPECT_THROW(session.perform(RemoveBody{99}), UserError);
@@ -222,7 +222,7 @@ TEST(Sandbox, ASavedWorldOfOtherFeaturesIsRefused) {
   EXPECT_THROW(Session<2>(scene, {""}), UserError);
 }
 
-TEST(Sandbox, StagesAreExchangedInOneLaneAlone) {
+TEST(Sandbox, StagesChangeInOneCompetitorOnly) {
   Session<2> session(heap<2>(), {"", ""});
   session.perform(ExchangeStages{1, "solver=soft_step"});
   EXPECT_EQ(session.lanes()[0].pipeline, "");
@@ -235,7 +235,7 @@ TEST(Sandbox, StagesAreExchangedInOneLaneAlone) {
   EXPECT_EQ(session.lanes()[1].pipeline, "solver=soft_step");
 }
 
-TEST(Sandbox, ALabelSaysWhatIsNotTheDefault) {
+TEST(Sandbox, LabelsShowWhatIsNotTheDefault) {
   EXPECT_EQ(laneLabel("", 2), "the default stages");
   EXPECT_EQ(laneLabel("solver=soft_step sleep=none", 3), "solver=soft_step");
   EXPECT_EQ(laneLabel("solver=split_solver{velocity=catto{iterations=20},order=stored} broadphase=naive", 2),

@@ -93,7 +93,7 @@ void look() {
   RC_ASSERT(share.maxCoeff() >= Real(D == 2 ? 0.9 : 0.5));
 }
 
-TEST(ViewCamera, SeesAsItsMatrix) {
+TEST(ViewCamera, AgreesWithItsMatrix) {
   check("2D", [] { seesAsItsMatrix<ViewCamera<2>, 2>(); });
   check("3D", [] { seesAsItsMatrix<ViewCamera<3>, 3>(); });
   expectFalsified("y not flipped, 2D", [] { seesAsItsMatrix<UpIsDown<2>, 2>(); });
@@ -111,7 +111,7 @@ TEST(ViewCamera, KeepsWhatIsUnderTheMouse) {
   expectFalsified("zooms about the middle, 3D", [] { keepsWhatIsUnderTheMouse<ZoomsAboutTheMiddle<3>, 3>(); });
 }
 
-TEST(ViewCamera, LooksAtAllOfABox) {
+TEST(ViewCamera, ShowsAWholeBox) {
   check("2D", look<2>);
   check("3D", look<3>);
 }
@@ -171,7 +171,7 @@ void looksAtTheFloor() {
   EXPECT_LT(lowest(2.9), 600);
   EXPECT_GT(lowest(30), 600);
 }
-TEST(ViewCamera, LooksAtTheFloorThatTheyFallOn) {
+TEST(ViewCamera, ShowsTheFloorBelowFallingBodies) {
   looksAtTheFloor<2>();
   looksAtTheFloor<3>();
 }

@@ -68,7 +68,7 @@ TEST(Window, OneAfterAnother) {
   }
 }
 
-TEST(Window, TakesFilesAndTellsWhatIsForPanels) {
+TEST(Window, TakesFilesAndSeparatesPanelInput) {
   Window window("test", 300, 200);
   SDL_Event drop{};
   drop.type = SDL_DROPFILE;

@@ -40,7 +40,7 @@ void costs() {
     EXPECT_EQ(visitsOfChanging<D>(n, true), static_cast<std::uint64_t>(6 * n));
   }
 }
-TEST(ChangeCost, AllBodiesCostWhatTheyAre) { costs<2>(), costs<3>(); }
+TEST(ChangeCost, ChangingAllBodiesIsLinear) { costs<2>(), costs<3>(); }
 
 // A hub with n bodies jointed to it.
 template <int D, class Remove>
@@ -77,7 +77,7 @@ void hubs() {
                  world.remove(hub);
                }));
 }
-TEST(ChangeCost, AHubCostsWhatItsJointsAre) { hubs<2>(), hubs<3>(); }
+TEST(ChangeCost, RemovingAHubIsLinearInItsJoints) { hubs<2>(), hubs<3>(); }
 
 using Lists = std::vector<std::vector<std::int32_t>>;  // by body slot
 struct Whose {
@@ -176,7 +176,7 @@ void lives() {
   expectCaught("whose shapes are whose, a change late", staleShapes == 0);
   expectCaught("whose joints are whose, a change late", staleJoints == 0);
 }
-TEST(ChangeCost, WhoseShapesAndJointsAreWhoseIsRight) { lives<2>(), lives<3>(); }
+TEST(ChangeCost, ShapesAndJointsStayWithTheirBodies) { lives<2>(), lives<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::change_cost_test

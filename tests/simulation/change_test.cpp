@@ -74,7 +74,7 @@ void isAsIfAddedSo(Draw& draw, const Change<D>& change) {
   RC_ASSERT(changed.bodies().userData[i] == added.bodies().userData[i]);
 }
 
-TYPED_TEST(ChangeTest, ChangedIsAsIfAddedSo) {
+TYPED_TEST(ChangeTest, AChangedBodyEqualsOneAddedInThatForm) {
   constexpr int D = TypeParam::D;
   const Change<D> right = [](World<D>& w, Handle b, const BodyDef<D>& def) { w.change(b, def); };
   check("a changed body lives as if it had been added so", [&] {
@@ -137,7 +137,7 @@ TYPED_TEST(ChangeTest, AShapeGoesAndTheRestStays) {
                keepsWhatIsLeft<D>([](World<D>& w, Handle b, const BodyDef<D>& def) { w.remove(b), w.add(def); }));
 }
 
-TYPED_TEST(ChangeTest, WhatIsLeftAsItWasStays) {
+TYPED_TEST(ChangeTest, AnUnchangedDefinitionOnlyWakes) {
   constexpr int D = TypeParam::D;
   World<D> changed, woken;
   for (World<D>* w : {&changed, &woken}) {
@@ -153,7 +153,7 @@ TYPED_TEST(ChangeTest, WhatIsLeftAsItWasStays) {
 }
 
 // A new centre of mass keeps the rigid motion, before any force acts.
-TYPED_TEST(ChangeTest, ANewCentreMovesAsItsPlaceDid) {
+TYPED_TEST(ChangeTest, ANewCentreKeepsTheMotion) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(2, 1));
@@ -207,7 +207,7 @@ TYPED_TEST(ChangeTest, MergedKeepsMomenta) {
   });
 }
 
-TYPED_TEST(ChangeTest, TakenApartMovesOn) {
+TYPED_TEST(ChangeTest, SplitPartsKeepMoving) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   BodyDef<D> def;
@@ -250,7 +250,7 @@ TYPED_TEST(ChangeTest, JointsFollow) {
 }
 
 // A new material also applies to existing contacts, whatever the cache keeps.
-TYPED_TEST(ChangeTest, AMaterialIsNewAtOnce) {
+TYPED_TEST(ChangeTest, ANewMaterialAppliesToExistingContacts) {
   constexpr int D = TypeParam::D;
   for (const Registered* cache : Registry::instance().list(StageKind::cache, D)) {
     if (!competes(*cache)) continue;
@@ -266,7 +266,7 @@ TYPED_TEST(ChangeTest, AMaterialIsNewAtOnce) {
   }
 }
 
-TYPED_TEST(ChangeTest, WhoIsFixedOnAFloorTouchesItNoMore) {
+TYPED_TEST(ChangeTest, ABodyMadeStaticLosesStaticContacts) {
   constexpr int D = TypeParam::D;
   World<D> world;
   addGround(world);
@@ -282,7 +282,7 @@ TYPED_TEST(ChangeTest, WhoIsFixedOnAFloorTouchesItNoMore) {
   EXPECT_EQ(heard.ends, 1);
 }
 
-TYPED_TEST(ChangeTest, AMouseKnowsWhatItDrags) {
+TYPED_TEST(ChangeTest, AMouseJointUsesTheChangedMass) {
   constexpr int D = TypeParam::D;
   std::array<Real, 2> reached{};
   for (const bool later : {false, true}) {
@@ -301,7 +301,7 @@ TYPED_TEST(ChangeTest, AMouseKnowsWhatItDrags) {
   EXPECT_NEAR(reached[0], reached[1], 1e-4);
 }
 
-TYPED_TEST(ChangeTest, WhatPushesOneOfTwoPushesBoth) {
+TYPED_TEST(ChangeTest, AForceOnAMergedBodyMovesTheWhole) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   const Handle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
@@ -314,7 +314,7 @@ TYPED_TEST(ChangeTest, WhatPushesOneOfTwoPushesBoth) {
 }
 
 // The rolling resistance of a ball depends on its own load, not on what other bodies load onto the floor.
-TYPED_TEST(ChangeTest, RollingResistanceIsABallsOwn) {
+TYPED_TEST(ChangeTest, RollingResistanceUsesTheBallsOwnLoad) {
   constexpr int D = TypeParam::D;
   std::array<Real, 2> speed{};
   for (const int others : {0, 60}) {
@@ -352,7 +352,7 @@ TYPED_TEST(ChangeTest, ForcesFollow) {
   EXPECT_GT(world.motion(a).w[D == 3 ? 2 : 0], 0);
 }
 
-TYPED_TEST(ChangeTest, WhatMakesNoBodyIsRefusedAndChangesNothing) {
+TYPED_TEST(ChangeTest, InvalidChangesAreRefusedAndChangeNothing) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
@@ -402,7 +402,7 @@ TYPED_TEST(ChangeTest, GravityOfABodyAndOfTheWorld) {
   EXPECT_NEAR(world.motion(bodies[0]).v[0] - before, 3 * double(kDt), 1e-5);
 }
 
-TYPED_TEST(ChangeTest, AWeightByHand) {
+TYPED_TEST(ChangeTest, MassSetByTheUserIsUsed) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
@@ -427,7 +427,7 @@ TYPED_TEST(ChangeTest, AWeightByHand) {
   EXPECT_NO_THROW(world.add(BodyDef<D>{.type = BodyType::fixed}));
 }
 
-TYPED_TEST(ChangeTest, ImpulsesMoveWhatCanMove) {
+TYPED_TEST(ChangeTest, ImpulsesMoveDynamicBodies) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
@@ -484,7 +484,7 @@ TYPED_TEST(ChangeTest, TheSameStagesAgainChangeNothing) {
   EXPECT_EQ(exchanged.hash(), left.hash());
 }
 
-TYPED_TEST(ChangeTest, OfOneBody) {
+TYPED_TEST(ChangeTest, QueriesOfOneBody) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(3, 0)));

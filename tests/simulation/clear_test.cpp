@@ -133,7 +133,7 @@ void ends() {
   EXPECT_TRUE(tellsEnds<D>(clears<D>));
   expectCaught("a world is cleared and no end is told", tellsEnds<D>(loadsAnEmptyWorld<D>));
 }
-TEST(ClearTest, EndsAreToldAsOfRemoving) { ends<2>(), ends<3>(); }
+TEST(ClearTest, ClearingReportsTheSameEndsAsRemoving) { ends<2>(), ends<3>(); }
 
 template <int D>
 bool handlesAreNobodys(const Clear<D>& clear) {
@@ -170,7 +170,7 @@ void handles() {
   EXPECT_TRUE(handlesAreNobodys<D>(clears<D>));
   expectCaught("a world is cleared and old handles are of new bodies", handlesAreNobodys<D>(loadsAnEmptyWorld<D>));
 }
-TEST(ClearTest, HandlesOfBeforeAreNobodys) { handles<2>(), handles<3>(); }
+TEST(ClearTest, OldHandlesStayInvalid) { handles<2>(), handles<3>(); }
 
 template <int D>
 std::uint64_t visitsOfClearing(int n, const Clear<D>& clear) {
@@ -197,7 +197,7 @@ void costs() {
   EXPECT_TRUE(isLinear<D>(clears<D>));
   expectCaught("a world is cleared body by body", isLinear<D>(removesEachBody<D>));
 }
-TEST(ClearTest, CostsWhatThereIs) { costs<2>(), costs<3>(); }
+TEST(ClearTest, CostIsLinear) { costs<2>(), costs<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::clear_test

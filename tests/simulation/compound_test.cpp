@@ -119,7 +119,7 @@ void sameLife() {
                  partsFrom(one, other, 180) == -1);
   }
 }
-TEST(Compound, LivesAsItsPartsOnOneBody) { sameLife<2>(), sameLife<3>(); }
+TEST(Compound, EqualsItsPartsOnOneBody) { sameLife<2>(), sameLife<3>(); }
 
 // Queries to static worlds: one with compounds, one with each part as a body. Without `all`, the second world lacks the
 // last part of each compound.
@@ -187,7 +187,7 @@ void sameAnswers() {
   EXPECT_GT(answered.hollow, 20);  // points in a part's bounding box but in no part
   expectCaught("Compound answers without its last part", ask<D>(false).alike);
 }
-TEST(Compound, AnswersAsItsParts) { sameAnswers<2>(), sameAnswers<3>(); }
+TEST(Compound, QueriesEqualThoseOfItsParts) { sameAnswers<2>(), sameAnswers<3>(); }
 
 // A ball dropped into a U comes to rest at the bottom; on the convex hull it would rest on top.
 template <int D>
@@ -204,7 +204,7 @@ void hollowStaysHollow() {
   EXPECT_TRUE(dropped(letterU<D>()));
   expectCaught("Compound is filled", dropped({box<D>(0, 0.1, 0.8, 0.7)}));
 }
-TEST(Compound, WhatIsHollowStaysHollow) { hollowStaysHollow<2>(), hollowStaysHollow<3>(); }
+TEST(Compound, HollowsStayHollow) { hollowStaysHollow<2>(), hollowStaysHollow<3>(); }
 
 // Ten seconds on a floor and on a plane: nothing creeps, tilts or sinks.
 template <int D>

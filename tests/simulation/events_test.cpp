@@ -133,8 +133,8 @@ void everyBroadphaseTellsTheSame() {
   expectFalsified(
       "the same story, a forgotten pair", [] { sameStory<D>("planted_broadphase"); }, 20);
 }
-TEST(Events, EveryBroadphaseTellsTheSame2) { everyBroadphaseTellsTheSame<2>(); }
-TEST(Events, EveryBroadphaseTellsTheSame3) { everyBroadphaseTellsTheSame<3>(); }
+TEST(Events, EveryBroadphaseGivesTheSameEvents2) { everyBroadphaseTellsTheSame<2>(); }
+TEST(Events, EveryBroadphaseGivesTheSameEvents3) { everyBroadphaseTellsTheSame<3>(); }
 
 TEST(Events, EveryStageBalances2) { everyStageBalances<2>(); }
 TEST(Events, EveryStageBalances3) { everyStageBalances<3>(); }

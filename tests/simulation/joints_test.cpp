@@ -63,7 +63,7 @@ void breaksByTorque() {
 TEST(Joints, BreakAboveTheirTorque) { breaksByTorque<2>(), breaksByTorque<3>(); }
 
 // A joint disables the collision of its bodies; once it is broken, they collide.
-TEST(Joints, WhatIsBrokenHoldsNobody) {
+TEST(Joints, BrokenJointsLetBodiesCollide) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);
   const Handle low = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
@@ -117,7 +117,7 @@ TEST(Joints, SleepersDoNotBreak) {
 }
 
 // Joints that the model switches off keep no body awake.
-TEST(Joints, ThatAreSwitchedOffKeepNobodyAwake) {
+TEST(Joints, ThatAreSwitchedOffKeepNoBodyAwake) {
   for (const bool joints : {false, true}) {
     WorldSettings<2> settings;
     settings.features.joints = joints;
@@ -163,7 +163,7 @@ TEST(Joints, NewOnesWakeSleepers) {
   EXPECT_GT(world.pose(box).p[1], 0.6);
 }
 
-TEST(Joints, ErrorsInMetresAndRadiansAreApart) {
+TEST(Joints, ErrorsInMetresAndRadiansAreSeparate) {
   World<3> world;
   const Handle a = world.add(body<3>(Shape<3>::sphere(1), at<3>(0, 0)));
   const Handle b = world.add(body<3>(Shape<3>::sphere(1), at<3>(2, 0)));

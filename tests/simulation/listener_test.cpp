@@ -80,7 +80,7 @@ TYPED_TEST(ListenerTest, ChangesTheRestitutionOfOneContact) {
   EXPECT_GT(highest, 2.7);
 }
 
-TYPED_TEST(ListenerTest, OfABodyHearsOfItAlone) {
+TYPED_TEST(ListenerTest, BodyListenersReceiveOnlyTheirBody) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle ground = addGround(world);
@@ -117,7 +117,7 @@ struct Sides final : ContactListener<D> {
   void end(const World<D>& world, const Manifold<D>& last) override { hear(world, last); }
 };
 
-TYPED_TEST(ListenerTest, KnowsWhichOfTheTwoIsItsOwn) {
+TYPED_TEST(ListenerTest, KnowsWhichBodyItListensTo) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle ground = addGround(world);  // the lower slot: A of all pairs
@@ -137,7 +137,7 @@ TYPED_TEST(ListenerTest, KnowsWhichOfTheTwoIsItsOwn) {
   EXPECT_FALSE(world.isListenerOf(1000, &b));
 }
 
-TYPED_TEST(ListenerTest, WhatIsNoMaterialIsRefused) {
+TYPED_TEST(ListenerTest, InvalidMaterialsAreRefused) {
   constexpr int D = TypeParam::D;
   for (const Real bad : {Real(-1), std::numeric_limits<Real>::quiet_NaN()}) {
     World<D> world;
@@ -231,7 +231,7 @@ std::string storyOfAgain(const std::string& pipeline) {
   return story.told;
 }
 
-TYPED_TEST(ListenerTest, ContactsThatBeginOrEndWithinAStepAreTold) {
+TYPED_TEST(ListenerTest, ContactsThatBeginOrEndWithinAStepGiveEvents) {
   constexpr int D = TypeParam::D;
   for (const std::string cache : {"by_feature", "recycling"}) {
     EXPECT_EQ(storyOfAgain<D>("solver=looks_again cache=" + cache), "b/p/pe//b/") << cache;
@@ -242,7 +242,7 @@ TYPED_TEST(ListenerTest, ContactsThatBeginOrEndWithinAStepAreTold) {
 
 // Contacts of sleeping bodies that are generated again in each step: the bodies stay asleep, listeners receive nothing,
 // and changes to the contacts stay.
-TYPED_TEST(ListenerTest, SleepersContactsAreMadeWhereAsked) {
+TYPED_TEST(ListenerTest, SleepersContactsCanBeGeneratedEachStep) {
   constexpr int D = TypeParam::D;
   std::array<std::uint64_t, 2> tests{};
   std::array<std::uint64_t, 2> hashes{};

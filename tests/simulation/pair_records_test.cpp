@@ -96,7 +96,7 @@ void none() {
     EXPECT_TRUE(world.pairRecords().empty()) << pipeline;
   }
 }
-TEST(PairRecords, AreNotKeptForNobody) { none<2>(), none<3>(); }
+TEST(PairRecords, AreNotKeptWithoutMemoryOrCache) { none<2>(), none<3>(); }
 
 // Records of another method in a saved world do no harm and are dropped.
 template <int D>
@@ -115,7 +115,7 @@ void otherPipelines() {
   }
 }
 // Also if all bodies sleep and no pair is queried.
-TEST(PairRecords, OfSleepersAreForgottenByWhoKeepsNone) {
+TEST(PairRecords, OfSleepersAreDroppedByMethodsWithoutMemory) {
   WorldSettings<2> settings;
   settings.features.sleeping = true;
   World<2> first(Pipeline::parse("contacts=query_clip sleep=split_average"), settings);

@@ -264,7 +264,7 @@ bool armsOfBeforeMatter(const std::string& cache) {
   turning.steps(), asMade.steps();
   return !sameBodies(turning.world, 0, asMade.world, 0, turning.world.bodies().pose.size());
 }
-TEST(Recycling, ArmsOfBeforeAreThoseOfKeptPoints) {
+TEST(Recycling, ArmsAsMadeMatterOnlyForKeptPoints) {
   EXPECT_TRUE(armsOfBeforeMatter<2>("recycling") && armsOfBeforeMatter<3>("recycling"));
   EXPECT_FALSE(armsOfBeforeMatter<2>("by_feature") || armsOfBeforeMatter<3>("by_feature"));
 }
@@ -290,7 +290,7 @@ Real spinOfWhatWasForbidden(const std::string& arms) {
   for (int i = 0; i < 20; ++i) most = std::max(most, run.steps(1).world.bodies().motion[1].w.norm());
   return most;
 }
-TEST(Recycling, ArmsAreRememberedOfForbiddenPointsToo) {
+TEST(Recycling, VetoedPointsKeepTheirArms) {
   for (const char* arms : {"as_made", "turning"}) {
     EXPECT_LT(spinOfWhatWasForbidden<2>(arms), Real(0.01)) << arms;
     EXPECT_LT(spinOfWhatWasForbidden<3>(arms), Real(0.01)) << arms;
