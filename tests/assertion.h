@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// RC_ASSERT of RapidCheck, which takes whole expressions apart: as many templates per assertion as operators, a third
-// of what a test costs to compile. Ours shows the two sides of the comparison and computes everything else as usual.
+// RapidCheck's RC_ASSERT decomposes whole expressions: as many templates per assertion as operators, a third of a
+// test's compile time. This one decomposes only the comparison.
 #pragma once
 
 #include <rapidcheck/Assertions.h>
@@ -10,7 +10,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// What was claimed, and the values that it was claimed of when it does not hold.
+/// The text of a failed assertion and the values of its operands.
 struct Claim {
   bool holds;
   std::string values;
@@ -18,7 +18,7 @@ struct Claim {
   explicit operator bool() const { return holds; }
 };
 
-// The sides are no literals any more: 0 is an int here, of another sign or width than what it is compared with.
+// The operands are no longer literals: here 0 is an int with another sign or width than the other operand.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wsign-compare"
 #pragma GCC diagnostic ignored "-Wconversion"

@@ -26,7 +26,7 @@ std::string currentTest() {
   return std::string(sizeof(LPC_REAL) == 8 ? "f64." : "f32.") + info->test_suite_name() + "." + info->name();
 }
 
-/// Says nothing: what failed is said by GoogleTest, and a planted bug that is found is no failure.
+/// Prints nothing: GoogleTest reports failures, and a caught planted bug is no failure.
 class SilentListener final : public rc::detail::TestListener {
  public:
   void onTestCaseFinished(const rc::detail::CaseDescription&) override {}
@@ -70,7 +70,7 @@ std::string counterexample(const KeptFailures& kept, const std::string& id, cons
 }
 
 void check(const std::string& name, const Property& property, int cases) {
-  static std::map<std::string, int> uses;  // one name may serve both dimensions
+  static std::map<std::string, int> uses;  // a name may be used in both dimensions
   std::string id = currentTest() + ": " + name;
   if (const int use = ++uses[id]; use > 1) id += " (" + std::to_string(use) + ")";
   const std::string fault =

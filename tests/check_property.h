@@ -4,8 +4,8 @@
 //   lpc::test::check("support points are extreme", [] { ... RC_ASSERT(...); });
 //   lpc::test::expectFalsified("a climber that stops early", [] { ... });   // a check that cannot fail is no check
 //
-// LPC_TEST_CASES scales the number of cases, in percent; LPC_TEST_SEED, a number, replaces the fixed seed. An input
-// that fails is kept in the build folder and run first next time; planted bugs that were caught are listed there.
+// LPC_TEST_CASES scales the number of cases, in percent. LPC_TEST_SEED, a number, replaces the fixed seed. A failing
+// input is kept in the build folder and runs first next time. Caught planted bugs are listed there.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// Draws what it needs (tests/draw.h) and fails by RC_ASSERT. Of one type, so that RapidCheck is compiled once, in
+/// Draws its input (tests/draw.h) and fails by RC_ASSERT. A single type, so that RapidCheck is compiled once, in
 /// check_property.cpp, and not for each property.
 class Property {
  public:
@@ -34,26 +34,27 @@ class Property {
   std::function<void()> m_body;
 };
 
-/// The ordinary number of cases of a property that says none.
+/// Number of cases of a property that names none.
 inline constexpr int kCases = 100;
 
-/// The number of cases to run where the source says `cases`.
+/// The number of cases to run for `cases` in the source.
 int caseCount(int cases);
 
-/// One stream of random numbers per property name, so that adding a property changes no other.
+/// One random stream per property name: a new property changes no other.
 std::uint64_t seedOf(const std::string& name);
 
-/// As ctest lists it: f64.Suite.Name.
+/// The running test as ctest lists it: f64.Suite.Name.
 std::string currentTest();
 
-/// Fails the running test with the shrunk counterexample when the property does not hold.
+/// Fails the running test with the shrunk counterexample if the property does not hold.
 void check(const std::string& name, const Property& property, int cases = kCases);
 
-/// Puts "test | planted bug | the case that caught it | cases allowed" into the list that tests/run prints.
+/// Appends "test | planted bug | the case that caught it | cases allowed" to the list that tests/run prints.
 void recordPlantedBug(const std::string& bug, int took, int allowed);
 
-/// Fails the running test unless a counterexample is found: for planted bugs. `cases` is what the property itself runs.
-/// Never fewer than it says: the search ends at the first one, so there is nothing to save.
+/// For planted bugs: fails the running test unless a counterexample is found. `cases` is the number that the property
+/// itself runs. LPC_TEST_CASES may raise it but not lower it: the search ends at the first counterexample, so fewer
+/// cases save nothing.
 void expectFalsified(const std::string& bug, const Property& property, int cases = kCases);
 
 }}}  // namespace lpc::LPC_PRECISION::test

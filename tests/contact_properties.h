@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What must hold for contact manifolds: one function per property, which draws its own cases.
+// Properties of contact manifolds, one function each. Each function draws its own cases.
 #pragma once
 
 #include <set>
@@ -9,14 +9,14 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// A drawn pair with a margin. The bodies' frames are not the shapes' in half of the cases.
+/// A drawn pair with a margin. In half of the cases the shapes' frames differ from their bodies' frames.
 template <int D>
 ContactScene<D> drawScene(Draw& draw) {
   const auto drawn = [&] {
     for (;;) {
       try {
         return drawShapePair<D>(draw);
-      } catch (const UserError&) {  // points that are too flat for a hull: others
+      } catch (const UserError&) {  // points too flat for a hull: draw again
       }
     }
   };
@@ -56,8 +56,8 @@ std::ostream& operator<<(std::ostream& out, const Manifold<D>& m) {
   return out << '\n';
 }
 
-/// At most one manifold; 1 .. kManifoldPoints points, sorted by unique features; a unit normal; separations that belong
-/// to their witnesses and stay within the margin; impulses zero.
+/// At most one manifold, with 1 to kManifoldPoints points sorted by unique features. The normal has unit length. Each
+/// separation equals that of the closest points and stays within the margin; impulses are zero.
 template <int D>
 void isWellFormed(const ContactScene<D>& scene, const std::vector<Manifold<D>>& fresh) {
   RC_ASSERT(fresh.size() <= 1u);
@@ -81,7 +81,7 @@ void wellFormed(ContactGenerator<D>& generator) {
   isWellFormed(scene, scene.run(generator));
 }
 
-/// Each witness lies on its shape: nowhere outside, and on its surface unless a rounding lies around the core.
+/// Each closest point lies on its shape: never outside, and on the surface. With rounding it may lie inside.
 template <int D>
 void areOnShapes(const ContactScene<D>& scene, const std::vector<Manifold<D>>& fresh) {
   for (const Manifold<D>& m : fresh) {
@@ -103,8 +103,8 @@ void witnessesOnShapes(ContactGenerator<D>& generator) {
   areOnShapes(scene, scene.run(generator));
 }
 
-/// A manifold exists if and only if the shapes are within the margin; the normal is a direction of least depth; no
-/// point is deeper than the shapes are, and the deepest is as deep as they.
+/// A manifold exists if and only if the shapes are within the margin. The normal is a direction of least depth, and the
+/// deepest point is as deep as the shapes penetrate.
 template <int D>
 void areTrulyDeep(const ContactScene<D>& scene, const std::vector<Manifold<D>>& fresh) {
   const Real truth = scene.trueDistance(), tolerance = 2 * scene.tolerance();
@@ -124,13 +124,13 @@ void depthIsTrue(ContactGenerator<D>& generator) {
   areTrulyDeep(scene, scene.run(generator));
 }
 
-/// The other order of the bodies gives the same depth, and for two kinds of shapes the very same points.
+/// Swapping the bodies keeps the depth. For shapes of different kinds it also keeps the points.
 template <int D>
 void swapMirrors(ContactGenerator<D>& generator) {
   const ContactScene<D> scene = anyScene<D>();
   const auto one = scene.run(generator), other = scene.swapped().run(generator);
   const Real tolerance = 2 * scene.tolerance();
-  if (one.empty() || other.empty()) {  // at the margin's very edge one may have a contact and the other none
+  if (one.empty() || other.empty()) {  // at the margin, one order may give a contact and the other none
     if (!one.empty()) RC_ASSERT(deepest(one[0]) >= scene.margin - tolerance);
     if (!other.empty()) RC_ASSERT(deepest(other[0]) >= scene.margin - tolerance);
     return;
@@ -138,7 +138,7 @@ void swapMirrors(ContactGenerator<D>& generator) {
   const Manifold<D>&m = one[0], &w = other[0];
   RC_LOG() << m << w;
   RC_ASSERT(std::abs(deepest(m) - deepest(w)) <= tolerance);
-  // Opposite normals, up to ties: each must serve the other order as well as its own.
+  // Opposite normals, except in ties: each must be as good for the other order.
   RC_ASSERT(worldSeparation<D>(scene, -w.normal) >= worldSeparation<D>(scene, m.normal) - tolerance);
   RC_ASSERT(worldSeparation<D>(scene.swapped(), -m.normal) >=
             worldSeparation<D>(scene.swapped(), w.normal) - tolerance);
@@ -156,7 +156,7 @@ void swapMirrors(ContactGenerator<D>& generator) {
   }
 }
 
-/// Two boxes that nearly touch or penetrate a little, turned at random: no two features tie.
+/// Two boxes, rotated at random, that nearly touch or penetrate slightly: no two features tie.
 template <int D>
 ContactScene<D> drawBoxes(Draw& draw) {
   const auto box = [&] { return Shape<D>::box(drawHalf<D>(draw), draw.below(4) == 3 ? Real(0.1) : Real(0)); };
@@ -170,7 +170,7 @@ ContactScene<D> drawBoxes(Draw& draw) {
   return {a, b, X_WA, X_WA * X_AB, kContactMargin};
 }
 
-/// The turns that map the axes onto the axes: 4 in 2D, 24 in 3D.
+/// The rotations that map axes onto axes: 24 in 3D, 4 in 2D.
 template <int D>
 std::vector<Rot<D>> axisTurns() {
   const double quarter = 1.5707963267948966;
@@ -178,7 +178,7 @@ std::vector<Rot<D>> axisTurns() {
   for (int k = 0; k < 4; ++k) {
     if constexpr (D == 2) {
       out.push_back(Rot<2>::angle(k * quarter));
-    } else {  // k quarters about x, after x was brought to each of the six directions
+    } else {  // k quarter turns about x, then x into each of the six directions
       const Rot<3> about = Rot<3>::vector({static_cast<Real>(k * quarter), 0, 0});
       for (int turns = 0; turns < 4; ++turns) {
         out.push_back(Rot<3>::vector({0, 0, static_cast<Real>(turns * quarter)}) * about);
@@ -189,8 +189,8 @@ std::vector<Rot<D>> axisTurns() {
   return out;
 }
 
-/// A box is the same box with its axes named in another order or turned round: the same normal and the same points, but
-/// for what the tolerance lets a generator merge.
+/// Permuting or reversing a box's axes leaves the same box. It gives the same normal and the same points, up to the
+/// tolerance within which a generator may merge points.
 template <int D>
 void relabelledBoxes(ContactGenerator<D>& generator) {
   const auto scene = *Gen(drawBoxes<D>);
@@ -203,7 +203,7 @@ void relabelledBoxes(ContactGenerator<D>& generator) {
   other.shapes[side].X_CS.q = scene.shapes[side].X_CS.q * turn;
   const auto one = scene.run(generator), same = other.run(generator);
   const Real tolerance = 2 * scene.tolerance();
-  if (one.empty() || same.empty()) {  // at the margin's very edge
+  if (one.empty() || same.empty()) {  // at the margin, one may give none
     if (!one.empty()) RC_ASSERT(deepest(one[0]) >= scene.margin - tolerance);
     if (!same.empty()) RC_ASSERT(deepest(same[0]) >= scene.margin - tolerance);
     return;
@@ -211,7 +211,7 @@ void relabelledBoxes(ContactGenerator<D>& generator) {
   const Manifold<D>&m = one[0], &w = same[0];
   RC_LOG() << scene << m << w;
   RC_ASSERT(worldSeparation<D>(scene, w.normal) >= worldSeparation<D>(scene, m.normal) - tolerance);
-  if ((m.normal - w.normal).norm() > 1000 * kEps) return;  // another axis that is as good within the tolerance
+  if ((m.normal - w.normal).norm() > 1000 * kEps) return;  // another axis, equally good within the tolerance
   const auto covers = [&](const Manifold<D>& all, const ContactPoint<D>& p) {
     const auto near = [&](const auto& q) {
       return (p.localA - q.localA).norm() <= tolerance && (p.localB - q.localB).norm() <= tolerance;
@@ -222,14 +222,14 @@ void relabelledBoxes(ContactGenerator<D>& generator) {
   for (int i = 0; i < w.count; ++i) RC_ASSERT(covers(m, w.points[static_cast<std::size_t>(i)]));
 }
 
-/// B rests with a face on a face of A: both may be boxes, hulls or rounded, shifted and turned about the normal. In
-/// half of the cases equal shapes lie exactly on each other, where rounding decides what is inside what.
+/// B rests face on face on A. Both are boxes, hulls or rounded shapes, shifted and rotated about the normal. In half of
+/// the cases equal shapes coincide in the plane, so rounding decides which corner is inside the other face.
 template <int D>
 struct FaceContact {
   ContactScene<D> scene;
   Pose<D> X_A;                // its z axis (3D) or y axis (2D) is the normal
-  std::vector<Vec<2>> patch;  // 3D: corners of the common area, in x and y of X_A; 2D: its ends, in x
-  bool flush = false;         // the same shape, corner on corner
+  std::vector<Vec<2>> patch;  // 3D: corners of the common area, x and y in X_A; 2D: its ends, x
+  bool flush = false;         // equal shapes, corner on corner
 };
 
 inline bool insideConvex(const std::vector<Vec<2>>& polygon, const Vec<2>& p) {
@@ -240,7 +240,7 @@ inline bool insideConvex(const std::vector<Vec<2>>& polygon, const Vec<2>& p) {
   return true;
 }
 
-/// Corners of the intersection of two convex polygons, in no order.
+/// Corners of the intersection of two convex polygons, unordered.
 inline std::vector<Vec<2>> commonCorners(const std::vector<Vec<2>>& a, const std::vector<Vec<2>>& b) {
   std::vector<Vec<2>> out;
   for (const Vec<2>& p : a) {
@@ -261,7 +261,7 @@ inline std::vector<Vec<2>> commonCorners(const std::vector<Vec<2>>& a, const std
   return out;
 }
 
-/// A regular polygon with 4 to 8 corners; 4 may become a box.
+/// A regular polygon with 4 to 8 corners; one with 4 may become a box.
 inline std::vector<Vec<2>> drawBase(Draw& draw, Real turn) {
   const int n = 4 + draw.below(5);
   const Real x = draw.real(0.3, 1), y = draw.real(0.3, 1);
@@ -312,7 +312,7 @@ inline FaceContact<3> drawFaceContact<3>(Draw& draw) {
   if (!same) base2 = drawBase(draw, 0);
   const Real r1 = draw.below(4) == 3 ? Real(0.1) : Real(0), r2 = draw.below(4) == 3 ? Real(0.1) : Real(0);
   const auto make = [&](std::vector<Vec<2>>& base, Real h, Real r) {
-    if (draw.below(2) == 0) {  // a box with this breadth
+    if (draw.below(2) == 0) {  // a box of this breadth
       const Real x = std::abs(base[0][0]) + Real(0.1), y = std::abs(base[0][1]) + Real(0.1);
       base = {{-x, -y}, {x, -y}, {x, y}, {-x, y}};
       return Shape<3>::box({x, y, h}, r);
@@ -341,7 +341,7 @@ inline FaceContact<3> drawFaceContact<3>(Draw& draw) {
   return {ContactScene<3>(a, b, X_WA, X_WA * X_AB, kContactMargin), X_WA, commonCorners(base1, base2), same};
 }
 
-/// Breadth of the patch along the direction with this angle (m).
+/// Breadth of the patch in the direction with this angle (m).
 inline Real breadth(const std::vector<Vec<2>>& points, Real angle) {
   Real lo = std::numeric_limits<Real>::infinity(), hi = -lo;
   for (const Vec<2>& p : points) {
@@ -351,7 +351,7 @@ inline Real breadth(const std::vector<Vec<2>>& points, Real angle) {
   return hi - lo;
 }
 
-/// Of points in convex position, in any order (m^2).
+/// Area (m^2) of the hull of points in convex position, in any order.
 inline Real areaOfHull(std::vector<Vec<2>> points) {
   Vec<2> middle = Vec<2>::Zero();
   for (const Vec<2>& p : points) middle += p / Real(points.size());
@@ -369,7 +369,7 @@ inline Real areaOfHull(std::vector<Vec<2>> points) {
 template <int D>
 inline constexpr int kBreadths = D == 2 ? 1 : 8;
 
-/// Hardly any common area: nothing is demanded.
+/// The common area is so small that nothing is required.
 template <int D>
 bool isSliver(const FaceContact<D>& c) {
   Real narrowest = c.patch.empty() ? Real(0) : std::numeric_limits<Real>::infinity();
@@ -384,7 +384,7 @@ std::ostream& operator<<(std::ostream& out, const FaceContact<D>& c) {
   return out << c.scene;
 }
 
-/// At least two points in 2D, three in 3D, that span this part of the common length or area.
+/// At least two points in 2D, three in 3D, which span the given share of the common length or area.
 template <int D>
 void spanPatch(const FaceContact<D>& c, const std::vector<Manifold<D>>& fresh, Real share) {
   RC_ASSERT(fresh.size() == 1u);
@@ -400,17 +400,17 @@ void spanPatch(const FaceContact<D>& c, const std::vector<Manifold<D>>& fresh, R
   if (D == 2) RC_ASSERT(breadth(points, 0) >= share * breadth(c.patch, 0));
   if (D == 3) RC_ASSERT(areaOfHull(points) >= share * areaOfHull(c.patch));
 }
-/// Face on face: the common length, or half of the common area, since two ends as far apart as possible and the widest
-/// points on both sides span at least that of a convex area.
+/// Face on face: the points span the common length, or half of the common area. Two points as far apart as possible and
+/// the farthest points on both sides span at least half of any convex area.
 template <int D>
 void facesSpanPatch(ContactGenerator<D>& generator) {
   const auto c = *Gen(drawFaceContact<D>);
   if (!isSliver(c)) spanPatch<D>(c, c.scene.run(generator), D == 2 ? Real(0.98) : Real(0.48));
 }
 
-/// A motion of a micrometre (f32: ten) leaves the features of a face contact as they are, unless a corner just passes a
-/// threshold. Such places are few: along a centimetre, a centimetre beside, names change twelve times at most, by the
-/// motion or from place to place. Where equal shapes lie on each other, there is none.
+/// A motion of 1 um (f32: 10 um) keeps the features of a face contact, unless a corner just crosses a threshold. Such
+/// places are rare: at 32 places along a centimetre, each with and without the motion, the features change at most
+/// twelve times. Where equal shapes coincide, the motion changes none.
 template <int D>
 void featuresAreSteady(ContactGenerator<D>& generator) {
   const auto c = *Gen(drawFaceContact<D>);
@@ -434,7 +434,7 @@ void featuresAreSteady(ContactGenerator<D>& generator) {
   };
   const auto start = featuresOf(c.scene), after = featuresOf(moved(c.scene));
   if (c.flush) RC_ASSERT(start == after);
-  Vec<D> way = Vec<D>::Zero();  // along the faces and none of their sides
+  Vec<D> way = Vec<D>::Zero();  // parallel to the faces, but to none of their edges
   way[0] = Real(0.8);
   if constexpr (D == 3) way[1] = Real(0.6);
   int changes = 0;
@@ -452,7 +452,7 @@ void featuresAreSteady(ContactGenerator<D>& generator) {
   RC_ASSERT(changes <= kMostChanges);
 }
 
-/// The ridges of two boxes, edge along edge and apart: two points span their common stretch.
+/// Two box edges, parallel and apart: two points span their common length.
 inline void parallelEdges(ContactGenerator<3>& generator) {
   const auto scene = *Gen([](Draw& draw) {
     const auto half = [&] { return Vec<3>(draw.real(0.3, 1), Real(0.3), Real(0.3)); };
@@ -477,7 +477,7 @@ inline void parallelEdges(ContactGenerator<3>& generator) {
   RC_ASSERT(hi - lo >= Real(0.98) * common);
 }
 
-/// A body that came from above into a plank is sent back up, even when it is more than half through.
+/// A body that entered a plank from above is pushed back up, even when it is more than half through.
 template <int D>
 void deepBodiesGoBack(ContactGenerator<D>& generator) {
   const Real deep = *Gen([](Draw& draw) { return draw.real(-0.02, 0.02); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Two shapes on two bodies, as a contact generator is given them, and what must be true of its answer.
+// Two shapes on two bodies, as the input of a contact generator, and the truth about its answer.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ struct ContactScene {
   std::vector<Pose<D>> pose;
   Real margin;
 
-  /// The shapes' frames may differ from their bodies': X_CS is of each shape in its body.
+  /// X_CS is the pose of each shape in its body: the frames may differ.
   ContactScene(const Shape<D>& a, const Shape<D>& b, const Pose<D>& X_WA, const Pose<D>& X_WB, Real contactMargin,
                const Pose<D>& X_CSa = {}, const Pose<D>& X_CSb = {})
       : margin(contactMargin) {
@@ -27,7 +27,7 @@ struct ContactScene {
   }
   ContactScene(const ShapePairCase<D>& c, Real contactMargin) : ContactScene(c.a, c.b, c.X_WA, c.X_WB, contactMargin) {}
 
-  /// The bodies in the other order.
+  /// The same scene with the bodies swapped.
   ContactScene swapped() const {
     ContactScene s = *this;
     std::swap(s.shapes[0], s.shapes[1]), std::swap(s.pose[0], s.pose[1]);
@@ -39,7 +39,7 @@ struct ContactScene {
   Real trueDistance() const {
     return static_cast<Real>(referee<D>(view(0), shapePose(0), view(1), shapePose(1)).interval().middle());
   }
-  /// Largest of the sizes and positions: rounding is relative to it.
+  /// Largest size or position (m); rounding scales with it.
   Real extent() const {
     Real s = boundingRadius(view(0)) + boundingRadius(view(1));
     for (int i : {0, 1}) {
@@ -48,7 +48,8 @@ struct ContactScene {
     return s;
   }
   Real rounding() const { return 1000 * kEps * extent(); }
-  /// By so much a generator may prefer one feature to another (m): a tenth of the slop, 1 % of the smaller shape.
+  /// How much worse (m) a feature may be that a generator prefers: a tenth of the slop, at most 1 % of the smaller
+  /// shape.
   Real tolerance() const {
     const auto coreSize = [](const ShapeView<D>& s) {
       return s.kind == ShapeKind::sphere ? std::numeric_limits<Real>::max() : boundingRadius(s) - s.radius;
@@ -56,7 +57,7 @@ struct ContactScene {
     return std::min(kLinearSlop / 10, Real(0.01) * std::min(coreSize(view(0)), coreSize(view(1)))) + rounding();
   }
 
-  /// `old`: what the generator gave in the step before.
+  /// `old`: the generator's manifolds of the previous step.
   std::vector<Manifold<D>> run(ContactGenerator<D>& generator, std::span<const Manifold<D>> old = {}) const {
     const ShapePair pair{0, 1};
     ChildPairs<D> childPairs;

@@ -5,9 +5,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// The largest value of f(d) over unit vectors d, by trying many and refining the best: never above the true maximum,
-/// usually within a percent of the sizes in play. What is separated, and how far, is such a maximum for convex sets; it
-/// needs support functions only and shares no code with what is tested.
+/// Estimates the maximum of f(d) over unit vectors d: samples many directions and refines the best. Never above the
+/// true maximum; usually within 1 % of the sizes involved. The signed distance of convex sets is such a maximum. It
+/// needs only support functions and shares no code with the tested methods.
 template <int D, class F>
 Real maxOverDirections(F&& f, std::uint64_t seed = 7) {
   PlainDraw draw(seed);

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Zlib
-"""What the pages tell a reader to type and to write: commands are run, files are what they are run on, and options that prose
-names exist. Run by ctest: docs_test.py SOURCE_DIR BINARY_DIR [PYTHON for reports] [--others] [--deep].
-Commands are those of README, the manual and its reference; with --others those of the other pages.
+"""Runs the commands of the pages on the files of the pages, and checks that options named in prose exist.
+Run by ctest: docs_test.py SOURCE_DIR BINARY_DIR [PYTHON for reports] [--others] [--deep].
+Covers README, the manual and its reference; with --others, the other pages.
 
-A fence says what it holds: sh; toml, cpp or cmake with the name of the file; toml axes, the axes of a sweep; text
-pipeline; text. What is not run stands below with its reason, or with what is run instead.
+A fence names its content: sh; toml, cpp or cmake with a file name; toml axes, the axes of a sweep; text pipeline; text.
+Commands that are not run are listed below with the reason, or with a replacement.
 """
 
 import json
@@ -26,7 +26,7 @@ FIRST = ["docs/manual.md", *REFERENCE, "README.md"]  # the manual's sweep fills 
 OTHER = sorted({f"docs/{p.name}" for p in (SOURCE / "docs").glob("*.md")} - set(FIRST))
 PAGES = [*FIRST, "CONTRIBUTING.md", *OTHER]
 
-# Sections whose files and commands another test takes from the page.
+# Sections with files and commands that another test covers.
 ELSEWHERE = {
     ("docs/manual.md", "A first world in C++"): "tests/embedding/run.cmake",
     **{(f"docs/{page}.md", section): "tests/embedding/run.cmake"
@@ -77,7 +77,7 @@ NOT_RUN = {
     "--page docs/heritage_figures.md":
         "of what that has measured; reports/tests/heritage_compilers_test.py draws the like",
 }
-# The same in a second or two.
+# Shorter versions that take a second or two.
 INSTEAD = {
     "taskset -c 1 experiments/bench/engines":
         f"{SOURCE}/experiments/bench/engines --bin {BINARY}/bin --only bullet_f64 --runs 1 --steps 60",
@@ -91,7 +91,7 @@ INSTEAD = {
         "lpc run 7 --dimension 3 --pipeline 2009 --param n=50 --param rows=2 --steps 8 --film preset_7_3d.strip.svg",
     "lpc replay catto.rec --film frames/":
         "lpc run pyramid --param base=2 --dimension 3 --steps 8 --record few.rec && lpc replay few.rec --film frames/",
-    "lpc sweep ./friction.toml --store results/mine.db":  # reports_first_sweep runs it whole, and draws it
+    "lpc sweep ./friction.toml --store results/mine.db":  # reports_first_sweep runs and draws it in full
         "lpc sweep ./friction.toml --set n=5 --store results/mine.db",
     "lpc sweep ./compliance.toml --store results/compliance.db":
         "lpc sweep ./compliance.toml --dry-run && lpc sweep ./compliance.toml --set problems=stack --store results/compliance.db",
@@ -122,10 +122,9 @@ INSTEAD = {
     "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*'":
         "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*' --gtest_list_tests | grep libccd_gjk",
 }
-# What starts workers of single precision, or reads what they have made: a build of double precision has none, that of
-# tests/run --all has them.
+# Commands that start f32 workers or read their results. A build with f64 only has no such workers; tests/run --all has them.
 SINGLE = re.compile(r"--precision \S*f32|\bchoose")
-# The same in less; with --deep they are run as they are.
+# Shorter versions; --deep runs the commands as they are.
 SHORTER = {
     "lpc sweep ./equal.toml --store results/mine.db": "lpc sweep ./equal.toml --only catto --store results/mine.db",
     "lpc break mass_ratio --parameter ratio --to 64 --pipeline solver=split_solver --pipeline solver=avbd "
@@ -136,7 +135,7 @@ SHORTER = {
         "lpc break slope --parameter friction --from 0.45 --to 0.9 --falling --limit \"slope_distance<0.01\" --ratio 1.5 "
         "--steps 60 --pipeline solver=split_solver --store results/break.db",
     **{f"lpc report results/{name}.db --out reports/out/{name}": f"test -s results/{name}.db"
-       for name in ("needs", "break", "curves")},  # README's report, of results/mine.db, is drawn
+       for name in ("needs", "break", "curves")},  # README's report of results/mine.db is drawn
     "lpc run 6 --pipeline 2009 --no-sleeping --param perturb=1e-3":
         "lpc run 6 --pipeline 2009 --no-sleeping --param perturb=1e-3 --steps 60",
     "lpc run 6 --dimension 3 --pipeline 2009 --no-sleeping --param perturb=1e-3":
@@ -145,7 +144,7 @@ SHORTER = {
     "lpc sweep ./questions.toml --store results/questions.db":
         "lpc sweep ./questions.toml --only catto --store results/questions.db",
 }
-# Other than 0: what the page is about.
+# Exit codes other than 0, which the page describes.
 EXIT_CODE = {"lpc run ./leaning_stack.toml --param n=20 --dimension 3 --profile stack.csv --record stack.rec": 1,
              "lpc run 2 --param perturb=1e-3": 1,
              "lpc run 6 --pipeline 2009": 1,
@@ -179,7 +178,7 @@ class Block:
 
 
 def blocks_of(page, text):
-    """The fenced blocks, in order; those in lists without their indent."""
+    """The fenced blocks, in order; blocks in lists without their indent."""
     out, section, inside = [], "", None
     for number, line in enumerate(text.split("\n"), 1):
         fence = re.match(r"^( *)```(.*)$", line)
@@ -205,7 +204,7 @@ def inline_commands(text):
 
 
 def option_faults(command, help_of):
-    """What a call of lpc names that its help does not: empty when all is well. `help_of`: text by subcommand."""
+    """Subcommands and options of a call of lpc that its help lacks. `help_of`: help text by subcommand."""
     words = command.split()
     at = words.index("lpc") + 1 if "lpc" in words else 1
     while at < len(words) and words[at] == "--plugin":
@@ -224,14 +223,14 @@ def number(text):
 
 
 def row_of(param):
-    """A parameter of the registry as a page tells it: its unit, default and range."""
+    """A parameter of the registry as a page shows it: its unit, default and range."""
     if param["type"] == "choice":
         return ["", param["default"], ", ".join(param["choices"])]
     return [param["unit"], number(param["default"]), " to ".join(number(x) for x in param["range"])]
 
 
 def tables_of(text, heading):
-    """By section with such a heading, `#` and all: the rows of its tables as lists of cells, heads and rules left out."""
+    """Rows of tables by section, as lists of cells, without header rows. `heading`: prefix of the sections, with `#`."""
     out, section, rows = {}, None, []
     for line in re.sub(r"(?ms)^```.*?^```$", "", text).split("\n") + ["|"]:
         if line.startswith("#"):
@@ -249,7 +248,7 @@ def tables_of(text, heading):
 
 
 def parameter_faults(text, algorithms):
-    """What a page of kinds, one to a section `### name`, tells otherwise than the registry: kinds and parameters."""
+    """Differences between a page of kinds, one per section `### name`, and the registry: kinds and parameters."""
     told = {kind: {row[0].strip("`"): row[1:4] for row in rows} for kind, rows in tables_of(text, "### ").items()}
     faults = [f"{kind}: {'not on the page' if kind not in told else 'there is none'}"
               for kind in sorted({a["name"] for a in algorithms} ^ set(told))]
@@ -261,7 +260,7 @@ def parameter_faults(text, algorithms):
 
 
 def members(header, struct):
-    """The fields of a struct, or the calls of a class that are the user's to write."""
+    """The fields of a struct, or the virtual functions of a class that users implement."""
     body = re.sub(r"//.*", "", re.search(rf"(?ms)^(?:struct|class) {struct} {{\n(.*?)^}};", header)[1])
     calls = re.findall(r"virtual \w+ (\w+)\(", body)
     declared = re.findall(r"(?m)^  (?!static|using|virtual)[\w:]+(?:<[^;=]*?>)? (\w[^;]*);", body)
@@ -277,7 +276,7 @@ def all_blocks():
 
 
 def here(command):
-    """As it is called in this build."""
+    """The command with the paths of this build."""
     command = re.sub(r"build/(release|test)/bin/", f"{BINARY}/bin/", command)
     return re.sub(r"(^|[ |;&(])lpc ", rf"\1{BINARY}/bin/lpc ", command)
 
@@ -303,7 +302,7 @@ class Docs(unittest.TestCase):
         SCRATCH.mkdir(parents=True)
         for folder in ("tests", "algorithms", "framework", "oracles", "docs"):
             (SCRATCH / folder).symlink_to(SOURCE / folder)
-        (SCRATCH / "bench.json").write_text('{"context": {}, "benchmarks": []}')  # what lpc-bench would have written
+        (SCRATCH / "bench.json").write_text('{"context": {}, "benchmarks": []}')  # as lpc-bench would write it
 
     def test_every_fence_says_what_it_holds(self):
         for block in all_blocks():
@@ -343,7 +342,7 @@ class Docs(unittest.TestCase):
                     if command in reports:
                         reports.remove(command)
                         if command in reports and not DEEP:
-                            continue  # drawn where it stands last: then its store has most
+                            continue  # only its last occurrence is drawn, when its store is fullest
                     done = run(INSTEAD.get(command, command) if DEEP else SHORTER.get(command, INSTEAD.get(command, command)))
                     self.assertEqual(done.returncode, EXIT_CODE.get(command, 0),
                                      f"{command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
@@ -367,7 +366,7 @@ class Docs(unittest.TestCase):
 
 
 class Tables(unittest.TestCase):
-    """What pages of parts say of numbers and names, before the registry and the headers."""
+    """Compares the numbers and names on pages of parts with the registry and the headers."""
 
     def setUp(self):
         SCRATCH.mkdir(parents=True, exist_ok=True)
@@ -402,13 +401,13 @@ class Tables(unittest.TestCase):
             rows = tables_of((SOURCE / "docs" / page).read_text(), "## ")[section]
             told = {name for row in rows for name in re.findall(r"`(\w+)", row[0])}
             self.assertEqual(told, members((SOURCE / "framework" / header).read_text(), struct), struct)
-            if struct != "ContactListener":  # what a scene calls them
+            if struct != "ContactListener":  # their names in scenes
                 for key in {key for row in rows for key in re.findall(r"`(\w+)`", row[1])}:
                     self.assertIn(f'"{key}"', reader, f"{page}: {key}")
 
 
 class ThisTest(unittest.TestCase):
-    """What it must see, on a page of its own."""
+    """Faults that it must find, on a page made for the test."""
 
     PAGE = ("# A\n## B\n- one\n\n  ```sh\n  lpc list \\\n    --all   # so\n  ```\n\n"
             "`lpc list\n--json`, `lpc`\n```toml x.toml\na = 1\n```\n")
@@ -440,5 +439,5 @@ class ThisTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    # What is read, not run, is of all pages, and asked once.
+    # Tests that read pages without running commands cover all pages, and run once.
     unittest.main(argv=[sys.argv[0], *["Docs.test_commands_work_on_the_files_of_the_pages"][:OTHERS]])

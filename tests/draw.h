@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Random shapes and poses, drawn from small whole numbers so that RapidCheck can shrink them: 0 is always the simplest
+// Random shapes and poses, drawn from small integers so that RapidCheck can shrink them; 0 is always the simplest
 // choice. The same code draws from a plain generator for counting and for long loops.
 #pragma once
 
@@ -25,7 +25,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline constexpr Real kEps = std::numeric_limits<Real>::epsilon();
 
-/// A source of whole numbers.
+/// A source of integers.
 class Draw {
  public:
   virtual ~Draw() = default;
@@ -33,7 +33,7 @@ class Draw {
   virtual int below(int n) = 0;
 
   bool coin() { return below(2) == 1; }
-  /// In [lo, hi]; the simplest is lo. Steps of 1e-6 of the range: rarely a round binary number.
+  /// In [lo, hi]; lo is the simplest. The step is 1e-6 of the range, so round binary numbers are rare.
   Real real(double lo, double hi) { return static_cast<Real>(lo + (hi - lo) * below(1000001) / 1e6); }
   /// In [-1, 1]; the simplest is 0.
   Real signedUnit() {
@@ -52,14 +52,14 @@ class RapidCheckDraw final : public Draw {
   int below(int n) override;
 };
 
-/// Inside a property: in [lo, hi), wider from case to case.
+/// Inside a property: in [lo, hi), with a range that grows from case to case.
 int growingNumber(int lo, int hi);
-/// Inside a property: any, and it does not shrink.
+/// Inside a property: any index; it does not shrink.
 std::size_t drawIndex(std::size_t count);
 /// Inside a property: the seed of a plain generator.
 std::uint32_t drawSeed();
 
-/// A value of any type, with what shows it in a counterexample.
+/// A value of any type and the function that prints it in a counterexample.
 struct DrawnValue {
   std::shared_ptr<const void> value;
   void (*show)(const void*, std::ostream&) = nullptr;
@@ -70,10 +70,10 @@ struct DrawnValue {
   }
 };
 
-/// Inside a property: what `body` draws, shrunk on its own. RapidCheck knows one type of these, in draw.cpp.
+/// Inside a property: the value drawn by `body`, shrunk independently. RapidCheck sees this one type only, in draw.cpp.
 DrawnValue drawValue(const std::function<DrawnValue(Draw&)>& body);
 
-/// What can be drawn inside a property: const auto c = *shapePairs<3>();
+/// A generator for use inside a property: const auto c = *shapePairs<3>();
 template <class T>
 class Gen {
  public:
@@ -111,7 +111,7 @@ Vec<D> drawVector(Draw& draw) {
   return v;
 }
 
-/// A unit vector, every fourth along an axis; the simplest is the x axis.
+/// A unit vector; every fourth lies along an axis. The x axis is the simplest.
 template <int D>
 Vec<D> drawDirection(Draw& draw) {
   if (draw.below(4) == 0) {
@@ -141,7 +141,7 @@ Pose<D> drawPose(Draw& draw, Real extent) {
   return X;
 }
 
-/// What a shape is made from, at scale 1: sizes around 1 m.
+/// Parameters of a shape at scale 1: sizes of about 1 m.
 template <int D>
 struct Sketch {
   ShapeKind kind = ShapeKind::sphere;
@@ -176,7 +176,7 @@ struct Sketch {
   }
 };
 
-/// Sizes are thirds: never exactly representable.
+/// Sizes are multiples of 1/3, which floating point cannot represent exactly.
 template <int D>
 Vec<D> drawHalf(Draw& draw) {
   Vec<D> half;
@@ -206,7 +206,7 @@ Sketch<D> drawSketch(Draw& draw, ShapeKind kind) {
   const Real rounding = draw.below(4) == 3 ? draw.real(0.01, 0.3) : Real(0);
   if (kind == ShapeKind::polytope) {
     s.points = drawPoints<D>(draw), s.radius = rounding;
-  } else if (kind == ShapeKind::triangle) {  // two edges along axes, the third corner anywhere near its place
+  } else if (kind == ShapeKind::triangle) {  // two edges along axes, the third corner near its regular place
     const Vec<D> half = drawHalf<D>(draw);
     s.points.assign(3, -half), s.radius = rounding;
     s.points[1][0] = s.points[2][1] = 2 * half[0];
@@ -220,7 +220,7 @@ Sketch<D> drawSketch(Draw& draw, ShapeKind kind) {
   return s;
 }
 
-/// Every kind that exists in this dimension, the simplest first.
+/// Every kind of this dimension, simplest first.
 template <int D>
 ShapeKind drawKind(Draw& draw) {
   return D == 2 ? draw.pick(
@@ -236,7 +236,7 @@ Shape<D> drawShape(Draw& draw) {
   return sketch.build(drawScale(draw));
 }
 
-// Compiled in draw.cpp.
+// Instantiated in draw.cpp.
 extern template std::vector<Vec<2>> drawPoints<2>(Draw&);
 extern template std::vector<Vec<3>> drawPoints<3>(Draw&);
 extern template Sketch<2> drawSketch<2>(Draw&, ShapeKind);
@@ -260,9 +260,9 @@ Real sizeOf(const Shape<D>& s) {
 
 }}}  // namespace lpc::LPC_PRECISION::test
 
-// Beside the types, so that RapidCheck and GoogleTest print counterexamples: in the terms of a scene file
-// (docs/reference_scenes.md), with all digits. Rotations become angles, which may cost a bit; a kept input has them
-// all.
+// In the types' namespace, so that RapidCheck and GoogleTest print counterexamples in the syntax of scene files
+// (docs/reference_scenes.md), with all digits. Rotations are printed as angles, which may cost the last bit; a kept
+// input has all bits.
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// "[1, 2.5, 3]"
@@ -319,7 +319,7 @@ std::ostream& operator<<(std::ostream& out, const Pose<D>& X) {
   out.precision(std::numeric_limits<Real>::max_digits10);
   return out << "position = " << listText<D>(X.p) << "\nangle = " << X.q;
 }
-/// A [[body]] of one shape.
+/// A [[body]] with one shape.
 template <int D>
 void showBody(std::ostream& out, const char* name, const Shape<D>& shape, const Pose<D>& X_WB) {
   out << "[[body]]\nname = \"" << name << "\"\n" << X_WB << "\nshapes = [" << shape << "]\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Kernels that Highway compiles for several instruction sets, under each that this processor has.
+// Runs kernels that Highway compiles for several instruction sets under each set that this processor has.
 #pragma once
 
 #include <hwy/targets.h>
@@ -9,7 +9,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// f(target) with the best that the processor has, and each lesser one; then the best again.
+/// Calls f(target) with the processor's best target, then with each lesser one, then with the best again.
 inline void forEachTarget(const std::function<void(std::int64_t)>& f) {
   const std::int64_t all = hwy::SupportedTargets();
   for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {

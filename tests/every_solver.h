@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What "every solver" means to a test: each registered one by name, and one that is put together from parts with each
-// part, order, loop and law of impact that can be exchanged.
+// The solvers that "every solver" means in tests: each registered solver by name, and split_solver with each part,
+// order, loop and impact law that can be chosen.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline bool competes(const Registered& r) { return r.info.role == AlgorithmRole::competitor; }
 
-/// The manners of a velocity resolver besides its own: each other choice of a parameter that says in which order it
-/// goes, how it takes contacts together and what friction is. "friction=box".
+/// Variants of a velocity resolver: each non-default choice of its row order, block solving or friction model, such as
+/// "friction=box".
 inline std::vector<std::string> otherManners(const Registered& r) {
   std::vector<std::string> out;
   for (const ParamInfo& p : r.params) {
@@ -54,7 +54,7 @@ std::vector<std::string> everySolver() {
   return specs;
 }
 
-/// A velocity resolver that iterates so often, or so often per contact, and does not stop before.
+/// A velocity resolver with this number of iterations, or of iterations per contact, and no early stop.
 inline Spec withIterations(const Registered& entry, int iterations, int perContact) {
   Spec spec{entry.info.name, {}};
   for (const ParamInfo& p : entry.params) {
@@ -66,7 +66,7 @@ inline Spec withIterations(const Registered& entry, int iterations, int perConta
   return spec;
 }
 
-/// The default pipeline with each algorithm of the stages around the solver.
+/// The default pipeline with each algorithm of the other stages.
 template <int D>
 std::vector<std::string> everyOtherStage() {
   std::vector<std::string> pipelines;
@@ -79,7 +79,7 @@ std::vector<std::string> everyOtherStage() {
   return pipelines;
 }
 
-/// The same with every solver.
+/// The same, and the default pipeline with every solver.
 template <int D>
 std::vector<std::string> everyPipeline() {
   std::vector<std::string> pipelines = everyOtherStage<D>();
@@ -87,8 +87,8 @@ std::vector<std::string> everyPipeline() {
   return pipelines;
 }
 
-/// Does the method say in its info().failures that it fails `property`? A failure whose `when` begins with a value of
-/// one of its parameters and a colon, "friction=box: a body that lands", is one of this value alone.
+/// Whether the method's info().failures declare that it fails `property`. If a failure's `when` begins with a value of
+/// a parameter and a colon, "friction=box: a body that lands", the failure applies to that value only.
 inline bool declares(const Registered& method, const Spec& spec, const std::string& property) {
   const auto applies = [&](const FailureMode& f) {
     for (const ParamInfo& p : method.params) {
@@ -104,7 +104,7 @@ inline bool declares(const Registered& method, const Spec& spec, const std::stri
                      [&](const FailureMode& f) { return f.test == property && applies(f); });
 }
 
-/// Does a solver or the part that is named in `spec` say in its info().failures that it fails `property`?
+/// Whether a solver, or a part named in `spec`, declares in its info().failures that it fails `property`.
 template <int D>
 bool declares(const std::string& spec, const std::string& property) {
   const Spec parsed = Spec::parse(spec);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Pairs of shapes from the families of inputs that reported collision bugs come from (uniform random poses find almost
-// none of them), and random pairs. Ten cases of sixteen come from a family.
+// Pairs of shapes from the kinds of input behind reported collision bugs, and random pairs. Uniform random poses find
+// almost none of these bugs. Ten cases of sixteen come from such a family.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct ShapePairCase {
   Shape<D> a = Shape<D>::sphere(1), b = Shape<D>::sphere(1);
   Pose<D> X_WA, X_WB;
   std::string family;
-  /// The true signed distance where the construction gives it, up to a few roundings of the sizes and positions (m).
+  /// The true signed distance (m) if it is known by construction, up to a few roundings of sizes and positions.
   std::optional<Real> distance;
 
   Pose<D> X_AB() const { return X_WA.inverse() * X_WB; }
@@ -40,7 +40,7 @@ inline constexpr std::array<std::string_view, 11> kFamilies = {
     "random",  "kissing_faces",   "near_parallel", "shared_planes",  "ties",           "size_ratio",
     "slivers", "far_from_origin", "core_contact",  "curved_on_edge", "below_tolerance"};
 
-/// Two shapes at scale 1 and where B is in A's frame.
+/// Two shapes at scale 1 and the pose of B in A's frame.
 template <int D>
 struct Layout {
   Sketch<D> a, b;
@@ -74,7 +74,7 @@ class Layouts {
       case 10:
         return belowTolerance();
       default:
-        return random();  // far_from_origin is a random pair that is carried away afterwards
+        return random();  // far_from_origin is a random pair that is moved away later
     }
   }
 
@@ -86,7 +86,7 @@ class Layouts {
     s.kind = ShapeKind::box, s.half = Vec<D>::Constant(half);
     return s;
   }
-  /// A direction in which features of equal rank meet, or any.
+  /// A direction in which several features tie, or a random one.
   Vec<D> telling() {
     const int k = m_draw.below(4);
     if (k == 0) return Vec<D>::Unit(m_draw.below(D));
@@ -95,7 +95,7 @@ class Layouts {
   }
   Aabb<D> bounds(const Sketch<D>& s) { return boundingBox(s.build(1).view(), Pose<D>{}); }
 
-  // Puts B so that its lowest point along n lies gap above A's highest one: the distance is gap when gap >= 0.
+  // Places B so that its lowest point along n lies `gap` above A's highest point. For gap >= 0, `gap` is the distance.
   void touchAt(Layout<D>& c, const Vec<D>& n, Real gap) {
     const Shape<D> a = c.a.build(1), b = c.b.build(1);
     const Vec<D> down = c.X_AB.q.inverse() * Vec<D>(-n);
@@ -160,7 +160,7 @@ class Layouts {
     Layout<D> c;
     const Real half = drawHalf<D>(m_draw)[0];
     switch (m_draw.below(3)) {
-      case 0:  // the same shape in the same place, or moved by just its own size
+      case 0:  // the same shape in the same place, or moved by its own size
         c.a = c.b = any();
         if (m_draw.coin()) c.X_AB.p[0] = bounds(c.a).hi[0] - bounds(c.a).lo[0];
         break;
@@ -188,7 +188,7 @@ class Layouts {
     touchAt(c, Vec<D>::Unit(1), gap);
     const Vec<D> aside = drawVector<D>(m_draw);
     for (int k = 0; k < D; ++k) {
-      if (k != 1) c.X_AB.p[k] = Real(0.9) * c.a.half[k] * aside[k];  // still above A: the distance stays
+      if (k != 1) c.X_AB.p[k] = Real(0.9) * c.a.half[k] * aside[k];  // still above A: the distance is unchanged
     }
     return c;
   }
@@ -204,7 +204,7 @@ class Layouts {
     squeeze(c.a);
     if (c.b.kind == ShapeKind::box || c.b.kind == ShapeKind::polytope) squeeze(c.b);
     c.X_AB.q = drawRotation<D>(m_draw);
-    if (m_draw.coin()) {  // an inner point of A is one of B
+    if (m_draw.coin()) {  // a point inside A coincides with one inside B
       const Vec<D> a = coreSupport(c.a.build(1).view(), drawDirection<D>(m_draw));
       const Vec<D> b = coreSupport(c.b.build(1).view(), drawDirection<D>(m_draw));
       c.X_AB.p = m_draw.real(0, 1) * a - c.X_AB.q * Vec<D>(m_draw.real(0, 1) * b);
@@ -214,7 +214,7 @@ class Layouts {
     return c;
   }
 
-  // B's middle on A's core: its corner, an edge or face, its middle, or half-way.
+  // B's origin on A's core: at a corner, on an edge or face, at the centre, or half-way.
   Layout<D> coreContact() {
     Layout<D> c{any(), any(), {}, {}};
     if (m_draw.coin()) c.X_AB.q = drawRotation<D>(m_draw);
@@ -266,8 +266,7 @@ ShapePairCase<D> drawShapePairOnce(Draw& draw) {
   return c;
 }
 
-/// In single precision a squeezed cloud can be too flat for a hull, which the factory says, as it must: another is
-/// drawn.
+/// In single precision, points squeezed flat may be rejected by the hull factory, as they must: draw again.
 template <int D>
 ShapePairCase<D> drawShapePair(Draw& draw) {
   for (int attempt = 0; attempt < 8; ++attempt) {
@@ -276,7 +275,7 @@ ShapePairCase<D> drawShapePair(Draw& draw) {
     } catch (const UserError&) {
     }
   }
-  return drawShapePairOnce<D>(draw);  // not chance any more: let it be seen
+  return drawShapePairOnce<D>(draw);  // no coincidence any more: let the error escape
 }
 
 extern template ShapePairCase<2> drawShapePair<2>(Draw&);

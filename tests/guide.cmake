@@ -1,8 +1,7 @@
-# What a page tells its reader to write and to type. A block fenced with a language and a path is that file; one fenced
-# with sh is commands.
+# Files and commands of a page. A block fenced with a language and a path is that file; a block fenced with sh holds commands.
 
-# The block between the fence whose first line is `opening` and its end, from `from` on; `end`: where to look for the next.
-# Empty, with end = -1, when there is none.
+# The first block after `from` with the fence `opening`; `end`: where to search for the next.
+# Empty, with end = -1, if there is none.
 function(page_block text from opening out_block out_end)
   string(SUBSTRING "${text}" ${from} -1 rest)
   string(FIND "${rest}" "\n```${opening}\n" at)
@@ -15,14 +14,14 @@ function(page_block text from opening out_block out_end)
   math(EXPR begin "${at} + ${skipped}")
   string(SUBSTRING "${rest}" ${begin} -1 rest)
   string(FIND "${rest}" "\n```\n" length)
-  math(EXPR length "${length} + 1")  # with its last line's end
+  math(EXPR length "${length} + 1")  # with the last newline
   string(SUBSTRING "${rest}" 0 ${length} block)
-  math(EXPR end "${from} + ${begin} + ${length} - 1")  # a line's end begins the next fence
+  math(EXPR end "${from} + ${begin} + ${length} - 1")  # the next fence begins with a newline
   set(${out_block} "${block}" PARENT_SCOPE)
   set(${out_end} ${end} PARENT_SCOPE)
 endfunction()
 
-# Writes the file that the page calls `path` to `target`: all blocks of that name, one after the other.
+# Writes the page's file `path` to `target`: all blocks of that name, concatenated.
 function(page_file page path target)
   file(READ ${page} text)
   cmake_path(GET path EXTENSION LAST_ONLY kind)
@@ -44,7 +43,7 @@ function(page_file page path target)
   endwhile()
 endfunction()
 
-# All that the page says its programs print, a line each: what is quoted in the lines that begin with `It prints`.
+# The output that the page promises, a line each: texts quoted in lines that begin with `It prints`.
 function(page_prints page out)
   file(READ ${page} text)
   string(REGEX MATCHALL "\nIt prints [^\n]*" lines "${text}")
@@ -59,7 +58,7 @@ function(page_prints page out)
   set(${out} "${said}" PARENT_SCOPE)
 endfunction()
 
-# All commands under the heading, up to the next one of its level, as one script.
+# All commands under the heading, up to the next heading of its level, as one script.
 function(page_commands page heading out)
   file(READ ${page} text)
   string(FIND "${text}" "\n## ${heading}\n" from)
@@ -70,7 +69,7 @@ function(page_commands page heading out)
   string(SUBSTRING "${text}" ${from} -1 section)
   string(FIND "${section}" "\n## " length)
   string(SUBSTRING "${section}" 0 ${length} section)
-  string(APPEND section "\n")  # the heading's search took the last one
+  string(APPEND section "\n")  # the search for the heading removed the last one
   set(script "")
   page_block("${section}" 0 sh block end)
   while(NOT end EQUAL -1)
@@ -83,7 +82,7 @@ function(page_commands page heading out)
   set(${out} "${script}" PARENT_SCOPE)
 endfunction()
 
-# Runs a script of bash in a folder; stops at the first command that fails. `output`: what it said.
+# Runs a bash script in a folder; stops at the first command that fails. `output`: its output.
 function(run_script script folder)
   file(WRITE ${folder}/commands.sh "${script}")
   execute_process(COMMAND bash -ex commands.sh WORKING_DIRECTORY ${folder} RESULT_VARIABLE result OUTPUT_VARIABLE said

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Inputs on which a property failed, one file each: run first next time, gone once they pass.
+// Failing inputs of properties, one file each. They run first next time and are deleted once they pass.
 #pragma once
 
 #include <rapidcheck.h>
@@ -20,7 +20,7 @@ inline std::uint64_t hashOf(const std::string& text, std::uint64_t start = 0xcbf
   return start;
 }
 
-/// A file name that says what `text` is and is different for different texts.
+/// A readable file name that differs for different texts.
 inline std::string fileNameOf(const std::string& text) {
   std::ostringstream name;
   for (const char c : text.substr(0, 100)) name << (std::isalnum(static_cast<unsigned char>(c)) || c == '.' ? c : '_');
@@ -28,7 +28,7 @@ inline std::string fileNameOf(const std::string& text) {
   return name.str();
 }
 
-/// Writes all or nothing: a reader never sees half a file.
+/// Writes atomically: a reader never sees half a file.
 inline void replaceFile(const std::filesystem::path& path, const std::string& text) {
   std::filesystem::create_directories(path.parent_path());
   const std::filesystem::path draft = path.string() + ".part";
@@ -42,7 +42,7 @@ class KeptFailures {
 
   std::filesystem::path file(const std::string& property) const { return m_folder / fileNameOf(property); }
 
-  /// Nothing when there is none, or when it cannot be read.
+  /// Empty if there is none, or if it cannot be read.
   std::optional<rc::detail::Reproduce> find(const std::string& property) const {
     std::ifstream in(file(property));
     const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -50,7 +50,7 @@ class KeptFailures {
       const auto kept = rc::detail::configFromString(text).reproduce;
       const auto it = kept.find(property);
       if (it != kept.end()) return it->second;
-    } catch (const std::exception&) {  // cut short, or of another RapidCheck
+    } catch (const std::exception&) {  // truncated, or from another version of RapidCheck
     }
     return std::nullopt;
   }
@@ -64,15 +64,15 @@ class KeptFailures {
     std::filesystem::remove(told(property));
   }
 
-  /// Where all that was said of the failure is kept.
+  /// File with the full text of the failure.
   std::filesystem::path told(const std::string& property) const { return file(property).string() + ".txt"; }
-  /// `text`, or its first lines when it is long; then the whole is kept.
+  /// `text`, or its first lines if it is long; then a file keeps the full text.
   std::string tell(const std::string& property, const std::string& text) const {
     constexpr int kLines = 40;
     std::size_t end = 0;
     for (int line = 0; line < kLines && end != text.npos; ++line) end = text.find('\n', end + (line > 0));
     if (end == text.npos || end + 1 == text.size()) {
-      std::filesystem::remove(told(property));  // of a longer one before
+      std::filesystem::remove(told(property));  // from an earlier, longer text
       return text;
     }
     replaceFile(told(property), text);

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Zlib
-"""What pages name is there: files and sections of links, paths; of docs/heritage.md also the tests that show a row. Its rows are
-numbered without a gap, and their counts are those above them. Run by ctest: pages_test.py SOURCE_DIR.
+"""Checks that pages name only files, paths and sections that exist; in docs/heritage.md also the tests that show a row. Its rows
+must be numbered without a gap and agree with the counts above them. Run by ctest: pages_test.py SOURCE_DIR.
 
-What a test shows is read by people. This finds what was renamed, moved or taken away since. Commands are run by docs_test.py.
+Whether a test shows what its row claims is for people to read. This finds names that were renamed, moved or removed.
+docs_test.py runs the commands.
 """
 
 import collections
@@ -12,8 +13,8 @@ import sys
 import unittest
 
 SOURCE = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
-STATES = {"done": True, "in part": True, "not there": False, "left out": False}  # and whether something shows it
-# By a reader of adding_an_algorithm.md.
+STATES = {"done": True, "in part": True, "not there": False, "left out": False}  # and whether the row must name evidence
+# Files that a reader of adding_an_algorithm.md makes.
 TO_BE_MADE = {"algorithms/broadphase/bucket_sort.cpp", "algorithms/velocity/backward.cpp"}
 
 
@@ -26,7 +27,7 @@ def sections(page):
 
 
 def link_faults(page, folder):
-    """Links and paths of a page in this folder that lead nowhere."""
+    """Broken links and paths of a page in this folder."""
     out = []
     for target in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
         name, _, section = target.partition("#")
@@ -63,7 +64,7 @@ class Pages(unittest.TestCase):
         pages = [*SOURCE.glob("*.md"), *SOURCE.glob("docs/*.md"), *SOURCE.glob(".github/**/*.md")]
         self.assertGreater(len(pages), 20)
         for page in pages:
-            if page.name != "CHANGELOG.md":  # names what was there
+            if page.name != "CHANGELOG.md":  # names former files
                 self.assertEqual(link_faults(page.read_text(), page.parent), [], page)
 
     def test_the_report_of_2009(self):

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What is true of every signed distance of two convex shapes, whoever computes it. No property needs another method to
-// be right: the support functions of the two shapes prove or refute an answer.
+// Properties of the signed distance of two convex shapes, for every method. No property needs another method as a
+// reference: the support functions of the two shapes prove or refute an answer.
 #pragma once
 
 #include <sstream>
@@ -13,19 +13,20 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// What an answer may be off by, against the size of the pair; of a witness point, which is ill-conditioned where the
-/// answer is not, more (a vertex that slides along a nearly parallel face).
+/// Tolerances of an answer, relative to the size of the pair. Closest points get a larger one, because they are
+/// ill-conditioned where the distance is not: a vertex slides along a nearly parallel face.
 inline constexpr double kPairTolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
 inline constexpr double kWitnessTolerance = sizeof(Real) == 8 ? 1e-6 : 1e-3;
 
-/// A pair whose poses no longer matter, only X_AB.
+/// A pair of shapes in relative pose only.
 template <int D>
 struct Asked {
   Shape<D> a, b;
   Pose<D> X_AB;
 };
 
-/// min over B of n . b - max over A of n . a in long double, n of any length: a lower bound of the signed distance.
+/// min over B of n . b minus max over A of n . a, in long double, for n of any length: a lower bound of the signed
+/// distance.
 template <int D>
 long double boundAlong(const Asked<D>& pair, const Vec<D>& direction) {
   using V = Eigen::Matrix<long double, D, 1>;
@@ -62,14 +63,14 @@ double extentOf(const ShapeView<D>& shape) {
   return reach + shape.radius;
 }
 
-/// s of the error measure: extent, distance and largest coordinate (m).
+/// Size s of the error measure: extent, distance and largest coordinate (m).
 template <int D>
 double sizeOf(const Asked<D>& pair, double distance) {
   return std::max(extentOf(pair.a.view()), extentOf(pair.b.view())) + std::max(0.0, distance) +
          static_cast<double>(pair.X_AB.p.cwiseAbs().maxCoeff());
 }
 
-/// The same shape, k times as large and with r more rounding.
+/// The same shape, scaled by k and with r more rounding.
 template <int D>
 Shape<D> resized(const Shape<D>& shape, Real k, Real r = 0) {
   const ShapeView<D>& v = shape.view();
@@ -96,7 +97,7 @@ Shape<D> resized(const Shape<D>& shape, Real k, Real r = 0) {
   return Shape<D>::ofCorners(v.kind, points, k * v.radius + r);
 }
 
-/// Its mirror image across the plane x_k = 0.
+/// The mirror image across the plane x_k = 0.
 template <int D>
 Shape<D> mirrored(const Shape<D>& shape, int k) {
   if (!shape.view().hull) return shape;
@@ -128,7 +129,7 @@ std::vector<Vec<D>> tellingDirections(const Asked<D>& pair) {
   return out;
 }
 
-/// One method under test, and the list of what it must satisfy.
+/// The method under test and the properties that it must satisfy.
 template <int D>
 class PairQueryProperties {
  public:
@@ -136,7 +137,7 @@ class PairQueryProperties {
 
   struct Named {
     const char* name;
-    // Empty when it holds; else what was seen.
+    // Empty if the property holds; otherwise what was observed.
     std::string (PairQueryProperties::*fault)(const Asked<D>&, const PairAnswer<D>&, Draw&);
   };
   static const std::vector<Named>& all() {
@@ -164,11 +165,11 @@ class PairQueryProperties {
     return m_method.supports(std::min(a.kind(), b.kind()), std::max(a.kind(), b.kind()));
   }
 
-  /// Name and reason of the first property that does not hold, or of that one; empty when all is well.
+  /// Name and reason of the first property that fails, or of the property `only`; empty if all hold.
   std::string fault(const Asked<D>& pair, Draw& draw, const std::string& only = "") {
     const PairAnswer<D> answer = ask(pair);
     m_size = sizeOf(pair, std::isfinite(answer.distance) ? double(answer.distance) : 0), m_T = kPairTolerance * m_size;
-    if (only.empty()) {  // the others read the answer
+    if (only.empty()) {  // the other properties use the answer
       if (answer.status != QueryStatus::converged) return say("status ", queryStatusName(answer.status));
       if (const std::string text = normal(pair, answer, draw); !text.empty()) return text;
     }
@@ -177,7 +178,7 @@ class PairQueryProperties {
       std::string text;
       try {
         text = (this->*property.fault)(pair, answer, draw);
-      } catch (const UserError&) {  // a sliver that single precision takes for flat when its hull is built anew
+      } catch (const UserError&) {  // in single precision a sliver may be too flat to rebuild its hull
         if (sizeof(Real) == 8) throw;
       }
       if (!text.empty()) return std::string(property.name) + ": " + text;
@@ -196,7 +197,7 @@ class PairQueryProperties {
     return queryPair<D>(m_method, pair.a.view(), pair.b.view(), pair.X_AB, need);
   }
   double askDistance(const Asked<D>& pair) { return static_cast<double>(ask(pair, QueryNeed::distance).distance); }
-  // `value` is `expected` within so many tolerances.
+  // Whether `value` equals `expected` within T tolerances.
   std::string near(double value, double expected, double T) const {
     return std::abs(value - expected) <= T * m_T ? "" : say("off by s times ", (value - expected) / m_size);
   }
@@ -206,13 +207,14 @@ class PairQueryProperties {
     return std::abs(answer.normal.norm() - 1) < Real(1e-5) ? "" : say("length of the normal ", answer.normal.norm());
   }
 
-  // A proof for shapes apart, and for shapes that penetrate the depth that suffices. Any normal of a tie has it (N20).
+  // A separating axis proves the distance of separate shapes, and for penetrating ones that the depth suffices. In a
+  // tie this holds for each of the normals (N20).
   std::string certificate(const Asked<D>& pair, const PairAnswer<D>& answer, Draw&) {
     const double worth = static_cast<double>(boundAlong(pair, answer.normal));
     return worth >= answer.distance - m_T ? "" : say("short by s times ", (answer.distance - worth) / m_size);
   }
 
-  // No direction gets out with less depth or shows a wider gap.
+  // No direction gives a smaller depth or a wider gap.
   std::string minimal(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {
     auto directions = tellingDirections(pair);
     PlainDraw plain(static_cast<std::uint64_t>(draw.below(1 << 30)));
@@ -267,7 +269,7 @@ class PairQueryProperties {
     const Asked<D> image = mirrored(pair, k);
     const PairAnswer<D> seen = ask(image);
     if (const std::string text = near(seen.distance, answer.distance, 2); !text.empty()) return text;
-    Vec<D> n = seen.normal;  // must serve the original as well as its own does, whichever of a tie it is
+    Vec<D> n = seen.normal;  // must be as good for the original pair as its own normal, also in ties
     n[k] = -n[k];
     return certificate(pair, {QueryStatus::converged, seen.distance - static_cast<Real>(2 * m_T), n, {}, {}}, draw);
   }
@@ -296,14 +298,15 @@ class PairQueryProperties {
     const Vec<D> v = drawStep(draw);
     return near(askDistance(movedBy(pair, v)), answer.distance, 4 + v.norm() / m_T);
   }
-  // The distance is the largest of the bounds along all directions, each of which is linear in the position.
+  // The distance is convex in the position: it is the maximum over all directions of bounds that are linear in the
+  // position.
   std::string convex(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {
     const Vec<D> v = 2 * drawStep(draw);
     const double between = (askDistance(movedBy(pair, v)) + askDistance(movedBy(pair, -v))) / 2;
     return answer.distance <= between + 4 * m_T ? "" : say("above by s times ", (answer.distance - between) / m_size);
   }
 
-  // The distance, asked with this memory, of the pair with B shifted along x.
+  // The distance of the pair with B shifted along x, computed with this memory.
   double askWith(PairMemory& memory, const Asked<D>& pair, double shift = 0, QueryNeed need = QueryNeed::witnesses) {
     PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
     view.X_AB.p[0] += static_cast<Real>(shift);
@@ -312,38 +315,38 @@ class PairQueryProperties {
     m_method.query({&view, 1}, need, {&warm, 1}, {&memory, 1}, work);
     return static_cast<double>(warm.distance);
   }
-  // What is remembered of another place must not change the answer.
+  // Memory from another pose must not change the answer.
   std::string remembered(const Asked<D>& pair, const PairAnswer<D>& answer, Draw&) {
     if (pair.a.kind() > pair.b.kind()) return "";
     PairMemory memory;
     askWith(memory, pair, m_size / 10);
     return near(askWith(memory, pair), answer.distance, 2);
   }
-  // Nor what somebody else has written there.
+  // Memory with arbitrary bytes must not change the answer.
   std::string foreign(const Asked<D>& pair, const PairAnswer<D>&, Draw& draw) {
     if (pair.a.kind() > pair.b.kind()) return "";
     PairMemory memory;
     for (std::byte& b : memory.bytes) b = static_cast<std::byte>(draw.below(256));
-    if (draw.coin()) {  // numbers as small as those of corners and counts are
+    if (draw.coin()) {  // numbers as small as indices and counts
       for (std::size_t i = 12; i < memory.bytes.size(); i += 2) {
         memory.bytes[i] = static_cast<std::byte>(draw.below(10)), memory.bytes[i + 1] = std::byte{0};
       }
       memory.bytes[28] = static_cast<std::byte>(draw.below(6));
       memory.bytes[30] = std::byte{0};
     }
-    if (draw.coin()) {  // kinds and numbers of features
+    if (draw.coin()) {  // kinds and indices of features
       for (std::size_t i = 0; i < memory.bytes.size(); i += 4) {
         memory.bytes[i] = static_cast<std::byte>(draw.below(8));
         memory.bytes[i + 1] = memory.bytes[i + 2] = memory.bytes[i + 3] = std::byte{0};
       }
       if (draw.coin()) memory.bytes[0] = std::byte{1};
     }
-    // Who asks for witnesses has a direction more to look at, which may mend what memory has spoilt.
+    // A query for closest points examines one more direction, which may hide the damage of wrong memory.
     const QueryNeed need = draw.coin() ? QueryNeed::witnesses : QueryNeed::distance;
     PairMemory cold;
     return near(askWith(memory, pair, 0, need), askWith(cold, pair, 0, need), 2);
   }
-  // Nor does the order in which the points of a hull were given.
+  // The order of a hull's points must not change the answer.
   std::string vertexOrder(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {
     const auto reordered = [&](const Shape<D>& shape) {
       if (!shape.view().hull) return shape;
@@ -357,7 +360,7 @@ class PairQueryProperties {
   }
 
   PairQuery<D>& m_method;
-  double m_size = 0, m_T = 0;  // of the pair that is judged
+  double m_size = 0, m_T = 0;  // of the pair under test
 };
 
 }}}  // namespace lpc::LPC_PRECISION::test

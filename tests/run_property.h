@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// One run of a property by RapidCheck, for check_property.cpp and for the tests of the search itself.
+// One RapidCheck run of a property, for check_property.cpp and for the tests of the search itself.
 #pragma once
 
 #include <rapidcheck.h>
@@ -13,12 +13,12 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class Shrink { no, yes };
 
-/// With `only`, that one input instead of drawn ones.
+/// With `only`, runs that input instead of drawn ones.
 rc::detail::TestResult runProperty(const std::string& name, const Property& property, int cases,
                                    Shrink shrink = Shrink::yes, const rc::detail::Reproduce* only = nullptr);
 
-/// Runs what was kept of an earlier failure and then `cases` drawn ones. Returns the shrunk counterexample as text,
-/// which is kept under `id`; empty when the property holds.
+/// Runs the kept input of an earlier failure, then `cases` drawn ones. Returns the shrunk counterexample as text and
+/// keeps it under `id`; returns an empty string if the property holds.
 std::string counterexample(const KeptFailures& kept, const std::string& id, const std::string& name,
                            const Property& property, int cases);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What every sleep policy owes, each on a little world of its own: a duty returns whether it holds, so that wrong twins
-// can be seen to fail.
+// What every sleep policy must do, each in a small world. Each function returns whether the policy passes, so that
+// tests can show that planted bugs fail.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace slee
 
 inline constexpr Real kG = Real(9.81), kDt = Real(1) / 60;
 
-// A little world without a solver: the test says who moves how and who touches whom.
+// A small world without a solver: the test sets velocities and contacts.
 template <int D>
 struct Stage {
   Bodies<D> bodies;
@@ -46,7 +46,7 @@ struct Stage {
     j.bodyA = a, j.bodyB = b;
     joints.push_back(j);
   }
-  // One decision, and what the world does after it.
+  // One decision of the policy, and the world's reaction: velocities of bodies that fell asleep become zero.
   void decide(SleepPolicy<D>& policy) {
     const std::vector<std::uint8_t> before = bodies.awake;
     ContactGraph<D> graph;
@@ -67,7 +67,7 @@ bool staysAwakeInFlight(SleepPolicy<D>& policy) {
   const int ball = s.add(BodyType::dynamic), wall = s.add(BodyType::fixed);
   const int lower = s.add(BodyType::dynamic), upper = s.add(BodyType::dynamic);
   s.touch(ball, wall, Vec<D>::Unit(0));  // the ball flies up along a wall
-  s.stack(lower, upper);                 // two boxes fly together, one on the other
+  s.stack(lower, upper);                 // two boxes fly together, one on top of the other
   const int ground = s.add(BodyType::fixed), balloon = s.add(BodyType::dynamic);
   s.bodies.gravityScale.back() = -1;  // is thrown down, touches the ground and rises
   s.stack(ground, balloon);
@@ -82,7 +82,7 @@ bool staysAwakeInFlight(SleepPolicy<D>& policy) {
   return true;
 }
 
-// A throw on a small moon is slow for long, and no rest.
+// A ball thrown on a small moon is slow for a long time but never at rest.
 template <int D>
 bool staysAwakeInWeakGravity(SleepPolicy<D>& policy) {
   Stage<D> s;
@@ -143,7 +143,8 @@ bool wakesByTheUser(SleepPolicy<D>& policy) {
   return s.awake(sleeper);
 }
 
-// A blow on a row of sleepers reaches the last one in the same step: a sleeper is a wall.
+// A blow on a row of sleeping bodies reaches the last one in the same step. A sleeping body acts like a static one, so
+// the solver does not pass the blow on.
 template <int D>
 bool blowsGoThrough(SleepPolicy<D>& policy) {
   Stage<D> s;
@@ -161,7 +162,7 @@ bool blowsGoThrough(SleepPolicy<D>& policy) {
   return true;
 }
 
-// Steps until body i sleeps, -1 when it does not within 600.
+// Steps until body i sleeps; -1 if it does not within 600.
 template <int D>
 int stepsToSleep(SleepPolicy<D>& policy, Stage<D>& s, int i, const std::function<void(int)>& move = {}) {
   for (int step = 1; step <= 600; ++step) {
@@ -179,7 +180,7 @@ Stage<D> resting(int& ground, int& body) {
   return s;
 }
 
-// A slider that gains speed all the time.
+// A slider that keeps accelerating.
 template <int D>
 bool slowSliderStaysAwake(SleepPolicy<D>& policy) {
   int ground, body;
@@ -188,7 +189,7 @@ bool slowSliderStaysAwake(SleepPolicy<D>& policy) {
   return stepsToSleep<D>(policy, s, body, faster) == -1;
 }
 
-// Put right by a position resolver, a centimetre a step, without any velocity.
+// A position resolver moves the body by 1 cm a step; its velocity stays zero.
 template <int D>
 bool creeperStaysAwake(SleepPolicy<D>& policy) {
   int ground, body;
@@ -197,7 +198,7 @@ bool creeperStaysAwake(SleepPolicy<D>& policy) {
   return stepsToSleep<D>(policy, s, body, creep) == -1;
 }
 
-// Slides on at 0.2 m/s, which is no rest.
+// Slides steadily at 0.2 m/s, which is not rest.
 template <int D>
 bool steadySliderStaysAwake(SleepPolicy<D>& policy) {
   int ground, body;
@@ -205,7 +206,7 @@ bool steadySliderStaysAwake(SleepPolicy<D>& policy) {
   return stepsToSleep<D>(policy, s, body, [&](int) { s.motion(body).v[0] = Real(0.2); }) == -1;
 }
 
-// A ball of 0.5 m that rolls 1 cm/s for ever.
+// A ball of 0.5 m radius rolls at 1 cm/s forever.
 template <int D>
 bool slowRollerStaysAwake(SleepPolicy<D>& policy) {
   int ground, ball;
@@ -214,7 +215,7 @@ bool slowRollerStaysAwake(SleepPolicy<D>& policy) {
   return stepsToSleep<D>(policy, s, ball, roll) == -1;
 }
 
-// A wheel spins in its place on a box that keeps still.
+// A wheel spins in place on a resting box.
 template <int D>
 bool othersMaySleep(SleepPolicy<D>& policy) {
   int ground, box;
@@ -224,7 +225,8 @@ bool othersMaySleep(SleepPolicy<D>& policy) {
   return stepsToSleep<D>(policy, s, box, [&](int) { s.motion(wheel).w[0] = 20; }) != -1;
 }
 
-// A pea comes to rest against one of two sleepers at 5 cm/s: the report (9.4.3) saw such wake whole heaps.
+// A pea comes to rest against one of two sleeping bodies at 5 cm/s. The report (9.4.3) saw such touches wake whole
+// heaps.
 template <int D>
 bool gentleTouchWakesNobody(SleepPolicy<D>& policy) {
   Stage<D> s;
@@ -238,7 +240,7 @@ bool gentleTouchWakesNobody(SleepPolicy<D>& policy) {
   return !s.awake(touched) && !s.awake(behind);
 }
 
-// Three sleepers on a lift, which starts at a speed that would be no blow; the ground below them is moved by hand.
+// Three sleeping bodies on a lift that starts more slowly than a blow, or on a ground that the user moves.
 template <int D>
 bool liftWakesAStack(SleepPolicy<D>& policy) {
   for (const bool byHand : {false, true}) {
@@ -257,7 +259,7 @@ bool liftWakesAStack(SleepPolicy<D>& policy) {
   return true;
 }
 
-// A lift that already moves, at last touches sleepers; or it tows one by a joint.
+// A moving lift touches a sleeping body, or tows it by a joint.
 template <int D>
 bool platformsTakeAlong(SleepPolicy<D>& policy) {
   for (const bool jointed : {false, true}) {
@@ -274,7 +276,7 @@ bool platformsTakeAlong(SleepPolicy<D>& policy) {
   return true;
 }
 
-// A pulls B along by a joint, out from under three sleepers that stand on each other.
+// A tug pulls a slab by a joint, from under three sleeping bodies stacked on it.
 template <int D>
 struct Sledge : Stage<D> {
   int tug, slab;
@@ -302,14 +304,14 @@ bool draggedSupportWakes(SleepPolicy<D>& policy) {
   s.pull(policy, Real(0.5));
   return s.allAwake();
 }
-// So slowly that what rests moves as fast while a solver calms it down.
+// So slow that resting bodies move as fast while a solver settles them.
 template <int D>
 bool creepingSupportWakes(SleepPolicy<D>& policy) {
   Sledge<D> s(true);
   for (int step = 0; step < 60; ++step) s.pull(policy, Real(0.02));
   return s.allAwake();
 }
-// What is drawn along at its support's speed would be woken again in the next step, and go by jerks.
+// A body that sleeps while it moves with its support would be woken in the next step and move in jerks.
 template <int D>
 bool nobodySleepsOnASledge(SleepPolicy<D>& policy) {
   Sledge<D> s(false);
@@ -321,7 +323,7 @@ bool nobodySleepsOnASledge(SleepPolicy<D>& policy) {
   return true;
 }
 
-// A vetoed contact with one who is fast is as good as none.
+// A vetoed contact with a fast body has no effect.
 template <int D>
 bool vetoedContactsAreNone(SleepPolicy<D>& policy) {
   const auto sleeps = [&](bool touching) {
@@ -337,7 +339,7 @@ bool vetoedContactsAreNone(SleepPolicy<D>& policy) {
     return !s.awake(sleeper);
   };
   if (sleeps(true) != sleeps(false)) return false;
-  // Nor does what passes through it keep it from falling asleep.
+  // A vetoed contact does not keep a body from falling asleep either.
   Stage<D> s;
   const int ground = s.add(BodyType::fixed), box = s.add(BodyType::dynamic), lift = s.add(BodyType::kinematic);
   s.stack(ground, box);
@@ -350,7 +352,7 @@ bool vetoedContactsAreNone(SleepPolicy<D>& policy) {
   return s.awake(box) == alone.awake(box);
 }
 
-// A ton leans on a sleeper.
+// A mass of one ton leans on a sleeping body.
 template <int D>
 bool slowPushWakes(SleepPolicy<D>& policy) {
   Stage<D> s;
@@ -364,7 +366,7 @@ bool slowPushWakes(SleepPolicy<D>& policy) {
   return s.awake(sleeper);
 }
 
-// Half the step, the same time to sleep, to a step.
+// With a quarter of the step length, the time to sleep stays the same within a step.
 template <int D>
 bool sleepsBySeconds(SleepPolicy<D>& policy) {
   const auto seconds = [&](Real dt) {
@@ -377,7 +379,7 @@ bool sleepsBySeconds(SleepPolicy<D>& policy) {
   return std::abs(seconds(kDt) - seconds(kDt / 4)) < kDt;
 }
 
-// What hangs still may sleep.
+// A body that hangs still may sleep.
 template <int D>
 bool pendulumSleeps(SleepPolicy<D>& policy) {
   Stage<D> s;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A few worlds that tests share: small, quick, and with everything that a step can meet.
+// Worlds that several tests share: small and fast, with everything that a step can meet.
 #pragma once
 
 #include <charconv>
@@ -36,7 +36,7 @@ JointDef<D> pivot(Handle bodyA, Handle bodyB, const Vec<D>& anchor) {
   return {.kind = "pivot", .bodyA = bodyA, .bodyB = bodyB, .X_WJ = {anchor, {}}};
 }
 
-/// A kind of force with these parameters, each the shortest text that reads back as the same number.
+/// A force kind with these parameters, each as the shortest text that reads back as the same number.
 inline std::string forceKind(std::string name, std::initializer_list<std::pair<const char*, double>> numbers) {
   Spec spec{std::move(name), {}};
   for (const auto& [key, value] : numbers) {
@@ -48,7 +48,7 @@ inline std::string forceKind(std::string name, std::initializer_list<std::pair<c
 inline std::string springKind(double stiffness, double restLength = 0, double damping = 0) {
   return forceKind("spring", {{"stiffness", stiffness}, {"rest_length", restLength}, {"damping", damping}});
 }
-/// Of the 2009 report: the same two numbers on both velocities.
+/// As in the 2009 report: both velocities use the same two coefficients.
 inline std::string dragKind(double linear, double quadratic) {
   return forceKind(
       "drag",
@@ -62,7 +62,7 @@ Handle addGround(World<D>& world, const Vec<D>& place = Vec<D>::Zero()) {
   return world.add(body<D>(Shape<D>::box(half), place - Vec<D>::Unit(1), BodyType::fixed));
 }
 
-/// A ground and n boxes side by side on it, that touch nobody else.
+/// A ground with a row of n boxes on it; the boxes touch only the ground.
 template <int D>
 std::vector<Handle> addRow(World<D>& world, int n) {
   Vec<D> half = Vec<D>::Constant(1);
@@ -82,13 +82,13 @@ std::string saved(const World<D>& world) {
   return out.str();
 }
 
-/// Boxes, balls and capsules fall on a floor and into each other; one pendulum swings above. n + 3 bodies.
+/// Boxes, balls and capsules fall on a floor and into each other; a pendulum swings above them. n + 3 bodies.
 template <int D>
 void addHeap(World<D>& world, int n, std::uint64_t seed, const Vec<D>& place = Vec<D>::Zero()) {
   addGround(world, place);
   Random random(seed);
   for (int i = 0; i < n; ++i) {
-    const double z = random.uniform(-1, 1), x = random.uniform(-2, 2);  // one by one: compilers order arguments freely
+    const double z = random.uniform(-1, 1), x = random.uniform(-2, 2);  // separate: argument order is unspecified
     const Vec<D> p = place + at<D>(x, 1 + 0.7 * i, z);
     const Shape<D> shapes[] = {Shape<D>::box(Vec<D>::Constant(Real(0.4))), Shape<D>::sphere(Real(0.4)),
                                Shape<D>::capsule(Real(0.3), Real(0.25))};
@@ -103,8 +103,7 @@ void addHeap(World<D>& world, int n, std::uint64_t seed, const Vec<D>& place = V
   world.add(pivot<D>(post, bob, hook));
 }
 
-/// One pair of bodies for each kind of joint, in a row, in all ways that a joint remembers something. The last pair
-/// hangs on what will break.
+/// One pair of bodies for each kind and state of joint memory, in a row. The joint of the last pair breaks.
 template <int D>
 void addJointed(World<D>& world, const Vec<D>& place) {
   const char* const kinds[] = {"pivot",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Grounds of triangles (3D) or segments (2D) that tests share: as a surface, or as a compound of the same parts, which
-// knows nothing of inner edges.
+// Shared grounds of triangles (3D) or segments (2D): as a surface, or as a compound of the same parts, which has no
+// information on inner edges.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 enum class GroundOf { surface, loosePart };
 
-/// The parts of a surface, each for itself.
+/// The parts of a surface as separate shapes.
 template <int D>
 Shape<D> looseParts(const Shape<D>& shape) {
   std::vector<ShapePart<D>> parts;
@@ -24,7 +24,7 @@ Shape<D> looseParts(const Shape<D>& shape) {
   return Shape<D>::compound(parts);
 }
 
-/// From x = -2 to 14 m, in 3D 8 m wide, of irregular parts; its height is a function of x (m).
+/// From x = -2 to 14 m, 8 m wide in 3D, with irregular parts. The height is a function of x (m).
 template <int D>
 Shape<D> roughGround(std::uint64_t seed, GroundOf of, const std::function<double(double)>& height) {
   Random random(seed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// For tests of the parts of a world, each without a world.
+// For tests of parts of a world without a world.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,14 +11,14 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// A suite of this runs its cases in 2D and 3D: TypeParam::D.
+/// A typed suite of this type runs in 2D and 3D: TypeParam::D.
 template <int Dim>
 struct InDimension {
   static constexpr int D = Dim;
 };
 using BothDimensions = testing::Types<InDimension<2>, InDimension<3>>;
 
-/// Bodies and shapes with a broadphase of their own.
+/// Bodies and shapes with their own broadphase.
 template <int D>
 struct Inhabitants {
   std::unique_ptr<Broadphase<D>> broadphase = createStage<Broadphase<D>>({"naive", {}});

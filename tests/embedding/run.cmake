@@ -1,9 +1,9 @@
-# Installs LPC into an empty folder and builds what a user would build against it: the programs of the manual, the plugin of the
-# guide, and what stands beside this file: cmake -DSOURCE_DIR=... -DBINARY_DIR=... -DWORK_DIR=... -DCXX=... [-DLAUNCHER=...]
-# [-DPART=programs, or extensions: the plugin, the dominoes and the window] [-DDEEP=ON] -P. Headers take most of the time:
-# everything is compiled without optimisation, and the programs of the pages as one file. With DEEP the other files are compiled
-# by themselves, as Release.
-cmake_minimum_required(VERSION 3.25)  # for its policies: a script has none of its own
+# Installs LPC into an empty folder and builds a user's programs against it: those of the manual, the plugin of the guide, and the
+# files beside this one.
+#   cmake -DSOURCE_DIR=... -DBINARY_DIR=... -DWORK_DIR=... -DCXX=... [-DLAUNCHER=...] [-DPART=...] [-DDEEP=ON] -P run.cmake
+# PART: programs, or extensions (the plugin, the dominoes and the window). Headers take most of the time, so everything is compiled
+# without optimisation and the programs of the pages as one file. With DEEP, other files are compiled separately, as Release.
+cmake_minimum_required(VERSION 3.25)  # sets policies, which a script lacks otherwise
 include(${CMAKE_CURRENT_LIST_DIR}/../guide.cmake)
 
 function(must)
@@ -14,7 +14,7 @@ function(must)
   message(STATUS "${output}")
   set(output "${output}" PARENT_SCOPE)
 endfunction()
-function(should_say)  # each is in what was said last
+function(should_say)  # the last output contains each text
   foreach(part IN LISTS ARGN)
     string(FIND "${output}" "${part}" at)
     if(at EQUAL -1)
@@ -23,18 +23,18 @@ function(should_say)  # each is in what was said last
   endforeach()
 endfunction()
 
-# A page's commands, with this build and an empty place to install to.
+# Runs a page's commands with this build and an empty install folder.
 function(follow page heading folder)
   page_commands(${page} "${heading}" script)
   string(REPLACE "/opt/lpc" "${WORK_DIR}/prefix" script "${script}")
   string(REPLACE "--install build/release" "--install ${BINARY_DIR}" script "${script}")
   string(REPLACE "build/release/bin" "${BINARY_DIR}/bin" script "${script}")
-  # A window would wait for somebody to close it.
+  # A window would wait until a user closes it.
   string(REPLACE "build/view/tower\n" "env -u DISPLAY -u WAYLAND_DISPLAY build/view/tower || [ $? = 2 ]\n" script "${script}")
   if(NOT DEEP)
     string(REPLACE " -DCMAKE_BUILD_TYPE=Release" "" script "${script}")
     string(REPLACE " -DCMAKE_PREFIX_PATH" " -DCMAKE_UNITY_BUILD=ON -DCMAKE_PREFIX_PATH" script "${script}")
-    string(REPLACE "--pairs 20" "--metamorphic --pairs 10" script "${script}")  # as the page has it a block of 200 is asked
+    string(REPLACE "--pairs 20" "--metamorphic --pairs 10" script "${script}")  # the page's command tests a block of 200
   endif()
   if(NOT EXISTS ${BINARY_DIR}/bin/lpc)
     string(REGEX REPLACE "[^\n]*/bin/lpc [^\n]*\n" "" script "${script}")
@@ -50,7 +50,7 @@ set(ENV{CMAKE_CXX_COMPILER_LAUNCHER} "${LAUNCHER}")
 if(DEEP)
   set(ENV{CMAKE_BUILD_TYPE} Release)
 else()
-  set(ENV{CXXFLAGS} "-O0 -DNDEBUG")  # what is installed is Release
+  set(ENV{CXXFLAGS} "-O0 -DNDEBUG")  # the installed library is Release
 endif()
 set(manual ${SOURCE_DIR}/docs/manual.md)
 set(reference ${SOURCE_DIR}/docs/reference_world.md)
@@ -64,8 +64,8 @@ endforeach()
 follow(${manual} "A first world in C++" ${WORK_DIR}/manual)
 should_say("the box rests at height 0.495 m")
 
-# Single stages, the manual's other programs and the pages of parts are one program, to be compiled at once: each is a function, and
-# the main function calls them in their order. The same world in the other precision is a second one.
+# Single stages, the manual's other programs and the pages of parts become one program, to compile once: each is a function, and
+# main calls them in order. The same world in the other precision is a second program.
 file(COPY ${CMAKE_CURRENT_LIST_DIR}/more DESTINATION ${WORK_DIR})
 page_file(${manual} main.cpp ${WORK_DIR}/more/main.cpp)
 file(READ ${CMAKE_CURRENT_LIST_DIR}/more/single_stages.cpp program)
@@ -90,7 +90,7 @@ foreach(name IN ITEMS shapes joints forces listeners)
   string(APPEND pages_print "${said}")
   list(APPEND parts ${WORK_DIR}/pages/${name}.cpp)
 endforeach()
-# An include that a part lacks is not missed, since an earlier part has it: so each part is asked for those that its words need.
+# In one program a part may lack an include that an earlier part has. So each part is checked for the headers that its words need.
 foreach(file IN LISTS parts)
   file(READ ${file} part)
   foreach(need IN ITEMS "World<|lpc/world.h" "std::(printf|puts)|cstdio" "drawSimulation|lpc/draw_simulation.h"
@@ -123,7 +123,7 @@ if(EXISTS ${WORK_DIR}/more/build/drop_a_box_f32)
   should_say("the box rests at height 0.495 m")
 endif()
 
-# What is installed links none of the oracle libraries.
+# The installed library links none of the oracle libraries.
 file(GLOB libraries ${WORK_DIR}/prefix/lib*/*.so ${WORK_DIR}/prefix/lib*/*/*.so)
 foreach(library IN LISTS libraries)
   execute_process(COMMAND ldd ${library} OUTPUT_VARIABLE links)
@@ -137,7 +137,7 @@ if(PART STREQUAL programs)
   return()
 endif()
 
-# A broadphase, a resolver and a shape outside of the tree, word for word.
+# A broadphase, a resolver and a shape outside the source tree, word for word from the guide.
 foreach(file IN ITEMS algorithms/broadphase/bucket_sort.cpp algorithms/velocity/backward.cpp mine/plugin.cpp mine/CMakeLists.txt
         neighbours.toml mine/dome.cpp domes.toml)
   page_file(${guide} ${file} ${WORK_DIR}/guide/${file})
@@ -150,7 +150,7 @@ if(EXISTS ${BINARY_DIR}/bin/lpc)
   endif()
 endif()
 
-# The example program, and its broadphase judged as a plugin.
+# The example program, and its broadphase verified as a plugin.
 file(COPY ${SOURCE_DIR}/experiments/dominoes DESTINATION ${WORK_DIR}/game/experiments)
 follow(${reference} "An example program" ${WORK_DIR}/game)
 should_say("19 of 19 dominoes were knocked over, and the bell rang: 24 points" "0 of 19 dominoes were knocked over: 0 points")
@@ -158,8 +158,8 @@ if(EXISTS ${BINARY_DIR}/bin/lpc)
   should_say("our own methods: all right")
 endif()
 
-# The program with a window, where its packages are: it is built, and says that there is no display. What windows show is tested by
-# tests/sandbox.
+# The program with a window, if its packages are installed: it builds, and reports that there is no display. tests/sandbox tests
+# what windows show.
 if(EXISTS ${BINARY_DIR}/experiments/sandbox/liblpc_window.a)
   file(COPY ${SOURCE_DIR}/experiments/view DESTINATION ${WORK_DIR}/view/experiments)
   follow(${reference} "A world in a window" ${WORK_DIR}/view)

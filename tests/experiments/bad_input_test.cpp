@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a user or a damaged file can get wrong: one line that says where, what was found and what is valid, exit code 2,
-// and nothing half-written. Unknown names and keys are in scene_file_test, sweep_test and command_line_test.
+// User mistakes and damaged files: a one-line message says where, what was found and what is valid; exit code 2; no
+// half-written file. scene_file_test, sweep_test and command_line_test cover unknown names and keys.
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/sweep_file.h"
 #include "framework/math/check.h"
@@ -113,7 +113,7 @@ TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
       EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     }
   }
-  for (const char* angle : {"0.3", "pi / 4", "1.2"}) {  // a needle across the axes
+  for (const char* angle : {"0.3", "pi / 4", "1.2"}) {  // a needle oblique to the axes
     const std::string needle = shape("kind = \"box\", half = [1, 1e-12, 1e-12], density = 1e24, angle = [0, 0, \"" +
                                      std::string(angle) + "\"]");
     expectParts(sceneMessage<3>(kHead + needle), {"t.toml:4: ", "inertia has no inverse", "valid: larger"}, needle);
@@ -165,7 +165,7 @@ TEST(BadInput, TheCommandRunRefuses) {
   EXPECT_EQ(deaf.text, "lpc: standard output cannot be written: No space left on device\n");
 }
 
-// An earlier file stays whole until the new one is.
+// An earlier file stays complete until the new one is complete.
 TEST(BadInput, AFailedRunKeepsTheEarlierFile) {
   Workspace w;
   w.write("good.toml", kHead + "steps = 5\n[[body]]\n" + kBall);
@@ -176,7 +176,7 @@ TEST(BadInput, AFailedRunKeepsTheEarlierFile) {
   EXPECT_EQ(readFile(w.path("p.csv")).substr(0, 6), "# step");
 }
 
-// Forces beyond all reason end the run at that step, whatever integrates them, also without a limit in the scene.
+// Huge forces end the run at their step, with every integrator, also if the scene sets no limit.
 TEST(BadInput, AbsurdForcesEndTheRunAtTheirStep) {
   Workspace w;
   const auto spring = [&](const std::string& stiffness) {
@@ -202,7 +202,7 @@ TEST(BadInput, AbsurdForcesEndTheRunAtTheirStep) {
   }
 }
 
-// So do events whose numbers are fine each, and come to what no number holds.
+// So do events with finite numbers if their product is not finite.
 TEST(BadInput, EventsBeyondAllNumbersEndTheRunAtTheirStep) {
   Workspace w;
   const std::pair<const char*, const char*> events[] = {
@@ -232,7 +232,7 @@ TEST(BadInput, SweepsWithoutCellsOrWithWrongValues) {
   Workspace w;
   const auto boxes = [](const std::string& axes, const std::string& more = "") {
     return "summary = \"s\"\nkind = \"boxes\"\n" + more +
-           "[axes]\ndistribution = \"uniform\"\nbroadphase = \"naive\"\n" + axes;  // axes from line 6
+           "[axes]\ndistribution = \"uniform\"\nbroadphase = \"naive\"\n" + axes;  // axes start on line 6
   };
   const auto world = [](const std::string& axes) {
     return "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"pyramid\"\n" + axes;
@@ -275,12 +275,12 @@ TEST(BadInput, SweepsWithoutCellsOrWithWrongValues) {
   refused(w, "sweep s.toml --jobs 0", {"--jobs", "0", "1 to"});
 }
 
-// A plugin that was forgotten: the line is that of the text that names its method, whatever stands before it.
-TEST(BadInput, AMissingMethodIsToldWhereItIsNamed) {
+// A missing plugin: the message names the line that names its method, whatever precedes it.
+TEST(BadInput, AMissingMethodIsReportedAtItsLine) {
   Workspace w;
   const std::string head = "summary = \"s\"\nkind = \"world\"\n", mine = "\"solver=split_solver{velocity=mine}\"\n",
                     scene = "[axes]\nscene = \"pyramid\"\nbase = [4]\n",
-                    counted = "[axes]\nscene = \"pyramid\"\niterations = [4]\n",  // a word that is in a message, too
+                    counted = "[axes]\nscene = \"pyramid\"\niterations = [4]\n",  // the word also occurs in a message
       catto = "[axes.resolver]\n\"catto\" = \"solver=split_solver{velocity=catto{iterations=$iterations}}\"\n";
   const std::string boxes =
       "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\nn = 8\ndistribution = \"uniform\"\n";
@@ -301,7 +301,7 @@ const std::string kSweep =
     "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\ndistribution = \"uniform\"\nframes = 60\n"
     "n = [8, 16, 24, 32, 40, 48]\nbroadphase = [\"naive\", \"sort_and_sweep\"]\n";
 
-TEST(BadInput, StoresThatAreNone) {
+TEST(BadInput, InvalidStores) {
   Workspace w;
   w.write("s.toml", kSweep);
   w.write("text.db", "no database, but text enough for the header of one: " + std::string(200, '.'));
@@ -331,7 +331,7 @@ TEST(BadInput, StoresThatAreNone) {
   refused(w, "sweep s.toml --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: "});
   refused(w, "sweep s.toml --dry-run --store text.db/s.db", {"text.db/s.db: ", "cannot be made", "Not a directory"});
   refused(w, "sweep s.toml --dry-run --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: ", "cannot be made"});
-  // Torn in its middle: a sweep would only notice when it gets there.
+  // Damaged in the middle: without a check, a sweep would notice only when it reads that page.
   std::filesystem::copy(w.path("whole.db"), w.path("torn.db"));
   const auto pages = std::filesystem::file_size(w.path("torn.db")) / 4096;
   for (auto page = pages / 2; page < pages; ++page) {
@@ -340,7 +340,7 @@ TEST(BadInput, StoresThatAreNone) {
   }
   refused(w, "sweep s.toml --dry-run --store torn.db", {"torn.db: ", "damaged"});
   refused(w, "merge all.db torn.db", {"torn.db", "damaged"});
-  // What would be missed in the middle of writing.
+  // Damage that would be noticed only while writing.
   for (const char* damage : {"DROP TABLE metrics", "ALTER TABLE trial RENAME COLUMN key TO k"}) {
     std::filesystem::copy_file(w.path("whole.db"), w.path("lost.db"),
                                std::filesystem::copy_options::overwrite_existing);
@@ -364,7 +364,7 @@ TEST(BadInput, StoresThatAreNone) {
   EXPECT_EQ(w.lpc("sweep s.toml --quiet --store empty.db").code, 0) << "killed while it was made, it is empty";
 }
 
-// A full disk ends the sweep; what was finished stays, and with room the same command continues.
+// A full disk ends the sweep. Finished trials stay, and with free space the same command continues.
 TEST(BadInput, AFullDisk) {
   Workspace w;
   w.write("s.toml", kSweep);
@@ -375,7 +375,7 @@ TEST(BadInput, AFullDisk) {
   Outcome out;
   int pages = 0;
   std::string done;
-  for (pages = 20; pages < 200; ++pages) {  // the first bound that lets a trial through
+  for (pages = 20; pages < 200; ++pages) {  // the first limit that lets a trial through
     out = w.lpc("sweep s.toml --quiet --store s.db", "LPC_STORE_MAX_PAGES=" + std::to_string(pages));
     done = ask(w.path("s.db"), "SELECT count(*) FROM trial");
     if (done != "0") break;
@@ -443,7 +443,7 @@ TEST(BadInput, BenchmarksPluginsAndScripts) {
   }
 }
 
-// The packages of a Python are hidden by files of the same names that do not import.
+// Hides the Python packages behind files of the same names that fail to import.
 TEST(BadInput, AReportWithoutItsPackages) {
   Workspace w;
   std::filesystem::create_directory(w.path("hidden"));

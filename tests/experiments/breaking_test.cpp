@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The search for breaking points on laws that are known, and the command that asks for one.
+// The search for breaking points with known laws, and the command that starts it.
 #include "experiments/runner/breaking.h"
 
 #include <cmath>
@@ -24,7 +24,7 @@ BreakQuestion question(double from, double to, bool falling = false) {
   return q;
 }
 
-// Of each value so many of five seeds fail, of twenty four times as many.
+// Number of failures among five seeds, by value; scaled to the number of seeds tried.
 using Law = std::function<long(double)>;
 Broken climb(const BreakQuestion& q, bool whole, const Law& law, int* tried = nullptr) {
   std::vector<Rung> known;
@@ -62,7 +62,7 @@ TEST(Breaking, WholeNumbersEndAtNeighbours) {
 }
 
 // A method that holds at the last value, or fails at the first, is tried there with all seeds.
-TEST(Breaking, EndsOfALadderAreTriedWithAllSeeds) {
+TEST(Breaking, EndsOfTheRangeUseAllSeeds) {
   BreakQuestion q = question(1, 60);
   q.seeds = 20;
   EXPECT_EQ(climb(q, true, [](double) { return 0; }).held->of, 20);
@@ -92,7 +92,7 @@ TEST(Breaking, RealsEndAsNearAsAsked) {
   }
 }
 
-// A finer grid sees what a coarse one steps over, in whole numbers and in others.
+// A finer grid finds failures that a coarse one skips, with integers and reals.
 TEST(Breaking, AFinerGridSeesMore) {
   for (const bool whole : {true, false}) {
     BreakQuestion q = question(1, 64);
@@ -108,8 +108,8 @@ TEST(Breaking, AFinerGridSeesMore) {
   }
 }
 
-// What holds beyond a failure is told; the lowest bracket is what is searched.
-TEST(Breaking, WhatIsNotMonotoneIsListed) {
+// The search finds the lowest breaking point and lists values that hold beyond it.
+TEST(Breaking, ValuesThatHoldBeyondAFailureAreListed) {
   const Broken b =
       climb(question(1, 64), true, [](double n) { return n == 8 || n == 64 || n >= 20 ? n == 32 ? 0 : 5 : 0; });
   EXPECT_EQ(b.held->value, 7);
@@ -117,8 +117,9 @@ TEST(Breaking, WhatIsNotMonotoneIsListed) {
   EXPECT_EQ(b.passesBeyond, (std::vector<double>{16, 32}));
 }
 
-// Half of the seeds fail between the last value below which all surely hold, and the first that surely fails.
-TEST(Breaking, TheIntervalIsThatOfTheShares) {
+// Half of the seeds start to fail between the last value at which most surely hold and the first at which most surely
+// fail.
+TEST(Breaking, TheIntervalFollowsTheSharesOfFailures) {
   const Broken b = climb(question(1, 16), true, [](double n) { return n < 5 ? 0 : n < 7 ? 2 : n < 16 ? 3 : 5; });
   EXPECT_EQ(b.held->value, 6);
   EXPECT_EQ(*b.low, 4);
@@ -131,7 +132,7 @@ TEST(Breaking, TheIntervalIsThatOfTheShares) {
   const Broken twenty = climb(question(1, 16), true, [](double n) { return n < 5 ? 1 : 4; });
   EXPECT_EQ(*twenty.low, 4);
   EXPECT_EQ(*twenty.high, 5);
-  // 95 % of 0 of 5 and of 5 of 10.
+  // 95 % intervals of 0 of 5 and of 5 of 10.
   EXPECT_LT(wilson(0, kFewestSeeds).high, 0.5);
   EXPECT_GT(wilson(0, kFewestSeeds - 1).high, 0.5);
   EXPECT_NEAR(wilson(0, 5).high, 0.43448, 1e-4);
@@ -141,8 +142,8 @@ TEST(Breaking, TheIntervalIsThatOfTheShares) {
   EXPECT_EQ(wilson(0, 0).high, 1);
 }
 
-// Few seeds far from the edge, all of them at its ends and where the shares are on neither side for sure.
-TEST(Breaking, ManySeedsAreForTheEdge) {
+// Few seeds far from the breaking point. All seeds at its two sides, and wherever the share of failures is uncertain.
+TEST(Breaking, ManySeedsRunOnlyNearTheBreakingPoint) {
   const Broken b = climb(question(1, 64), true, [](double n) { return n < 20 ? 0 : n < 22 ? 2 : n < 23 ? 3 : 5; });
   EXPECT_EQ(b.held->value, 21);
   EXPECT_EQ(b.fell->value, 22);
@@ -159,8 +160,9 @@ TEST(Breaking, ManySeedsAreForTheEdge) {
   EXPECT_LE(trials, question(1, 64).mostTrials());
 }
 
-// 2 of 4 seeds fail by chance where 9 of 20 do: the edge is looked for anew where many seeds move it.
-TEST(Breaking, WhatManySeedsSayMovesTheEdge) {
+// With 4 seeds, 2 fail by chance; with 20, 9 fail: the search continues where the result of many seeds moves the
+// breaking point.
+TEST(Breaking, ManySeedsMoveTheBreakingPoint) {
   std::vector<Rung> known;
   const auto failed = [](double n, long seeds) { return n < 10 ? 0 : n > 12 ? seeds : seeds == 20 ? 9 : 2L; };
   for (std::vector<WantedRung> next; !(next = nextRungs(question(1, 64), true, known)).empty();) {
@@ -177,7 +179,7 @@ TEST(Breaking, WhatManySeedsSayMovesTheEdge) {
   EXPECT_EQ(b.fell->value, 13);
 }
 
-// As `lpc sweep`, with rows that a law writes in place of runs; stopped after `rounds` rounds.
+// Works as `lpc sweep`, but takes results from a law instead of runs; stops after `rounds` rounds.
 struct Searched {
   std::vector<Broken> broken;
   long asked = 0;
@@ -216,13 +218,13 @@ break = { parameter = "n", from = 1, to = 24 }
 scene = "vertical_stack"
 )";
 
-TEST(Breaking, StoppedAnywhereItEndsAsIfItHadNotBeen) {
+TEST(Breaking, AResumedSearchEndsAsAnUninterruptedOne) {
   Workspace w;
   const std::string equal =
       "calibrate = { equal = \"cost\", metric = \"work_multiply_adds\", setting = \"iterations\", most = 64 }\nbudgets "
       "= "
       "[120]\n";
-  const auto law = [](double n) { return n < 11 ? 1 : 20; };  // of 4 seeds and of 20
+  const auto law = [](double n) { return n < 11 ? 1 : 20; };  // of 4 seeds or of 20
   for (const std::string& text : {kTower + "iterations = 10\n", equal + kTower}) {
     const std::string path = w.write("s.toml", text);
     Store whole(w.path(std::to_string(text.size()) + ".db"), true);
@@ -247,8 +249,8 @@ TEST(Breaking, StoppedAnywhereItEndsAsIfItHadNotBeen) {
   }
 }
 
-// What not even one iteration can pay for fails: 16 boxes cost 16, and the budget is 15.
-TEST(Breaking, WhatTheBudgetCannotPayForFails) {
+// A value fails if even one iteration exceeds the budget: 16 boxes cost 16, the budget is 15.
+TEST(Breaking, ValuesBeyondTheBudgetFail) {
   Workspace w;
   const std::string path =
       w.write("s.toml",
@@ -268,7 +270,7 @@ const std::string kSlope =
     "break slope --parameter friction --falling --from 0.2 --to 0.8 --limit \"slope_distance<1\" "
     "--steps 60 --seeds 1 --perturb 0 --ratio 1.01 --quiet --store b.db ";
 
-TEST(Breaking, TheCommandFindsWhatTheFormulaSays) {
+TEST(Breaking, TheCommandAgreesWithTheFormula) {
   Workspace w;
   const std::string pipeline = "--pipeline solver=split_solver";
   const Outcome out = w.lpc(kSlope + pipeline);
@@ -352,7 +354,7 @@ pipeline = "solver=split_solver{velocity=catto{iterations=$iterations},position=
 
 TEST(Breaking, ASweepOfQuestions) {
   Workspace w;
-  // Row updates of a pendulum are its iterations times a constant: six of them are 1200 % of the budget of half of one.
+  // The multiply-adds of a pendulum grow with its iterations; the limit lies within the range.
   w.write("s.toml", kSweep + R"(
 [break]
 seeds = 1
@@ -390,7 +392,7 @@ axes = { scene = "slope", iterations = 5, steps = 60 }
   EXPECT_NE(again.text.find(" 0 run,"), std::string::npos) << again.text;
 }
 
-// Twice the boxes need twice the multiply-adds: at equal cost a method has fewer iterations on a higher rung.
+// Twice the boxes need twice the multiply-adds: at equal cost a method gets fewer iterations at a higher value.
 TEST(Breaking, AtEqualCostEveryRungHasItsOwnSetting) {
   Workspace w;
   const Outcome out = w.lpc(
@@ -410,7 +412,7 @@ TEST(Breaking, AtEqualCostEveryRungHasItsOwnSetting) {
   EXPECT_GT(at(4, iterations), at(8, iterations));
 }
 
-// What a solver calls its sub-steps need not be known.
+// The caller need not know how a solver names its iterations.
 TEST(Breaking, AtEqualCostTheEffortOfEachMethodIsSearched) {
   Workspace w;
   const Outcome out = w.lpc(
@@ -429,7 +431,7 @@ TEST(Breaking, AtEqualCostTheEffortOfEachMethodIsSearched) {
   EXPECT_GT(count("json_extract(p.axes, '$.iterations') > 1"), 1);
 }
 
-// The trials that find the iterations of each value are planned, too.
+// The dry run also counts the trials that find each value's iterations.
 TEST(Breaking, ADryRunBoundsWhatIsRun) {
   Workspace w;
   w.write("s.toml", kSweep + R"(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Other libraries' broadphases stand beside ours in sweeps, so they must answer the same question: all pairs of tight
-// boxes.
+// Broadphases of other libraries are compared with LPC's in sweeps, so they must answer the same query: all pairs of
+// overlapping tight boxes.
 #include <filesystem>
 
 #include "framework/stage/registry.h"
@@ -39,7 +39,7 @@ broadphase = ["*witness", "naive_sphere"]
   }
 }
 
-// Boxes that come and go, of no size, far away, identical, huge.
+// Boxes that are added and removed, of zero size, far away, identical, huge.
 TEST(BroadphaseWitness, IsRightOnHardBoxes) {
   Workspace w;
   for (const char* precision : {"f64", "f32"}) {
@@ -53,7 +53,7 @@ TEST(BroadphaseWitness, IsRightOnHardBoxes) {
   EXPECT_EQ(ask(w.path("v.db"), "SELECT sum(asked) FROM ledger WHERE axis='all'"), kSingle ? "1600" : "800");
 }
 
-// In a world, too, where bodies sleep and contacts are sorted: the same history to the last bit.
+// Also in a world where bodies sleep and contacts are sorted: the same history to the last bit.
 TEST(BroadphaseWitness, GivesTheSameHistory) {
   Workspace w;
   w.write("s.toml", R"(

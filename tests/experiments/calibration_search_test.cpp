@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The search of settings on stores whose rows the test writes: by times that are known, stopped, taken up again, in
-// parts. Nothing runs here but where the command itself is asked.
+// The search of settings on stores with rows written by the test: with known times, interrupted, resumed, in parts. No
+// trial runs, except through the command.
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ using test::ask;
 using test::Outcome;
 using test::Workspace;
 
-// `setting = "n"` so that the names of iterations and of the axis differ.
+// `setting = "n"` distinguishes the name of the axis from that of the parameter.
 std::string twoMethods(const std::string& metric, const std::string& more) {
   return "summary = \"s\"\nkind = \"world\"\ncalibrate = { equal = \"cost\", metric = \"" + metric +
          "\", setting = \"n\", most = 64 }\n" + more + R"(
@@ -32,7 +32,7 @@ steps = 10
 }
 const std::string kTimed = "timed = true\nrepeats = 5\nbudgets = [1, 4.5]\n";
 
-// What a trial of n iterations measures, as the test says; it is written into the store in place of a run.
+// Result of a trial with n iterations, written into the store instead of a run.
 using Law = std::function<TrialResult(const json& axes)>;
 void write(Store& store, const PlannedTrial& t, const Law& law) {
   TrialResult result;
@@ -41,12 +41,12 @@ void write(Store& store, const PlannedTrial& t, const Law& law) {
 }
 
 struct Found {
-  std::map<std::string, std::set<long>> settings;  // by method and budget; 0 where none was found
-  long rows = 0, asked = 0;                        // planned; measured for it
+  std::map<std::string, std::set<long>> settings;  // by method and budget; 0: none found
+  long rows = 0, asked = 0;                        // trials planned; trials measured for the search
   bool operator==(const Found&) const = default;
 };
 
-// As `lpc sweep`, with rows from `law`; stopped after `rounds` rounds.
+// Works as `lpc sweep`, with rows from `law`; stops after `rounds` rounds.
 Found search(const std::string& path, Store& store, const Law& law, int rounds = 100,
              const std::vector<std::string>& only = {}, bool retry = false) {
   PlannedSweep sweep = planSweeps(path, only).at(0);
@@ -81,7 +81,7 @@ std::string rowsPlanned(const std::string& store, const std::string& where = "1"
   return ask(store, "SELECT count(*) FROM planned p LEFT JOIN trial t ON p.key = t.key WHERE " + where);
 }
 
-// A step of n iterations takes n/2 ms, and a disturbed repeat twenty times that.
+// A step with n iterations takes n/2 ms; a disturbed repeat takes twenty times as long.
 TrialResult halfMillisecondEach(const json& axes) {
   TrialResult r;
   r.metrics["ms_per_step_median"] = 0.5 * axes.at("n").get<double>() * (axes.at("repeat").get<int>() < 2 ? 20 : 1);
@@ -110,14 +110,16 @@ TEST(CalibrationSearch, ATimeIsTheMedianOfAllRepeats) {
   EXPECT_EQ(again.settings, found.settings);
 }
 
-// Seeds share the setting of the first five, whose median no disturbed one decides; each has its trials at it.
+// All seeds share one setting, found from the median of the first five, so that a disturbed one does not decide. Each
+// seed has its trials at that setting.
 TEST(CalibrationSearch, SeedsHaveOneSetting) {
   Workspace w;
   std::string text = twoMethods("ms_per_step_median", "timed = true\nbudgets = [4.5]\n");
   text.insert(text.find("[axes.resolver]"), "seed = [1, 2, 3, 4, 5, 6, 7]\nperturb = 0.001\n");
   const std::string path = w.write("s.toml", text);
   Store store(w.path("s.db"), true);
-  // Half a millisecond each, but of the first two seeds, which are disturbed, and the last two, which nobody asks.
+  // Half a millisecond an iteration, except the first two seeds, which are disturbed, and the last two, which the
+  // search does not use.
   const auto law = [](const json& axes) {
     const long seed = axes.at("seed");
     TrialResult r;
@@ -140,7 +142,7 @@ TEST(CalibrationSearch, SeedsHaveOneSetting) {
   EXPECT_EQ(search(path, store, law).asked, 0);
 }
 
-TEST(CalibrationSearch, StoppedAnywhereItEndsAsIfItHadNotBeen) {
+TEST(CalibrationSearch, AResumedSearchEndsAsAnUninterruptedOne) {
   Workspace w;
   const std::string path = w.write("s.toml", twoMethods("ms_per_step_median", kTimed));
   Store whole(w.path("whole.db"), true);
@@ -161,7 +163,7 @@ TEST(CalibrationSearch, StoppedAnywhereItEndsAsIfItHadNotBeen) {
   }
 }
 
-// A machine that was slow for a while: what it timed out in is measured again when asked for, once.
+// Timeouts of a temporarily slow machine are measured again on request, once.
 TEST(CalibrationSearch, RetryReachesTheSearch) {
   Workspace w;
   const std::string path = w.write("s.toml", twoMethods("work_row_updates", "budgets = [8]\n"));
@@ -186,7 +188,7 @@ TEST(CalibrationSearch, RetryReachesTheSearch) {
   EXPECT_EQ(search(path, store, slow, 100, {}, true).asked, 0) << "nothing is left to be run again";
 }
 
-// The same through the command, on a row of a timeout that the test writes.
+// The same through the command, with a timeout row that the test writes.
 TEST(CalibrationSearch, RetryOfTheCommandReachesTheSearch) {
   Workspace w;
   const std::string path = w.write("s.toml", twoMethods("work_row_updates", "budgets = [1e9]\n"));
@@ -211,7 +213,7 @@ TEST(CalibrationSearch, RetryOfTheCommandReachesTheSearch) {
   EXPECT_EQ(rowsPlanned(w.path("s.db")), "2") << "the cell has one row";
 }
 
-// Methods that agree at one iteration, and groups that meet.
+// Methods that agree at one iteration, and groups that share budgets.
 TEST(CalibrationSearch, NoMethodAndNoBudgetIsLost) {
   Workspace w;
   const std::string path = w.write("s.toml", R"(
@@ -255,8 +257,8 @@ TEST(CalibrationSearch, TheLargestSettingIsPlannedFirst) {
   EXPECT_FALSE(std::filesystem::exists(w.path("never.db")));
 }
 
-// Parts of a step are named by whoever times them, so that a wrong name is known once one has run.
-TEST(CalibrationSearch, AMetricThatNobodyHasIsAMistake) {
+// The timed code names the parts of a step, so a wrong name is detected only after a run.
+TEST(CalibrationSearch, AnUnknownMetricIsAMistake) {
   Workspace w;
   w.write("s.toml", twoMethods("work_row_update", "budgets = [8]\n"));
   const Outcome counts = w.lpc("sweep s.toml --store never.db");
@@ -290,7 +292,7 @@ TEST(CalibrationSearch, AMetricThatNobodyHasIsAMistake) {
   EXPECT_EQ(message("us_solver_relax"), "") << "one method has it: the other has a row with the reason";
 }
 
-// With --with and --set, as any sweep.
+// With --with and --set, as in any sweep.
 TEST(CalibrationSearch, TakesAMethodAndAValueOfTheCommandLine) {
   Workspace w;
   const std::string path = w.write("s.toml", twoMethods("work_row_updates", "budgets = [8]\n"));

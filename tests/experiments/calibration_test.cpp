@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Equal cost and equal error: the setting that a sweep finds is the one that arithmetic, or a run of every setting,
-// gives.
+// Equal cost and equal error: a sweep finds the setting that arithmetic gives, or a run of every setting.
 #include "experiments/runner/calibration.h"
 
 #include <cmath>
@@ -17,7 +16,7 @@ using test::ask;
 using test::Outcome;
 using test::Workspace;
 
-// A pendulum touches nothing: each sweep over the rows costs the same, so row updates are proportional to iterations.
+// A pendulum has no contacts: each sweep over the rows costs the same, so row updates are proportional to iterations.
 const std::string kPendulum = R"(
 summary = "s"
 kind = "world"
@@ -32,12 +31,12 @@ std::string calibrated(const std::string& equal, const std::string& metric, cons
 }
 
 struct Cell {
-  long iterations = 0;  // 0: none was found
+  long iterations = 0;  // 0: none found
   std::string outcome, reason;
   double value = 0;
 };
 
-// By budget, what a store holds of the sweep `s`.
+// The store's rows of the sweep `s`, by budget.
 std::map<double, Cell> cellsOf(const std::string& store, const std::string& metric) {
   std::map<double, Cell> out;
   SQLite::Database db(store, SQLite::OPEN_READONLY);
@@ -55,7 +54,7 @@ std::map<double, Cell> cellsOf(const std::string& store, const std::string& metr
   return out;
 }
 
-// Metric by iterations, each setting run by itself.
+// The metric by iterations, each setting run on its own.
 std::map<long, double> measured(const Workspace& w, const std::string& head, const std::string& axes,
                                 const std::string& metric, const std::string& iterations) {
   w.write("plain.toml", head + axes + "iterations = [" + iterations + "]\n");
@@ -70,7 +69,7 @@ std::map<long, double> measured(const Workspace& w, const std::string& head, con
   return out;
 }
 
-// Most iterations within the budget, when one costs `each`.
+// The most iterations within the budget if one costs `each`.
 long affordable(double budget, double each) { return static_cast<long>(std::floor(budget / each)); }
 
 TEST(Calibration, EqualCostIsWhatArithmeticGives) {
@@ -118,8 +117,8 @@ TEST(Calibration, EqualCostIsWhatArithmeticGives) {
             json({{"equal", "cost"}, {"metric", "work_row_updates"}, {"setting", "iterations"}, {"most", 64}}));
 }
 
-// A stack of four gives less the more iterations it gets; what each setting errs is run here, one by one.
-TEST(Calibration, EqualErrorIsTheFewestIterationsThatErrNoMore) {
+// The error of a stack of four falls as its iterations grow; the test runs each setting on its own.
+TEST(Calibration, EqualErrorTakesTheFewestIterations) {
   Workspace w;
   const std::string metric = "penetration_poses";
   const std::string axes = "[axes]\nscene = \"vertical_stack\"\nn = 4\ngap = 0\ndimension = 2\nsteps = 60\n";
@@ -140,8 +139,8 @@ TEST(Calibration, EqualErrorIsTheFewestIterationsThatErrNoMore) {
             "iterations=8, the most, errs by " + asText(error.at(8)) + " (penetration_poses), the budget is 1e-15");
 }
 
-// Methods that lack the setting, the dimension, or stop at once: each has its rows.
-TEST(Calibration, WhatCannotBeSearchedIsARow) {
+// Methods without the setting or the dimension, or that stop early: each has its rows.
+TEST(Calibration, MethodsThatCannotBeSearchedHaveRows) {
   Workspace w;
   w.write("s.toml", R"(
 summary = "s"

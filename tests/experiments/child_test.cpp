@@ -19,7 +19,7 @@ using test::Workspace;
 
 const std::string kLong(10'000'000, 'x');  // more than any pipe holds
 
-constexpr int kTries = 100'000;  // of a millisecond or more: a test that would wait for ever fails
+constexpr int kTries = 100'000;  // at least 1 ms each: a test that would hang fails
 
 bool never() { return false; }
 
@@ -29,15 +29,15 @@ std::string script(const Workspace& w, const std::string& text) {
   return path;
 }
 
-TEST(Child, IsGivenAndTakenFromAtOnce) {
+TEST(Child, ReadsAndWritesAtTheSameTime) {
   Child cat("/bin/cat", kLong, -1, false);
   ASSERT_TRUE(cat.wait(never));
   EXPECT_EQ(cat.exitCode(), 0);
   EXPECT_TRUE(cat.output() == kLong);
 }
 
-// One that ends without reading, or reads nothing for ever, costs this program nothing.
-TEST(Child, NeedNotRead) {
+// A child that ends without reading, or never reads, does not block this program.
+TEST(Child, MayEndWithoutReading) {
   Workspace w;
   Child deaf(script(w, "exec 0<&-; exit 3"), kLong, -1, false);
   ASSERT_TRUE(deaf.wait(never));
@@ -47,7 +47,7 @@ TEST(Child, NeedNotRead) {
   EXPECT_FALSE(asleep.wait([] { return true; }));
 }
 
-// What this program ignores, exec would have it ignore, too: it could not be stopped.
+// A child would inherit ignored signals through exec and could not be stopped.
 TEST(Child, IgnoresNoSignals) {
   Workspace w;
   constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGPIPE};
@@ -79,7 +79,7 @@ TEST(Child, ThatCannotStartIsTheUsersMistake) {
   EXPECT_NE(message("/no/program").find("No such file"), std::string::npos);
 }
 
-// Too many at once: each takes four descriptors, and one that finds no more leaves none open.
+// Too many children: each takes four descriptors, and a failed start leaves none open.
 TEST(Child, ThatFindsNoDescriptorIsTheUsersMistake) {
   Workspace w;
   rlimit before{};
@@ -91,7 +91,7 @@ TEST(Child, ThatFindsNoDescriptorIsTheUsersMistake) {
   for (; !message.empty() && most < 200; ++most) {
     const rlimit few{most, before.rlim_max};
     setrlimit(RLIMIT_NOFILE, &few);
-    std::exception_ptr thrown;  // looked at when there are descriptors again: the sanitizer needs some for that
+    std::exception_ptr thrown;  // examined after the limit is lifted: the sanitizer needs descriptors
     try {
       Child child("/bin/true", "", -1, false);
     } catch (const UserError&) {
@@ -120,8 +120,8 @@ TEST(Child, ThatFindsNoDescriptorIsTheUsersMistake) {
   EXPECT_NE(out.text.find("valid: fewer --jobs"), out.text.npos) << out.text;
 }
 
-// What a worker could not write while this program itself was stopped (Ctrl-Z) is no time that it took.
-TEST(Child, IsNotLateWhenNobodyLooks) {
+// Time in which this program itself was stopped (Ctrl-Z) does not count against a worker.
+TEST(Child, IsNotLateWhileItsParentIsStopped) {
   Workspace w;
   const std::string program = script(w, "head -c 1000000 /dev/zero");
   std::filesystem::rename(program, w.path("lpc-worker-f64"));
@@ -135,8 +135,8 @@ TEST(Child, IsNotLateWhenNobodyLooks) {
   EXPECT_EQ(ends[0].output.size(), 1'000'000u);
 }
 
-// It takes with it what it has started.
-TEST(Child, EndsWithItsOwn) {
+// Its own child processes end with it.
+TEST(Child, EndsWithItsChildren) {
   Workspace w;
   std::string sleeper;
   {
@@ -148,7 +148,7 @@ TEST(Child, EndsWithItsOwn) {
   const auto runs = [&] {
     std::ifstream in("/proc/" + sleeper + "/stat");
     std::string line;
-    return std::getline(in, line) && line.find(") Z ") == line.npos;  // whose parent is gone may stay a zombie
+    return std::getline(in, line) && line.find(") Z ") == line.npos;  // may stay a zombie without a parent
   };
   for (int i = 0; i < kTries && runs(); ++i) usleep(1000);
   EXPECT_FALSE(runs());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The `lpc` program as a user meets it.
+// The `lpc` program as its user sees it.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -33,7 +33,7 @@ TEST(CommandLine, helpHasAnExample) {
   }
 }
 
-// The page of names is made by a command: what it writes names every competitor once and leaves the rest alone.
+// A command writes the page of names: every competitor once, and the rest of the page unchanged.
 TEST(CommandLine, writesTheNamesIntoAPage) {
   Workspace w;
   const std::string page = w.write("page.md", "above\n<!-- registry -->\n| cache | of_old |\n<!-- end -->\nbelow\n");
@@ -57,8 +57,8 @@ TEST(CommandLine, listsOneStageAlone) {
   EXPECT_EQ(out.text.find("velocity"), std::string::npos) << out.text;
 }
 
-// Names alone fit a screen; the parameters of one thing, or of all, are asked for.
-TEST(CommandLine, listsNamesAndTellsOnRequest) {
+// Names fit on a screen; parameters are shown on request, for one method or for all.
+TEST(CommandLine, listsNamesAndDetailsOnRequest) {
   Workspace w;
   const Outcome brief = w.lpc("list"), all = w.lpc("list --all");
   const auto lines = [](const Outcome& out) { return std::count(out.text.begin(), out.text.end(), '\n'); };
@@ -82,8 +82,8 @@ TEST(CommandLine, listsNamesAndTellsOnRequest) {
   EXPECT_TRUE(json["algorithms"].empty());
 }
 
-// Each number has its unit and stands with those of its kind.
-TEST(CommandLine, runTellsUnitsByKind) {
+// Each number has its unit and is listed with others of its kind.
+TEST(CommandLine, runPrintsUnitsByKind) {
   Workspace w;
   const Outcome out = w.lpc("run vertical_stack --param n=3 --steps 40 --plot");
   EXPECT_EQ(out.code, 0) << out.text;
@@ -105,8 +105,8 @@ TEST(CommandLine, runTellsUnitsByKind) {
   EXPECT_EQ(one.text.find("\nkinetic "), std::string::npos) << one.text;
 }
 
-// A spring that swings from side to side within a step: ends of the axis are those of the series, and nothing of a
-// column is lost, neither a peak nor a dip.
+// A spring that oscillates within a step: the axis ends at the series' extremes, and a column loses neither a peak nor
+// a dip.
 TEST(CommandLine, plotsPeaksAndDips) {
   Workspace w;
   w.write("swing.toml",
@@ -130,8 +130,8 @@ TEST(CommandLine, plotsPeaksAndDips) {
 }
 
 struct Timeline {
-  std::vector<std::string> rows;                // of the chart, from the top
-  std::map<std::string, double> share, median;  // of each phase, in percent and ms; "step": of all
+  std::vector<std::string> rows;                // rows of the chart, from the top
+  std::map<std::string, double> share, median;  // share (%) and median (ms) of each phase; "step": total
   std::string text;
 };
 
@@ -151,8 +151,7 @@ Timeline timelineOf(const Workspace& w, const std::string& arguments) {
   return out;
 }
 
-// Phases stand on each other in their order, from the bottom on without a gap, and the highest column is as high as the
-// chart.
+// Phases are stacked in order from the bottom without gaps, and the highest column fills the chart.
 bool isStacked(const Timeline& t) {
   const std::string order = "pcfvm. ";
   std::size_t filled = 0, columns = t.rows.empty() ? 0 : t.rows[0].size();
@@ -194,7 +193,7 @@ TEST(CommandLine, drawsTheTimeline) {
     }
     EXPECT_EQ(t.rows[0].size(), 80u) << "a column for each step: " << t.text;
   }
-  // Who sleeps is seen: the box in the end.
+  // The chart shows sleeping bodies: the box at the end.
   w.write("rest.toml",
           "name = \"rest\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 200\ngravity = [0, -10, 0]\n"
           "needs = [\"cache\", \"friction\", \"rotation\", \"sleeping\"]\n"
@@ -205,7 +204,7 @@ TEST(CommandLine, drawsTheTimeline) {
   EXPECT_TRUE(w.lpc("run rest.toml --steps 0 --plot timeline").text.ends_with("\ntimeline: this run has no step\n"));
 }
 
-// The user's mistakes: exit code 2 and one line that names the mistake and what would be valid.
+// User mistakes: exit code 2 and one line that names the mistake and what is valid.
 TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
   Workspace w;
   const std::pair<const char*, std::vector<const char*>> cases[] = {
@@ -260,7 +259,7 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
   }
 }
 
-// Every option that takes a number, of every subcommand, as the help has them, refuses what is none.
+// Every numeric option of every subcommand, as listed in the help, rejects what is not a number.
 TEST(CommandLine, numbersAreNumbers) {
   Workspace w;
   ASSERT_EQ(w.lpc("run pyramid --param base=2 --steps 1 --record a.rec").code, 0);
@@ -311,14 +310,14 @@ TEST(CommandLine, numbersAreNumbers) {
     refused("needs pyramid --store n.db", "--param", std::string("base=") + given);
   }
   EXPECT_GE(tried, 97u);
-  refused("needs slope --store n.db", "--perturb", "0.2");  // as the scene's parameter
+  refused("needs slope --store n.db", "--perturb", "0.2");  // like the scene's parameter
   const std::filesystem::directory_iterator all(w.path(""));
   EXPECT_EQ(std::distance(begin(all), end(all)), 1) << "something was made";
   const auto ten = nlohmann::json::parse(w.lpc("run slope --json --steps 010").text);  // not octal
   EXPECT_EQ(ten["series"]["kinetic"].size(), 10u);
 }
 
-// The numbers in a pipeline, of every parameter of every method.
+// Numbers in a pipeline, for every parameter of every method.
 TEST(CommandLine, numbersOfMethodsAreNumbers) {
   std::size_t tried = 0;
   for (const auto& [key, entry] : Registry::instance().all()) {
@@ -358,8 +357,8 @@ TEST(CommandLine, listsEverything) {
   EXPECT_EQ(all["shapes"][5]["sizes"], (nlohmann::json{"half_length", "radius"}));
 }
 
-// What a method fails in space only stands there, and as that of space.
-TEST(CommandLine, tellsInWhichDimensionsAMethodFails) {
+// A failure that a method has in 3D only is listed as such.
+TEST(CommandLine, listsTheDimensionsOfAFailure) {
   Workspace w;
   const auto all = nlohmann::json::parse(w.lpc("list --json").text);
   for (const auto& [key, entry] : Registry::instance().all()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Scenes in which bodies go far in a step, and what trials tell of each method of continuous collision.
+// Scenes with large motion per step, and what trials report of each method of continuous collision.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ TEST(ContinuousTrial, BulletsStayBeforeTheWall) {
 TEST(ContinuousTrial, ABulletHitsTheFirstDomino) {
   const Workspace w;
   for (const std::string dimension : {"2", "3"}) {
-    const auto moved = [&](const std::string& method) {  // of the first domino, the highest body
+    const auto moved = [&](const std::string& method) {  // distance of the first domino, the highest body
       return metricsOf(w, "bullet_dominoes --dimension " + dimension + " --pipeline continuous=" + method)
           .at("end_drift_top")
           .get<double>();
@@ -55,7 +55,7 @@ TEST(ContinuousTrial, ABulletHitsTheFirstDomino) {
   }
 }
 
-// A ball passes by a wall's end: what turns it away is a ghost, and who does not look ahead sees none.
+// A ball passes the edge of a static box. Any deflection is a ghost collision; a method without look-ahead has none.
 TEST(ContinuousTrial, GhostsAreCounted) {
   const Workspace w;
   const std::string file = w.write("ghost.toml", R"(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a failed property prints of its shapes is a scene file: read, it gives these shapes in these poses.
+// The shapes that a failed property prints are a scene file: reading it gives the same shapes in the same poses.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -16,7 +16,7 @@ void readsBack() {
   for (int i = 0; i < 400; ++i) {
     const ShapePairCase<D> c = drawShapePair<D>(draw);
     std::ostringstream text;
-    // A point has no mass, and a plane moves nobody.
+    // Static, because a point has no mass and a plane cannot move.
     text << "name = \"t\"\nsummary = \"s\"\ndimensions = [" << D << "]\n" << c;
     std::string scene = text.str();
     for (std::size_t at = 0; (at = scene.find("[[body]]\n", at)) != scene.npos; at += 9)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A hash per scene and pipeline: the same scene, run again, is the same bits, also after other worlds ran in between;
-// and the broadphases, a few for each scene, give the same trajectory.
+// A hash per scene and pipeline: the same scene gives the same bits when run again, also after other worlds ran in
+// between. The broadphases, a few for each scene, give the same trajectory.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,8 +20,8 @@ constexpr long kSteps = 15;  // thirty times slower
 constexpr long kSteps = 90;
 #endif
 constexpr std::size_t kBodies = 400;  // larger scenes are for sweeps
-constexpr long kWork = 4000;          // bodies times steps of a run: many bodies are run for fewer steps
-constexpr int kShare = 4;             // of the broadphases one in so many for a scene, others for the next
+constexpr long kWork = 4000;          // bodies times steps of a run: large scenes run fewer steps
+constexpr int kShare = 4;             // one broadphase in so many per scene, others for the next
 
 std::vector<SceneFile> scenes() {
   std::vector<std::string> paths;
@@ -34,7 +34,7 @@ std::vector<SceneFile> scenes() {
   return out;
 }
 
-// The hashes of all steps, as one.
+// One hash over the states of all steps.
 template <int D>
 std::uint64_t historyOf(const SceneSpec<D>& scene, const std::string& pipeline) {
   World<D> world(Pipeline::parse(pipeline), scene.settings);
@@ -55,7 +55,7 @@ void sameBits(const SceneFile& file, int number) {
   const SceneSpec<D> scene = file.build<D>({}, file.defaultSeed());
   if (scene.spawns.size() > kBodies) return;
   SCOPED_TRACE(file.name() + " in " + std::to_string(D) + "D");
-  // Curved cores have no list of axes for the default.
+  // The default generator does not support curved cores.
   const auto bodies = census(scene);
   const bool curved = bodies.count("dynamic cylinder") || bodies.count("dynamic ellipsoid");
   const std::string contacts = curved ? "contacts=query_clip " : "";
@@ -82,7 +82,7 @@ TEST(Determinism, EveryScene) {
   }
 }
 
-// The check must be able to fail: one last bit in one start position is another history.
+// The check must be able to fail: one bit in a start position changes the history.
 TEST(Determinism, OneBitOfDifferenceIsSeen) {
   SceneSpec<2> scene =
       SceneFile::load(std::string(LPC_SOURCE_DIR) + "/experiments/scenes/vertical_stack.toml").build<2>({}, 1);

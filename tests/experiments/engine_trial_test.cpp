@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Engines where pipelines stand: in `lpc run`, in sweeps, in the store.
+// Engines in place of pipelines: in `lpc run`, in sweeps, in the store.
 #include <nlohmann/json.hpp>
 
 #include "experiments/runner/code_identity.h"
@@ -13,7 +13,7 @@ using test::ask;
 using test::Outcome;
 using test::Workspace;
 
-// A worker that an earlier configuration with f32 has left is not one of this build.
+// An f32 worker left by an earlier configuration does not belong to this build.
 bool built(const std::string& worker) {
   return (test::kSingle || !worker.ends_with("f32")) && std::filesystem::exists(LPC_BINARY_DIR "/bin/" + worker);
 }
@@ -46,7 +46,7 @@ TEST(EngineTrial, PenetrationIsMeasuredAlikeForOurWorlds) {
   const Workspace w;
   const json ours = runScene(w, "vertical_stack --param n=3 --param gap=0 --steps 120");
   ASSERT_EQ(ours["outcome"], "ok");
-  double contacts = 0;  // of the steps in which poses are asked
+  double contacts = 0;  // of the steps with recorded poses
   for (std::size_t i = 9; i < 120; i += 10)
     contacts = std::max(contacts, ours["series"]["max_penetration"][i].get<double>());
   EXPECT_GT(contacts, 0);
@@ -61,7 +61,7 @@ TEST(EngineTrial, PenetrationIsMeasuredAlikeForOurWorlds) {
   EXPECT_EQ(ours["metrics"]["penetration_poses"], deepest);
 }
 
-// Who there is to play a script: ours, and each engine in a precision and dimension of its own.
+// The players of a script: LPC's own worlds, and each engine in one precision and dimension.
 std::vector<std::string> players() {
   std::vector<std::string> out = {"--dimension 3 --precision f64", "--dimension 2 --precision f64"};
   if (built("lpc-engine-worker-f64")) out.push_back("--dimension 3 --precision f64 --pipeline engine=bullet");
@@ -92,7 +92,7 @@ TEST(EngineTrial, EveryEventIsPlayedAlike) {
       "shapes = [{ kind = \"circle\", radius = 0.5 }]\n";
   struct Script {
     std::string events;
-    double way, energy;  // of the box after a second: m from where it came, J
+    double way, energy;  // of the box after a second: m from its start; J
   };
   // 2 kg, and 1/3 kg m^2 about z.
   const Script scripts[] = {
@@ -118,15 +118,15 @@ TEST(EngineTrial, EveryEventIsPlayedAlike) {
       EXPECT_NEAR(r["series"]["kinetic"].back().get<double>(), energy, 1e-4 * (1 + energy));
     }
   }
-  // The wall that is not taken away stops the box, a skin before it or a slop within.
+  // The static body stops the box, a skin before it or a slop inside it.
   const std::string scene = w.write("walled.toml", kScripted + head + go + wall);
   for (const std::string& player : players()) {
     EXPECT_NEAR(runScene(w, scene + " " + player)["series"]["drift"].back().get<double>(), 1.9, 0.03) << player;
   }
 }
 
-// Told before the run, of which not one step is made; waking is nothing where nobody sleeps.
-TEST(EngineTrial, WhatIsOfOurWorldsAloneIsARowWithAReason) {
+// Rejected before the first step. Waking has no effect if nothing sleeps.
+TEST(EngineTrial, AnUnsupportedEventIsARowWithAReason) {
   if (!built("lpc-engine-worker-f64")) GTEST_SKIP() << "this build has no engines";
   const Workspace w;
   const std::string head = "[[event]]\nstep = 32\ndo = ", wake = "\"wake\"\n", clear = "\"clear\"\n";
@@ -168,7 +168,7 @@ TEST(EngineTrial, MistakesAreOneLine) {
   }
 }
 
-TEST(EngineTrial, SweepsHoldThemBesidePipelines) {
+TEST(EngineTrial, SweepsMixEnginesAndPipelines) {
   if (!built("lpc-engine-worker-f32")) GTEST_SKIP() << "this build has no f32";
   const Workspace w;
   const std::string sweep = w.write("mine.toml", R"(
@@ -201,7 +201,8 @@ iterations = 7
   EXPECT_EQ(of("reason", box2d + " AND p.axes->>'dimension' = 2 AND outcome = 'unsupported'"),
             "box2d computes in f32 alone");
   EXPECT_EQ(of("count(*)", "p.axes->>'resolver' = 'ours' AND outcome = 'ok'"), "4");
-  // What decides a row stands in it: all parameters, the adapter, its library, and what differs whatever is set.
+  // The row holds everything that decides it: all parameters, the adapter, its library, and the differences that no
+  // setting removes.
   const json row = json::parse(of("canonical", box2d + " AND outcome = 'ok'"));
   EXPECT_EQ(row["pipeline"], "engine=box2d{iterations=7,position_iterations=4,warm_start=true}");
   EXPECT_EQ(row["engine"]["name"], "box2d");
@@ -209,9 +210,9 @@ iterations = 7
   EXPECT_TRUE(row["code"].contains("engine/box2d"));
   EXPECT_TRUE(row["code"]["library"].get<std::string>().starts_with("Box2D 2.4"));
   EXPECT_EQ(row["code"].size(), 2u) << "no stage of ours took part: " << row["code"].dump();
-  // Done is done.
+  // Finished trials are not run again.
   EXPECT_NE(w.lpc("sweep " + sweep + " --store " + store).text.find("12 were done"), std::string::npos);
-  // --only finds them by name.
+  // --only finds engines by name.
   EXPECT_EQ(planSweeps(sweep, {"bullet"}).front().trials.size(), 4u);
 }
 
@@ -230,14 +231,14 @@ engine = "*"
   EXPECT_EQ(names, (std::set<std::string>{"box2d", "bullet"}));
 }
 
-TEST(EngineTrial, JudgesOfPairsAreNotTheirs) {
+TEST(EngineTrial, TheRefereesCodeDoesNotIncludeThem) {
   const SourceHash plain[] = {{"oracles/referee/referee.h", "1"}};
   const SourceHash more[] = {{"oracles/referee/referee.h", "1"}, {"oracles/engines/engine_world.h", "2"}};
   EXPECT_EQ(judgesHash(plain), judgesHash(more)) << "an engine changes no key of a pairs trial";
 }
 
-// Towers of boxes, 1 cm off to the left and right in turn, 0.1 m apart at the start, 10 iterations, 30 s. In Box2D ten
-// stand and twelve fall, which was measured before this adapter was. Twelve of ours lean and stand, fifteen fall.
+// Towers of boxes, alternately 1 cm to the left and right, 0.1 m apart at the start, 10 iterations, 30 s. In Box2D ten
+// boxes stand and twelve fall, as measured without this adapter. In LPC twelve lean and stand, fifteen fall.
 std::string towers(const std::string& pipeline, std::initializer_list<int> heights) {
   const Workspace w;
   std::string outcomes;

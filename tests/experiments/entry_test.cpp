@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Distributions of boxes and ways of drawing pairs: what a name draws stays what it is, for stored results hang on it.
+// Distributions of boxes and ways of drawing pairs: a name always draws the same input, because stored results depend
+// on it.
 #include "experiments/trial/entry.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace entry_test { namespace {
 
-// FNV-1a of the bits of numbers.
+// FNV-1a over the bits of numbers.
 class Bits {
  public:
   void add(double x) {
@@ -64,15 +65,15 @@ std::uint64_t pairs(const std::string& drawing) {
   return bits.hash();
 }
 
-// From the sources before there were entries.
-TEST(Entries, WhatANameDrawsStays) {
+// Computed with the code before entries existed.
+TEST(Entries, ANameAlwaysDrawsTheSame) {
   EXPECT_EQ(boxes<2>("uniform"), 0xa3a022688f626781u);
   EXPECT_EQ(boxes<3>("uniform"), 0xdc0c3532e7928c91u);
   EXPECT_EQ(boxes<2>("cluster"), 0x2749bafc16170283u);
   EXPECT_EQ(boxes<3>("cluster"), 0xef42594d5646a0aeu);
   EXPECT_EQ(boxes<2>("director_2"), 0xf6ded839a6f99ee3u);
   EXPECT_EQ(boxes<3>("director_2"), 0xcb02ba5f33a90f64u);
-  // Those against one kind of broadphase each came with entries.
+  // Each of these, which defeats one kind of broadphase, came with entries.
   EXPECT_EQ(boxes<2>("centre_line"), 0x40883aa04b9b3e30u);
   EXPECT_EQ(boxes<3>("centre_line"), 0x239f5b16c59fd7e5u);
   EXPECT_EQ(boxes<2>("towers"), 0xcb22ef2738bbc265u);
@@ -84,7 +85,7 @@ TEST(Entries, WhatANameDrawsStays) {
   EXPECT_EQ(boxes<2>("batch_spawn"), 0x7776d964e83fd70cu);
   EXPECT_EQ(boxes<3>("batch_spawn"), 0xb507353d45f5f3b5u);
   EXPECT_EQ(pairs<2>("in_turn"), 0xb208c28634ea0e13u);
-  // Last bits of pairs that are made to touch are others by clang++: only steps are the same everywhere.
+  // clang++ gives other last bits to pairs that are made to touch; only simulation steps are equal across compilers.
 #if !defined(__clang__)
   EXPECT_EQ(pairs<3>("in_turn"), 0x02c6aba33821cc2fu);
 #endif
@@ -93,7 +94,7 @@ TEST(Entries, WhatANameDrawsStays) {
   test::expectCaught("a family that does not take its turn", pairs<2>("near") == pairs<2>("in_turn"));
 }
 
-// A family alone is what it is in its turn.
+// A family drawn alone equals the same family in its turn.
 template <int D>
 void takeTurns() {
   const char* families[] = {"apart", "near", "touching", "overlapping", "centred", "parallel_faces"};
@@ -113,7 +114,7 @@ void takeTurns() {
 }
 TEST(Entries, FamiliesTakeTurns) { takeTurns<2>(), takeTurns<3>(); }
 
-// As many vertices as were asked for, of both hulls, with what is drawn after them unchanged by who they are.
+// Both hulls have the requested number of vertices, and later draws do not depend on it.
 template <int D>
 int verticesDrawn(int vertices) {
   Random random(11);
@@ -128,7 +129,7 @@ int verticesDrawn(int vertices) {
   }
   return least;
 }
-TEST(Entries, HullsHaveTheVerticesThatWereAskedFor) {
+TEST(Entries, HullsHaveTheRequestedVertices) {
   for (const int n : {4, 8, 32, 256}) {
     EXPECT_EQ(verticesDrawn<2>(n), n);
     EXPECT_EQ(verticesDrawn<3>(n), n);
@@ -147,7 +148,7 @@ std::string errorOf(const F& f) {
   return "no error";
 }
 
-TEST(Entries, PlansKnowThem) {
+TEST(Entries, PlansAcceptThem) {
   Planner planner;
   const auto boxesOf = [&](const char* distribution) {
     return planner.boxes({{"dimension", 3}, {"n", 8}, {"distribution", distribution}, {"broadphase", "naive"}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A sweep keeps pictures of how runs fell: of the right ones, of what stands where, and of nobody else.
+// A sweep keeps pictures of runs that fell: of the right runs, with bodies at the right places, and of no others.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -65,7 +65,7 @@ std::vector<Film> filmsOf(const std::string& store) {
   return out;
 }
 
-// Where the boxes of a tower are at a stored step, as the camera sees them (m), from the top down.
+// Positions (m) of a tower's boxes at a stored step, as the camera sees them, from the top down.
 template <int D>
 std::vector<Vec<2>> storedTower(const std::string& store, const Film& film, long step) {
   SQLite::Database db(store, SQLite::OPEN_READONLY);
@@ -82,7 +82,7 @@ std::vector<Vec<2>> storedTower(const std::string& store, const Film& film, long
   return out;
 }
 
-// Round the outlines that are drawn of boxes (px), from the top down.
+// Bounding boxes (px) of the drawn boxes, from the top down.
 struct Around {
   Vec<2> lo = Vec<2>::Constant(1e9), hi = Vec<2>::Constant(-1e9);
   Vec<2> middle() const { return (lo + hi) / 2; }
@@ -93,7 +93,7 @@ std::vector<Around> drawnTower(const json& picture, int dimension) {
   for (const json& patch : picture.at("patches")) {
     const std::string fill = patch.at(0);
     if (fill.substr(1, 2) == fill.substr(3, 2)) continue;            // grey: the floor
-    if (seen++ % (dimension == 2 ? 1 : 3) == 0) out.emplace_back();  // of a box in space three faces are seen
+    if (seen++ % (dimension == 2 ? 1 : 3) == 0) out.emplace_back();  // a box in 3D shows three faces
     for (std::size_t i = 0; i < patch.at(2).size(); i += 2) {
       const Vec<2> corner(patch.at(2)[i].get<double>(), patch.at(2)[i + 1].get<double>());
       out.back().lo = out.back().lo.cwiseMin(corner), out.back().hi = out.back().hi.cwiseMax(corner);
@@ -103,8 +103,8 @@ std::vector<Around> drawnTower(const json& picture, int dimension) {
   return out;
 }
 
-// Why this is no strip of that fall; empty where it is one. One scale and one place of the camera put the boxes of all
-// pictures where the store has them.
+// Why this strip does not show that fall; empty if it does. A single scale and camera position must map the store's
+// positions to all pictures.
 template <int D>
 std::string wrong(const std::string& store, const Film& film) {
   const json& pictures = film.strip.at("pictures");
@@ -126,10 +126,10 @@ std::string wrong(const std::string& store, const Film& film) {
       if ((drawn[k].middle() - first[0].middle() - Vec<2>(way[0], -way[1])).norm() > 0.3) return "a body is elsewhere";
     }
   }
-  for (const Around& box : first) {  // of 1 m, and not turned yet
+  for (const Around& box : first) {  // 1 m, not yet rotated
     if (D == 2 && ((box.hi - box.lo).array() - scale).abs().maxCoeff() > 0.3) return "a body has another size";
   }
-  // In between it falls: a body is still 60, 30 and 10 % as far from where it ends as at the start.
+  // In between it falls: the farthest body is still 60, 30 and 10 % of its initial distance from its final place.
   const auto end = drawnTower(pictures[4], D);
   double all = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -147,9 +147,8 @@ std::string wrong(const std::string& store, const Film& film) {
   return film.dimension == 2 ? wrong<2>(store, film) : wrong<3>(store, film);
 }
 
-// The last run of each kind is drawn once, also from a store with trials and without films. A run that stands is not
-// drawn.
-TEST(Falls, AreDrawnAsTheyFellOnceAndByAStoreWithoutThem) {
+// The last run of each kind is drawn once, also if the store has trials but no films. A run that stands is not drawn.
+TEST(Falls, AreDrawnOnceAndAddedToAStoreWithoutThem) {
   Workspace w;
   w.write("towers.toml", kTowers);
   std::filesystem::create_directory(w.path("temporary"));
@@ -170,7 +169,7 @@ TEST(Falls, AreDrawnAsTheyFellOnceAndByAStoreWithoutThem) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) > 2 FROM trial WHERE outcome='collapsed'"), "1");
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) > 0 FROM trial WHERE outcome='ok'"), "1") << "no run stands";
 
-  // What a wrong film would be is told from a right one.
+  // Wrong films are distinguished from right ones.
   const std::pair<const char*, std::function<void(json&)>> twins[] = {
       {"the end as at the start", [](json& s) { s["pictures"][4]["patches"] = s["pictures"][0]["patches"]; }},
       {"an end before the fall", [](json& s) { s["pictures"].erase(4), s["pictures"].push_back(s["pictures"][3]); }},
@@ -203,7 +202,7 @@ TEST(Falls, AreDrawnAsTheyFellOnceAndByAStoreWithoutThem) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM film WHERE data='kept'"), "2");
   ASSERT_EQ(w.lpc("merge m.db s.db").code, 0);
   EXPECT_EQ(ask(w.path("m.db"), "SELECT count(*) FROM film WHERE data='kept'"), "2");
-  // Of an older program.
+  // As a store of an older program.
   SQLite::Database(w.path("s.db"), SQLite::OPEN_READWRITE).exec("DROP TABLE film");
   ASSERT_EQ(w.lpc("merge n.db s.db").code, 0);
   const Outcome again = w.lpc(sweep);
@@ -212,7 +211,7 @@ TEST(Falls, AreDrawnAsTheyFellOnceAndByAStoreWithoutThem) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM film"), "2");
 }
 
-// The runner makes their trials, after the plan.
+// The runner makes the trials of calibrated sweeps after the plan.
 TEST(Falls, OfCalibratedSweepsAreDrawn) {
   Workspace w;
   w.write("equal.toml", R"(summary = "towers at equal cost"
@@ -235,8 +234,8 @@ n = [14]
   EXPECT_EQ(wrong(w.path("s.db"), films[0]), "");
 }
 
-// The sweep goes on: it has its trials.
-TEST(Falls, WhoseWorkerTellsNothingAreNotDrawn) {
+// The sweep continues: it has its trials.
+TEST(Falls, AreNotDrawnWithoutAResult) {
   Workspace w;
   w.write("crowd.toml", kCrowd), w.write("crowds.toml", kCrowds);
   const std::string worker = w.write("lpc-worker-f64", R"(#!/bin/sh
@@ -252,7 +251,7 @@ case "$request" in *'"record":"/'*) echo nothing ;; *) printf %s "$request" | ")
   EXPECT_EQ(ask(w.path("s.db"), "SELECT outcome FROM trial"), "collapsed");
 }
 
-TEST(Falls, WhoAreTooManyAreNotDrawn) {
+TEST(Falls, OfTooManyBodiesAreNotDrawn) {
   Workspace w;
   w.write("crowd.toml", kCrowd);
   w.write("crowds.toml", kCrowds);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Velocity problems through FCLIB's files: the same W, q, mu and equalities, and so the same velocities; what is
-// damaged or foreign is refused in one line.
+// Velocity problems through FCLIB files: the same W, q, mu and equalities, and so the same velocities. Damaged or
+// foreign files are rejected with a one-line message.
 #include "experiments/trial/formats/fclib_file.h"
 
 #include <cstring>
@@ -29,7 +29,7 @@ struct Freezer final : VelocityWatcher<D> {
   void see(const VelocityInput<D>& in) override { frozen = freeze(in, defaultGravity<D>()); }
 };
 
-/// A heap that falls on a ground that moves, with a pendulum: contacts that slide, stick, open and bounce.
+/// A heap that falls on a moving ground, with a pendulum: contacts that slide, stick, open and bounce.
 template <int D>
 FrozenProblem<D> heapProblem() {
   World<D> world(Pipeline::parse("solver=split_solver{position=baumgarte}"));
@@ -56,7 +56,7 @@ std::string messageOf(const std::string& bytes, const std::string& path) {
   return "";
 }
 
-/// False: this build is without FCLIB.
+/// False if this build lacks FCLIB.
 bool isThere(const FrozenProblem<2>& problem, const Workspace& w) {
   try {
     return !fclibBytes<2>(problem, w.path("probe")).empty();
@@ -66,7 +66,7 @@ bool isThere(const FrozenProblem<2>& problem, const Workspace& w) {
   }
 }
 
-/// What a problem is about: normals and equality rows, which no choice of tangents turns, and the answer.
+/// What defines a problem: normals and equality rows, which do not depend on the choice of tangents, and the solution.
 struct Essence {
   std::vector<double> w, q, mu, velocity;
 
@@ -81,7 +81,7 @@ struct Essence {
   }
 };
 
-/// What a resolver is given, and the rows of it.
+/// A resolver's input and its rows.
 template <int D>
 struct Asked {
   WorkDone work;
@@ -151,7 +151,7 @@ TEST(FclibFile, HoldsTheSameProblem3) { roundTrip<3>(); }
 
 TEST(FclibFile, RefusesInOneLine) {
   FrozenProblem<2> problem = heapProblem<2>();
-  problem.manifolds[0].friction = Real(0.37251);  // a number that stands nowhere else
+  problem.manifolds[0].friction = Real(0.37251);  // a number that occurs nowhere else
   Workspace w;
   if (!isThere(problem, w)) GTEST_SKIP() << "FCLIB is absent";
   const std::string path = w.path("p.hdf5"), good = fclibBytes<2>(problem, path);
@@ -188,7 +188,7 @@ TEST(FclibFile, RefusesInOneLine) {
     expectParts(said, {path}, said);
     EXPECT_EQ(said.find('\n'), said.npos) << said;
   }
-  // The length of a list, wherever it stands: libfclib would read what is not there.
+  // The length of any list: libfclib would read past the end.
   const std::string length = bytesOf(points), shorter = bytesOf(points - 1);
   bool refusedForIt = false;
   for (std::size_t at = good.find(length); at != good.npos && !refusedForIt; at = good.find(length, at + 1)) {
@@ -196,7 +196,7 @@ TEST(FclibFile, RefusesInOneLine) {
     refusedForIt = said.find("its vectors/mu has " + std::to_string(points - 1)) != said.npos;
   }
   EXPECT_TRUE(refusedForIt);
-  // Any byte of another value: refused in one line, or a problem still.
+  // Any changed byte: rejected with a one-line message, or still a problem.
   int wrong = 0;
   for (std::size_t at = 8; at < good.size(); at += good.size() / 40) {
     std::string flipped = good;
@@ -208,7 +208,7 @@ TEST(FclibFile, RefusesInOneLine) {
   EXPECT_GT(wrong, 5);
 }
 
-TEST(FclibFile, SaysWhatItDoesNotHold) {
+TEST(FclibFile, ReportsWhatItCannotHold) {
   const FrozenProblem<2> problem = heapProblem<2>();
   Workspace w;
   if (!isThere(problem, w)) GTEST_SKIP() << "FCLIB is absent";
@@ -237,10 +237,10 @@ TEST(FclibFile, SaysWhatItDoesNotHold) {
   });
 }
 
-/// The local form of a heap: contacts' rows in W, those of its joint in V and R.
+/// The local form of a heap: rows of the contacts in W, rows of its joint in V and R.
 template <int D>
 FclibLocal localOf(FrozenProblem<D> problem) {
-  for (Manifold<D>& m : problem.manifolds) m.friction = std::max(m.friction, Real(0.1));  // all have their tangents
+  for (Manifold<D>& m : problem.manifolds) m.friction = std::max(m.friction, Real(0.1));  // so that all have tangents
   const Asked<D> asked(problem);
   const ContactProblem<D>& rows = asked.rows;
   const std::vector<double>& u = asked.u;
@@ -278,7 +278,7 @@ std::string localBytes(FclibLocal local, const Workspace& w) {
   return readFile(path);
 }
 
-// W, q and mu alone: the numbers that were written, in our own order, and a problem that methods of matrices solve.
+// Only W, q and mu: the numbers as written, in LPC's order, and a problem that matrix methods solve.
 template <int D>
 void localRoundTrip() {
   Workspace w;
@@ -338,7 +338,7 @@ TEST(FclibFile, RefusesAMatrixInOneLine) {
   refuses({"a number of its q is not finite"}, [](auto& p) { p.q[0] = std::nan(""); });
   refuses({"sizes that do not go together"},
           [](auto& p) { p.r = Eigen::SparseMatrix<double>(p.r.rows(), p.r.cols() + 1); });
-  // Who pushes bodies says so, and is a row of the result.
+  // A method that applies impulses to bodies says that it does not take matrices, and has a row in the result.
   localBytes(good, w);
   w.write("s.toml",
           "summary = \"s\"\nkind = \"problems\"\n[axes]\nproblems = \"local.hdf5\"\nvelocity = \"*\"\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Scenes of the field with closed forms do what these say, and no more than they say.
+// Well-known scenes with closed forms behave as these predict.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -11,7 +11,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace field_scenes_test { n
 
 using test::Play;
 
-/// Where the bodies are in the end, and where they were.
+/// Positions of the bodies at the start and at the end.
 template <int D>
 struct Played {
   std::vector<Vec<D>> from, to;
@@ -33,35 +33,35 @@ struct Played {
   }
 };
 
-// The harmonic series: a hundredth inside of it stands, a hundredth outside falls.
+// The harmonic series: an overhang 1 % smaller stands, one 1 % larger falls.
 TEST(FieldScenes, OverhangIsTheHarmonicSeries) {
   const std::string many = "solver=split_solver{velocity=catto{iterations=300}}";
   EXPECT_LT((Played<2>("overhang", {{"n", 6}, {"factor", 0.99}}, 300, many).farthest()), 0.02);
   EXPECT_GT((Played<2>("overhang", {{"n", 6}, {"factor", 1.01}}, 300, many).farthest()), 0.1);
 }
 
-// Couplet's arch: 17 stones stand on their own at thickness / radius = 0.12, and fall at 0.1.
+// Couplet's arch: 17 stones stand by themselves at thickness / radius = 0.12 and fall at 0.1.
 TEST(FieldScenes, TheArchStandsByItsThickness) {
   const std::string many = "solver=split_solver{velocity=catto{iterations=200}}";
   EXPECT_LT((Played<2>("arch", {{"thickness", 0.12}, {"load", 0}}, 600, many).farthest()), 0.002);
   EXPECT_GT((Played<2>("arch", {{"thickness", 0.1}, {"load", 0}}, 100, many).farthest()), 0.25);
 }
 
-// solver2d's, of the shape that its own weight asks for, stands under its four boxes.
+// solver2d's arch, shaped as its own weight requires, stands under its four boxes.
 TEST(FieldScenes, TheArchOfPointsStands) {
   const std::string many = "solver=split_solver{velocity=catto{iterations=200}}";
   EXPECT_LT((Played<2>("arch_solver2d", {}, 300, many).farthest()), 0.02);
   EXPECT_GT((Played<2>("arch_solver2d", {{"friction", 0.0}}, 60, many).farthest()), 0.2);
 }
 
-// The plate has 0.7385 m/s^2 and each ball 0.211: half of it, after a second.
+// The plate accelerates at 0.7385 m/s^2 and each ball at 0.211: the distance after a second is half of that.
 TEST(FieldScenes, RollingIsTheClosedForm) {
   const Played<3> p("rolling", {}, 1000);
   EXPECT_NEAR(p.moved(1), 0.7385 / 2, 0.7385 / 2 * 0.01);
   for (std::size_t ball = 2; ball < p.to.size(); ++ball) EXPECT_NEAR(p.moved(ball), 0.211 / 2, 0.211 / 2 * 0.03);
 }
 
-/// How much farther each of the last n bodies goes in half a second than in the one before, after `first` steps.
+/// By how much the distance of each of the last n bodies grows from one half second to the next, after `first` steps.
 template <int D, std::size_t n>
 std::array<double, n> farther(const std::string& scene, long first) {
   Play<D> play(scene, {});
@@ -77,8 +77,8 @@ std::array<double, n> farther(const std::string& scene, long first) {
   return out;
 }
 
-// PEEL's eight boxes, once they have fallen on their ramps, slide with g (sin - mu cos): in half a second each goes by
-// a quarter of that farther than in the one before. tan(42 deg) is between 6/7 and 1: the last one lies.
+// PEEL's eight boxes, once on their ramps, slide with a = g (sin - mu cos): each half second they go a / 4 farther than
+// in the one before. tan(42 deg) is between 6/7 and 1: the last box sticks.
 TEST(FieldScenes, RampsHoldByCoulombsLaw) {
   const auto ways = farther<3, 8>("ramps_peel", 40);
   for (std::size_t i = 0; i < 8; ++i) {
@@ -87,8 +87,8 @@ TEST(FieldScenes, RampsHoldByCoulombsLaw) {
   }
 }
 
-// So do solver2d's five on their upper ramp, where 0.75, 0.5 and, just so, 0.35 slow down; mu is the geometric mean of
-// a box's friction and the ramp's 0.2.
+// The same holds for solver2d's five boxes on their upper ramp, where those with friction 0.75, 0.5 and, barely, 0.35
+// slow down. mu is the geometric mean of the box's friction and the ramp's 0.2.
 TEST(FieldScenes, FrictionRampParts) {
   const auto ways = farther<2, 5>("friction_ramp", 90);
   const double frictions[] = {0.75, 0.5, 0.35, 0.1, 0};
@@ -98,8 +98,8 @@ TEST(FieldScenes, FrictionRampParts) {
   }
 }
 
-// w^2 r / g = 0.408: above it the box goes round with the table, below it slides off. A step goes along the tangent, so
-// that each makes the radius longer by sqrt(1 + (w dt)^2).
+// w^2 r / g = 0.408: with more friction the box turns with the table, with less it slides off. A step moves along the
+// tangent, so each step multiplies the radius by sqrt(1 + (w dt)^2).
 TEST(FieldScenes, TurntableHoldsByItsFriction) {
   const auto radius = [](double friction) {
     const Vec<3> p = Played<3>("turntable", {{"friction", friction}}, 300).to[1];
@@ -109,14 +109,16 @@ TEST(FieldScenes, TurntableHoldsByItsFriction) {
   EXPECT_GT(radius(0.38), 1.5);
 }
 
-// The highest of n boxes of 0.5 m rests at 0.5 (n - 0.5); 2 N do not move what friction holds with 9.81.
+// The top of n boxes of 0.5 m rests at 0.5 (n - 0.5). A pull of 2 N does not move a box that friction holds with 9.81
+// N.
 TEST(FieldScenes, DartsStackAndPull) {
   EXPECT_NEAR((Played<3>("dart_stack", {}, 300).to.back()[1]), 0.5 * (5 - 0.5), 1e-3);
   EXPECT_LT((Played<2>("friction_hold", {}, 500).moved(1)), 1e-6);
   EXPECT_GT((Played<2>("friction_hold", {{"pull", 12}}, 500).moved(1)), 0.1);
 }
 
-// M v^2 / (2 mu g (m + M)) on the plank, half a step's way aside, and together with m v / (m + M) from then on.
+// The block slides M v^2 / (2 mu g (m + M)) along the plank, within half a step's motion; then both move at m v / (m +
+// M).
 template <int D>
 void stopsOnThePlank(Real heading) {
   Play<D> play("plank", {{"heading", double(heading)}, {"mass", 2.0}});
@@ -131,7 +133,7 @@ void stopsOnThePlank(Real heading) {
 }
 TEST(FieldScenes, ThePlankTakesTheBlocksMomentum) { stopsOnThePlank<2>(0), stopsOnThePlank<3>(0.4); }
 
-// When the heavy one is gone, the two below must not jump: not by more than the depth that its weight had pressed.
+// When the heavy box is removed, the two below must not jump by more than its weight had pressed them in.
 TEST(FieldScenes, WarmStartEnergyDoesNotPop) {
   const Played<2> before("warm_start_energy", {{"remove", 1000}}, 120),
       after("warm_start_energy", {{"remove", 120}}, 240);
@@ -139,7 +141,8 @@ TEST(FieldScenes, WarmStartEnergyDoesNotPop) {
   EXPECT_GT(after.to[2][1], before.to[2][1] - 0.01);
 }
 
-// The spin about the middle axis comes back after 4 K(m) / r, twice through nothing; without the gyroscopic term never.
+// The spin about the middle axis has the period 4 K(m) / r and passes zero twice in it; without the gyroscopic term it
+// never reverses.
 TEST(FieldScenes, TheHandleTurnsOverInItsTime) {
   const auto passages = [](const std::string& integrator) {
     std::vector<double> times;
@@ -166,12 +169,12 @@ TEST(FieldScenes, TheHandleTurnsOverInItsTime) {
   for (int i = 0; i < 6; ++i) a = (a + b) / 2, b = std::sqrt((2 * a - b) * b);  // K(m) = pi / 2 a
   const double half = 2 * 3.141592653589793 / (2 * a) / rate;
   const std::vector<double> times = passages("rk4");
-  ASSERT_EQ(times.size(), static_cast<std::size_t>(5 / half + 0.5));  // the first after a quarter
+  ASSERT_EQ(times.size(), static_cast<std::size_t>(5 / half + 0.5));  // the first after a quarter period
   EXPECT_NEAR((times.back() - times.front()) / static_cast<double>(times.size() - 1), half, 1e-4 * half);
   EXPECT_EQ(passages("semi_implicit_euler"), std::vector<double>{});
 }
 
-// The slow root of I1 cos(tilt) W^2 - I3 spin W + m g l = 0, without nodding: a turn of it.
+// Steady precession, without nutation, at the slow root of I1 cos(tilt) W^2 - I3 spin W + m g l = 0: one revolution.
 TEST(FieldScenes, TheTopGoesRoundSteadily) {
   Play<3> play("spinning_top", {});
   double turned = 0, last = 0, low = 1, high = 0;
@@ -186,8 +189,8 @@ TEST(FieldScenes, TheTopGoesRoundSteadily) {
   EXPECT_LT(high - low, 0.002);
 }
 
-// Its springs carry it from the start; motors of 100 N m and 0.4 m an axle pull by 500 N, until their wheels turn as
-// they are told. A wheel counts for m + I / r^2.
+// Its springs carry it from the start. Motors of 100 N m per axle on wheels of 0.4 m pull with 500 N until the wheels
+// reach their target speed. A wheel counts as m + I / r^2.
 template <int D>
 void drives(double inertia) {
   Play<D> still("car", {{"speed", 0}, {"bump", 0}});
@@ -206,7 +209,7 @@ void drives(double inertia) {
 }
 TEST(FieldScenes, TheCarDrives) { drives<2>(0.5), drives<3>(0.4); }
 
-// Down the stair, in one piece: joints and their limits hold.
+// A ragdoll falls down the stairs: joints and their limits hold.
 template <int D>
 void fallsInOnePiece() {
   Play<D> play("ragdoll", {{"n", 2}});
@@ -226,9 +229,9 @@ void fallsInOnePiece() {
 }
 TEST(FieldScenes, RagdollsFallInOnePiece) { fallsInOnePiece<2>(), fallsInOnePiece<3>(); }
 
-// What ten sweeps drop in two seconds stands: the tower of 100 boxes without gaps, 10,000 times its mass on a box, five
-// levels of cards (in the plane) and the arch. Beside each, how far the farthest body may go: the boxes on the arch
-// come down by their gaps, the cards close the 4 mm between them.
+// proximal_newton holds structures that ten sweeps let collapse within two seconds: the tower of 100 boxes without
+// gaps, a box with 10,000 times its mass on top, five levels of cards (in 2D) and the arch. `within` is the farthest
+// allowed motion: the boxes on the arch fall through their gaps, the cards close the 4 mm between them.
 TEST(FieldScenes, ProximalNewtonHoldsWhatSweepsDrop) {
   const std::string newton = "solver=split_solver{velocity=proximal_newton}";
   const std::string sweeps = "solver=split_solver{velocity=catto{iterations=10}}";
@@ -248,8 +251,8 @@ TEST(FieldScenes, ProximalNewtonHoldsWhatSweepsDrop) {
   EXPECT_LT((Played<3>(ratio.scene, ratio.values, 60, newton).farthest()), ratio.within);
 }
 
-// What stands is soon told to stand, where contacts are many more than bodies need: so many updates of rows in a step.
-TEST(FieldScenes, ProximalNewtonIsQuickWhereNothingMoves) {
+// With many more contacts than bodies need, a resting structure takes few row updates a step.
+TEST(FieldScenes, ProximalNewtonIsFastAtRest) {
   for (const auto& [scene, most] : {std::pair("card_house", 100000u), {"arch", 4000u}}) {
     Play<3> play(scene, {}, "solver=split_solver{velocity=proximal_newton}");
     play.steps(70);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Which files a command may be given to read and to write: none is written over what is read, and none is waited for.
+// Files that a command reads and writes: no output overwrites an input, and no file makes a command wait.
 #include <nlohmann/json.hpp>
 
 #include "experiments/parse/toml_reader.h"
@@ -28,7 +28,7 @@ TEST(Files, NoOutputIsWrittenOverAnInput) {
       refused(w, std::string("run r.toml ") + option + " " + path, {option, "over the scene r.toml", valid});
     }
     refused(w, "run " + w.path("r.toml") + " " + option + " r.toml", {option, "over the scene", valid});
-    // It is written under another name first, but not under that.
+    // An output is first written under another name, but not under this one.
     EXPECT_EQ(w.lpc(std::string("run r.partial ") + option + " r").code, 0);
   }
   refused(w, "run r.svg --film r.svg", {"--film r.svg", "over the scene r.svg", valid});
@@ -51,7 +51,7 @@ TEST(Files, TwoOutputsAreTwoFiles) {
   refused(w, "run r.toml --record x --profile x", {"--record x and --profile x are one file"});
   refused(w, "run r.toml --record y --profile ./y", {"--record y and --profile ./y are one file"});
   refused(w, "run r.toml --profile f.svg --film f.svg", {"--profile f.svg and --film f.svg are one file"});
-  // Neither is written on the way to the other.
+  // Neither output is the temporary file of the other.
   const char* on = "is written as y.partial first, where";
   refused(w, "run r.toml --record y.partial --profile y", {"--profile y ", on, "--record y.partial"});
   refused(w, "run r.toml --record y --profile ./y.partial", {"--record y ", on, "--profile ./y.partial"});
@@ -60,8 +60,8 @@ TEST(Files, TwoOutputsAreTwoFiles) {
   refused(w, "run r.toml --record /dev/stdout", {"/dev/stdout", "valid: a file"});
 }
 
-// A file of the user's whose name an output could have had on the way.
-TEST(Files, NobodysFileIsTakenForAPartialOne) {
+// A user's file with the name that an output's temporary file would have.
+TEST(Files, UsersFilesAreNotTakenForTemporaryOnes) {
   Workspace w;
   w.write("r.toml", kScene);
   w.write("a.partial", "mine");
@@ -71,7 +71,7 @@ TEST(Files, NobodysFileIsTakenForAPartialOne) {
   EXPECT_EQ(readFile(w.path("a.partial")), "mine");
   const std::set<std::string> all = filesIn(w);
   EXPECT_EQ(all.size(), 5u) << "r.toml, a, b and two that were there";
-  // Neither by a run that is refused, nor by one whose worker dies.
+  // Nor after a rejected run, nor after a run with a dead worker.
   refused(w, "run r.toml --record a --profile nowhere/b", {"nowhere/b: cannot be written"});
   const Outcome out = w.lpc("run r.toml --record a", "LPC_WORKERS=" + w.path("none"));
   EXPECT_NE(out.code, 0) << out.text;
@@ -79,8 +79,8 @@ TEST(Files, NobodysFileIsTakenForAPartialOne) {
   EXPECT_EQ(filesIn(w), all);
 }
 
-// A pipe that nobody writes to and a device without an end.
-TEST(Files, NobodyIsWaitedFor) {
+// A pipe without a writer, and an endless device.
+TEST(Files, NoInputBlocks) {
   Workspace w;
   w.write("r.toml", kScene);
   w.write("bench.json", "");
@@ -99,7 +99,7 @@ TEST(Files, NobodyIsWaitedFor) {
   refused(w, "replay absent.rec", {"absent.rec: cannot be read"});
 }
 
-// As some services start a program. What a worker is given must not come to lie where a stream was.
+// Some services start programs with closed streams. A worker's files must not get the descriptor of a closed stream.
 TEST(Files, ClosedStreamsAreNoFiles) {
   Workspace w;
   w.write("r.toml", kScene);
@@ -125,7 +125,7 @@ std::string oneCase() {
   return cases.dump();
 }
 
-// A pipe is opened once: its reader gets the table, and then the end.
+// A pipe is opened once: its reader gets the table and then end of file.
 TEST(Files, APipeTakesATable) {
   Workspace w;
   w.write("c.json", oneCase());
@@ -137,7 +137,7 @@ TEST(Files, APipeTakesATable) {
   EXPECT_EQ(readFile(w.path("got")), readFile(w.path("x.csv")));
 }
 
-// It is written to and stays, also where the output is a file.
+// Standard output is written but not replaced, also if it is redirected to a file.
 TEST(Files, StandardOutputIsNotReplaced) {
   Workspace w;
   w.write("r.toml", kScene);
@@ -157,7 +157,7 @@ TEST(Files, StandardOutputIsNotReplaced) {
   EXPECT_EQ(w.lpc("run r.toml --profile /dev/stderr").code, 0);
 }
 
-// Stores and what workers are told are UTF-8.
+// Stores and requests to workers are UTF-8.
 TEST(Files, NamesAreUtf8) {
   Workspace w;
   w.write("a\xff.toml", kScene);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Two runs beside one another: where they part, and that both are seen.
+// Two runs side by side: where they diverge, and that both are visible.
 #include <png.h>
 
 #include <regex>
@@ -19,8 +19,8 @@ std::size_t countOf(const std::string& text, const std::string& part) {
   return n;
 }
 
-// Two runs are the same until their solvers have told them apart; whoever looks less closely sees it later.
-TEST(FilmBeside, TwoRunsFromWhereTheyPart) {
+// Two runs are equal until their solvers differ; a larger tolerance reports it later.
+TEST(FilmBeside, ShowsTwoRunsFromTheirDivergence) {
   Workspace w;
   const std::string run = "run pyramid --param base=4 --steps 60 --record ";
   ASSERT_EQ(w.lpc(run + "a.rec").code, 0);
@@ -41,7 +41,7 @@ TEST(FilmBeside, TwoRunsFromWhereTheyPart) {
 }
 
 struct Halves {
-  std::multiset<std::string> left, right;  // outlines, in whole pixels from the left end of each half
+  std::multiset<std::string> left, right;  // outlines, in pixels from the left end of each half
   bool covered = false;                    // one half draws over the other
 };
 
@@ -56,7 +56,7 @@ Halves halvesOf(const std::string& picture, double half) {
       points.push_back({std::stod((*c)[1]), std::stod((*c)[2])});
       least = std::min(least, points.back()[0]), most = std::max(most, points.back()[0]);
     }
-    if (least == half && most == half) continue;  // what divides them
+    if (least == half && most == half) continue;  // the dividing line
     const bool left = most <= half + 0.1, right = least >= half - 0.1;
     if (!left && !right) out.covered = true;
     std::string text;
@@ -81,7 +81,7 @@ double halfOf(const std::string& picture) {
   return std::regex_search(picture, width, std::regex("width=\"([0-9.]+)\"")) ? std::stod(width[1]) / 2 : 0;
 }
 
-// In the last step before they part both halves show the same, and neither floor, which has no end, hides the other
+// In the last step before they diverge, both halves show the same, and neither floor, which is endless, hides the other
 // run.
 TEST(FilmBeside, BothHalvesAreDrawn) {
   std::vector<std::string> others = {"2 --pipeline solver=soft_step", "3 --pipeline solver=soft_step"};
@@ -102,13 +102,13 @@ TEST(FilmBeside, BothHalvesAreDrawn) {
     EXPECT_FALSE(seen.covered) << other;
     EXPECT_GT(seen.left.size(), 6u) << other;
     EXPECT_EQ(seen.left, seen.right) << other;
-    // The planted bug: the floor of the run on the right as it is, without end.
+    // Planted bug: the endless floor of the right run is not clipped.
     const std::string floor = "<path d=\"M-900.0 300.0L3000.0 300.0L3000.0 900.0L-900.0 900.0Z\"/>";
     EXPECT_TRUE(halvesOf(pictures[0] + floor, half).covered);
   }
 }
 
-// A ball that rests and one that flies, above a floor.
+// A ball at rest and a flying ball above a floor.
 void writeFlight(const Workspace& w) {
   w.write("flight.toml",
           "name = \"flight\"\nsummary = \"s\"\ndimensions = [2, 3]\nsteps = 12\ngravity = [0, 0, 0]\n"
@@ -124,7 +124,7 @@ struct Image {
 
   png_byte* at(std::size_t x, std::size_t y) { return &rgb[3 * (y * width + x)]; }
   const png_byte* at(std::size_t x, std::size_t y) const { return &rgb[3 * (y * width + x)]; }
-  // What is fixed, the ground and what divides them are grey.
+  // Static bodies, the ground and the dividing line are grey.
   bool coloured(std::size_t x, std::size_t y) const {
     const auto [least, most] = std::minmax({at(x, y)[0], at(x, y)[1], at(x, y)[2]});
     return most - least > 12;
@@ -143,14 +143,14 @@ Image readPng(const std::string& path) {
   return out;
 }
 
-// A film of b beside a is that of a beside b with its halves changed, and each has a body that moves. Empty when it is
-// so.
+// A film of b beside a must equal that of a beside b with its halves swapped, and each half must show a moving body.
+// Empty if this holds.
 std::string faultOf(const Image& ab, const Image& ba) {
   const std::size_t half = ab.width / 2;
   if (half == 0 || ba.width != ab.width || ba.height != ab.height) return "no two pictures of one size";
   std::size_t left = 0, right = 0;
   for (std::size_t y = 2; y + 2 < ab.height; ++y) {
-    for (std::size_t x = 2; x + 2 < half; ++x) {  // but for the frame
+    for (std::size_t x = 2; x + 2 < half; ++x) {  // without the frame
       left += ab.coloured(x, y), right += ab.coloured(half + x, y);
       if (!std::equal(ab.at(x, y), ab.at(x, y) + 3, ba.at(half + x, y)) ||
           !std::equal(ba.at(x, y), ba.at(x, y) + 3, ab.at(half + x, y))) {
@@ -162,7 +162,7 @@ std::string faultOf(const Image& ab, const Image& ba) {
   return "";
 }
 
-// The ball of the run on the right leaves its half to the left, and its floor has no end.
+// The ball of the right run leaves its half to the left, and the floor is endless.
 TEST(FilmBeside, BothHalvesAreSeenInPixels) {
   for (const char* dimension : {"2", "3"}) {
     Workspace w;
@@ -176,7 +176,7 @@ TEST(FilmBeside, BothHalvesAreSeenInPixels) {
       const std::string name = "/0000" + std::to_string(i) + ".png";
       EXPECT_EQ(faultOf(readPng(w.path("ab" + name)), readPng(w.path("ba" + name))), "") << dimension << "D, " << name;
     }
-    // The planted bugs: a left half that is painted over in both films, and a ball of one run in the other's half.
+    // Planted bugs: a left half that is painted over in both films, and a ball of one run in the other's half.
     Image ab = readPng(w.path("ab/00005.png")), ba = readPng(w.path("ba/00005.png"));
     Image strayed = ab;
     for (std::size_t y = 100; y < 110; ++y) std::fill(strayed.at(100, y), strayed.at(110, y), png_byte{102});
@@ -190,7 +190,7 @@ TEST(FilmBeside, BothHalvesAreSeenInPixels) {
   }
 }
 
-// Whichever stands on the left: as long as the longer run, and wide enough for what both do.
+// In either order, the film is as long as the longer run and wide enough for both.
 TEST(FilmBeside, IsAsLongAndAsWideAsBothNeed) {
   Workspace w;
   writeFlight(w);
@@ -215,8 +215,8 @@ TEST(FilmBeside, IsAsLongAndAsWideAsBothNeed) {
   }
 }
 
-// Twins are bodies of one slot and generation. Who is in one run alone is named.
-TEST(FilmBeside, TwinsAreTheSameBody) {
+// Bodies correspond if slot and generation agree. A body that only one run has is named.
+TEST(FilmBeside, CorrespondingBodiesHaveOneSlotAndGeneration) {
   Workspace w;
   std::string scene =
       "name = \"cast\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 8\ngravity = [0, 0, 0]\n"
@@ -224,9 +224,9 @@ TEST(FilmBeside, TwinsAreTheSameBody) {
   for (const char* n : {"0", "1", "2", "3"}) {
     scene += "gone_" + std::string(n) + " = { default = 99, min = 0, max = 99, meaning = \"when this one goes\" }\n";
   }
-  // In the order of the file: who comes is there before another goes, and gets no slot of his.
+  // Events run in the order of the file: the new body is added before another is removed, so it does not get that slot.
   const std::string ball = "position = [1, 0]\nshapes = [{ kind = \"circle\", radius = 0.2 }]\n";
-  std::string going = "[[event]]\ndo = \"remove\"\nstep = \"ghost\"\nbody = \"ghost\"\n";  // seen in no frame
+  std::string going = "[[event]]\ndo = \"remove\"\nstep = \"ghost\"\nbody = \"ghost\"\n";  // in no frame
   for (const std::string n : {"0", "1", "2", "3"}) {
     scene += "[[body]]\nname = \"body_" + n + "\"\nposition = [" + n +
              ", 0]\nshapes = [{ kind = \"circle\", radius = 0.2 }]\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Films of 3D: who is nearer is drawn over who is farther, wherever the middles of their bodies are.
+// Films in 3D: nearer bodies are drawn over farther ones, wherever their centres are.
 #include <regex>
 
 #include "experiments/film/camera.h"
@@ -11,9 +11,9 @@ namespace lpc { inline namespace LPC_PRECISION { namespace film_depth_test { nam
 using test::Outcome;
 using test::Workspace;
 
-// What faces the viewer of a thing that never moves, and what looks up.
+// Colours of a static body's faces towards the viewer and upwards.
 constexpr const char *kFront = "#a4a4a0", *kTop = "#cdcdc8";
-// The first bodies of a scene, awake.
+// Colours of a scene's first bodies, awake.
 constexpr const char* kBodies[] = {"#6699cc", "#eeaa55", "#77b277", "#cc7788", "#a08cc8", "#beb464"};
 
 struct DrawnPath {
@@ -31,7 +31,8 @@ struct DrawnPath {
   }
 };
 
-// The start of a run of two bodies that move, balls at kMarks, and others: the camera is known by where these are.
+// Start of a run with two moving balls at kMarks, and other bodies: the positions of the balls in the picture give the
+// camera.
 const Vec<3> kMarks[] = {{-6, 6, 0}, {6, 6, 0}};
 constexpr const char* kHead =
     "name = \"s\"\nsummary = \"s\"\ndimensions = [3]\nsteps = 1\ngravity = [0, 0, 0]\n"
@@ -62,14 +63,14 @@ class FirstPicture {
     }
   }
 
-  /// Of the first path of that colour; their number where there is none.
+  /// Index of the first path of that colour; the number of paths if there is none.
   std::size_t indexOf(const std::string& fill) const {
     std::size_t i = 0;
     while (i < paths.size() && paths[i].fill != fill) ++i;
     EXPECT_LT(i, paths.size()) << "nothing is " << fill;
     return i;
   }
-  /// What colour is seen at a place in the world.
+  /// The visible colour at a position in the world.
   std::string at(const Vec<3>& p_W) const {
     const Camera<3> camera;
     const Vec<2> from = camera.flat(kMarks[0]), to = camera.flat(kMarks[1]), there = camera.flat(p_W);
@@ -100,9 +101,9 @@ std::string ball(const std::string& position) {
   return "[[body]]\nposition = " + position + "\nshapes = [{ kind = \"sphere\", radius = 0.5 }]\n";
 }
 
-// Triangles of a ground are told from the world's origin, which is nearer than the pillar and farther than what lies
-// under the ground.
-TEST(FilmDepth, AGroundIsBehindWhatStandsOnItAndBeforeWhatIsUnderIt) {
+// The triangles of a ground are ordered by their distance, not by the ground's origin. The origin is nearer than the
+// pillar and farther than the body under the ground.
+TEST(FilmDepth, TheGroundIsBehindBodiesOnItAndBeforeBodiesUnderIt) {
   const FirstPicture seen(kGround + block("fixed", "[0, 1, -5]", "[1, 1, 1]") +
                           block("fixed", "[1, -2, 3]", "[1, 1, 1]"));
   EXPECT_EQ(seen.at({0, 1, -4}), kFront) << "the pillar's front";
@@ -111,14 +112,14 @@ TEST(FilmDepth, AGroundIsBehindWhatStandsOnItAndBeforeWhatIsUnderIt) {
   EXPECT_EQ(seen.at({1, -2, 4}), seen.at({5, 0, 5})) << "the ground";
 }
 
-TEST(FilmDepth, ABodyIsSeenOnAPlatformWhoseMiddleIsNearer) {
+TEST(FilmDepth, ABodyIsVisibleOnAPlatformWithANearerCentre) {
   const FirstPicture seen(ball("[-8, 0.5, -8]") + block("kinematic", "[0, -0.5, 0]", "[10, 0.5, 10]"));
   EXPECT_EQ(seen.at({-8, 0.5, -8}), kBodies[2]);
   EXPECT_EQ(seen.at({0, 0, 0}), "#cc7788") << "the platform";
 }
 
-// Slots: a wall 2, balls 3 and 4.
-TEST(FilmDepth, AWallIsOfGlassWhereABodyIsBehindIt) {
+// Slots: 2 is the static body, 3 and 4 the balls.
+TEST(FilmDepth, AStaticBodyIsTransparentBeforeOtherBodies) {
   const std::string wall = block("fixed", "[0, 2, 0]", "[3, 2, 0.2]"), before = ball("[1, 2, 2]");
   const FirstPicture one(wall + before);
   EXPECT_EQ(one.at({1, 2, 2}), kBodies[3]);
@@ -134,15 +135,15 @@ TEST(FilmDepth, AWallIsOfGlassWhereABodyIsBehindIt) {
   EXPECT_EQ(lines, 12u) << "the edges of three faces are drawn over the ball behind them, under that before them";
 }
 
-// The ground of what fell through it is seen through.
-TEST(FilmDepth, WhoFellThroughTheGroundIsSeen) {
+// The ground is transparent over bodies that fell through it.
+TEST(FilmDepth, ABodyBelowTheGroundIsVisible) {
   const FirstPicture seen(kGround + ball("[0, 1, 0]") + ball("[1, -2, 3]"));
   EXPECT_EQ(seen.at({0, 1, 0}), kBodies[3]);
   EXPECT_EQ(seen.at({1, -2, 3}), kBodies[4]);
 }
 
-// Boxes that run through each other may cover each other in rings, which have no order.
-TEST(FilmDepth, NobodyIsLostWhereThereIsNoOrder) {
+// Bodies that interpenetrate may cover each other in a cycle, which has no order.
+TEST(FilmDepth, CyclesOfBodiesLoseNoBody) {
   const FirstPicture seen(
       "[[body]]\ntype = \"kinematic\"\nrepeat = { i = 40 }\nposition = [\"rand(-1, 1)\", \"rand(-1, 1)\", "
       "\"rand(-1, 1)\"]\nangle = [\"rand(0, 3)\", \"rand(0, 3)\", \"rand(0, 3)\"]\n"

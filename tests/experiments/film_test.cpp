@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A run can be watched: strips, moving pictures and PNG frames of recordings. Two runs: film_beside_test.cpp.
+// Films of one run: strips, animations and PNG frames from recordings. film_beside_test.cpp tests two runs.
 #include <regex>
 
 #include "experiments/parse/toml_reader.h"
@@ -16,7 +16,7 @@ std::size_t countOf(const std::string& text, const std::string& part) {
   return n;
 }
 
-// The pixels from top to bottom that bodies which move cover in each picture of a film.
+// The vertical pixel range covered by moving bodies in each picture of a film.
 std::vector<std::pair<double, double>> heights(const std::string& svg) {
   std::vector<std::pair<double, double>> out;
   const std::regex path("<path d=\"([^\"]*)Z\" fill=\"#([0-9a-f]*)\""), corner("[ML]([-0-9.]+) ([-0-9.]+)");
@@ -25,7 +25,7 @@ std::vector<std::pair<double, double>> heights(const std::string& svg) {
     const std::string picture = svg.substr(begin, from - begin);
     std::pair<double, double> span(1e9, -1e9);
     for (std::sregex_iterator p(picture.begin(), picture.end(), path), end; p != end; ++p) {
-      if ((*p)[2].str().substr(0, 2) == (*p)[2].str().substr(2, 2)) continue;  // grey: fixed
+      if ((*p)[2].str().substr(0, 2) == (*p)[2].str().substr(2, 2)) continue;  // grey: static
       const std::string corners = (*p)[1];
       for (std::sregex_iterator c(corners.begin(), corners.end(), corner); c != end; ++c) {
         const double y = std::stod((*c)[2]);
@@ -37,7 +37,7 @@ std::vector<std::pair<double, double>> heights(const std::string& svg) {
   return out;
 }
 
-// What is drawn is where bodies are: a ball that falls from 5 m is drawn lower and lower, and as large as it is.
+// Bodies are drawn where they are: a ball that falls from 5 m is drawn lower and lower, at its size.
 TEST(Film, DrawsWhatHappens) {
   for (const char* dimension : {"2", "3"}) {
     Workspace w;
@@ -80,7 +80,7 @@ TEST(Film, MovesOrIsAFolder) {
   EXPECT_EQ(w.lpc("run director_1 --steps 40 --film e.svg").code, 0);
 }
 
-// What turns a shape on its body is a unit to the rounding of the precision that wrote it.
+// The rotation of a shape in its body has unit length only to the rounding of the precision that wrote it.
 TEST(Film, OfSinglePrecision) {
   if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   Workspace w;
@@ -126,7 +126,7 @@ TEST(Film, RefusesInOneLineAndLeavesNothing) {
   EXPECT_TRUE(homeless.text.starts_with("lpc: TMPDIR=/nonexistent: ")) << homeless.text;
 }
 
-// A folder is written under another name first; none that is there is taken for it.
+// A folder is first written under another name; an existing folder of that name is not used.
 TEST(Film, LeavesOtherFoldersAlone) {
   Workspace w;
   std::filesystem::create_directory(w.path("keep.partial"));
@@ -139,8 +139,8 @@ TEST(Film, LeavesOtherFoldersAlone) {
   EXPECT_EQ(std::distance(begin(all), end(all)), 2) << "something half-written stayed";
 }
 
-// What a run has found is not lost with its film.
-TEST(Film, IsDrawnAfterTheResultsAreTold) {
+// A failed film does not lose the run's results.
+TEST(Film, IsDrawnAfterTheResultsArePrinted) {
   Workspace w;
   std::filesystem::create_symlink("/dev/full", w.path("full.svg"));
   const Outcome out = w.lpc("run pyramid --param base=2 --steps 2 --film full.svg");
@@ -149,7 +149,7 @@ TEST(Film, IsDrawnAfterTheResultsAreTold) {
   EXPECT_NE(out.text.find("\nlpc: full.svg: cannot be written: No space left"), std::string::npos) << out.text;
 }
 
-// A signal at a moment that is known: once `started` is there.
+// Sends a signal at a known moment: once `started` exists.
 Outcome stopped(const Workspace& w, const std::string& command, const std::string& started) {
   return w.shell(
       "{ TMPDIR=$PWD/temporary " LPC_BINARY_DIR "/bin/lpc " + command + " > out.txt & i=0; while ! ls " + started +
@@ -157,7 +157,7 @@ Outcome stopped(const Workspace& w, const std::string& command, const std::strin
       "cat out.txt; rm -f out.txt none.txt; exit $code; }");
 }
 
-TEST(Film, StoppedLeavesNothing) {
+TEST(Film, InterruptedLeavesNothing) {
   Workspace w;
   std::filesystem::create_directory(w.path("temporary"));
   const std::string run = "run pyramid --param base=2 --dimension 2 --steps ";
@@ -175,13 +175,14 @@ TEST(Film, StoppedLeavesNothing) {
   EXPECT_TRUE(left == "temporary whole.rec " || left == "whole.rec temporary ") << left;
 }
 
-// Of a long run a film shows a part, and says so; what is not written on PNG files is told, too.
-TEST(Film, TellsWhatItLeavesOut) {
+// The film of a long run shows a part of it and says so. For PNG files the message also says that steps and times are
+// missing.
+TEST(Film, ReportsWhatItOmits) {
 #if defined(LPC_SANITIZED)
   GTEST_SKIP() << "600 pictures by what other tests draw under sanitizers";
 #endif
   Workspace w;
-  // What flies far to the side is drawn in low pictures, of which 600 are soon made.
+  // A body that flies far to the side makes pictures low, so that 600 are made quickly.
   w.write("fly.toml",
           "name = \"fly\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 700\ngravity = [0, 0]\n"
           "[[body]]\nvelocity = [10, 0]\nshapes = [{ kind = \"circle\", radius = 0.1 }]\n");
@@ -197,8 +198,8 @@ TEST(Film, TellsWhatItLeavesOut) {
   }
 }
 
-// A body that flies as far as a run allows is still a path of whole pairs of numbers.
-TEST(Film, WhatFliesFarIsStillWritten) {
+// A body that flies as far as a run allows still gives a path of complete coordinate pairs.
+TEST(Film, FarBodiesGiveValidPaths) {
   Workspace w;
   w.write("fly.toml",
           "name = \"fly\"\nsummary = \"s\"\ndimensions = [2, 3]\ndt = 10\nsteps = 20000\ngravity = [0, 0, 0]\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is stopped while it is busy ends, leaves nothing half-written, and can be gone on with. (Films: film_test.cpp.)
+// An interrupted command ends, leaves nothing half-written, and can be resumed. (Films: film_test.cpp.)
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
@@ -9,14 +9,14 @@ using test::ask;
 using test::Process;
 using test::Workspace;
 
-TEST(Interrupt, EndsWhateverIsUnderWay) {
+TEST(Interrupt, EndsEveryCommand) {
   Workspace w;
   w.write("s.toml",
           "summary = \"s\"\nkind = \"boxes\"\nwall_limit = 1000\n[axes]\ndimension = 2\ndistribution = \"uniform\"\n"
           "frames = 12\nn = [8, 16, 24]\nbroadphase = [\"planted_hang\", \"naive\"]\n");
   const std::string sweep = "--plugin " LPC_BINARY_DIR "/lib/liblpc_planted.so sweep s.toml --store s.db";
   const std::pair<std::string, const char*> commands[] = {
-      // and what is there when they are at work
+      // each command, and the file that exists once it is at work
       {sweep, "s.db"},
       {"verify --minutes 100 --store v.db", "v.db"},
       {"verify --pairs 1000000 --store v.db", "v.db"},
@@ -54,7 +54,7 @@ TEST(Interrupt, NohupOutlivesTheTerminal) {
   EXPECT_EQ(process.wait(), 0) << process.said();
 }
 
-// Cases are asked in the program itself, which ends by the signal.
+// Cases run in the program itself, which ends by the signal.
 TEST(Interrupt, EndsCases) {
   Workspace w;
   Process process(w, "verify --cases " LPC_SOURCE_DIR "/tests/regressions/hard_cases.json --csv x.csv");

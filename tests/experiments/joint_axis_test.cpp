@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The kind of a scene's joints as a parameter of the scene and as an axis of a sweep: a new kind is in it by itself.
+// The kind of a scene's joints as a parameter of the scene and as an axis of a sweep: new kinds are included
+// automatically.
 #include <map>
 #include <set>
 
@@ -14,7 +15,7 @@ using test::Outcome;
 using test::Workspace;
 using Names = std::set<std::string>;
 
-// A kind that one dimension alone has.
+// A kind that exists in one dimension only.
 template <int D>
 class Flat final : public JointKind<D> {
  public:
@@ -33,7 +34,7 @@ Names kindsIn(int dimension) {
   return names;
 }
 
-// Two links on a rope of whatever kind; the second joint is tied by a script.
+// Two links on a rope of any kind; a script adds the second joint.
 const std::string kLinks = R"(name = "links"
 summary = "two links"
 dimensions = [2, 3]
@@ -111,13 +112,13 @@ TEST(JointAxis, TheKindIsInTheKeyWithAllItsParameters) {
   }
   // Numbers stay numbers, so that results of scenes without kinds keep their keys.
   EXPECT_EQ(sweep.trials[0].canonical["params"]["mass"].dump(), "1.0");
-  // Spelled out or not, it is one trial.
+  // Spelled out or not, it is the same trial.
   EXPECT_EQ(planned(w, "joint = \"distance\"\n").trials[0].canonical["params"],
             planned(w, "joint = \"distance{mode=rod,length=-1}\"\n").trials[0].canonical["params"]);
 }
 
-// A setting that one kind has means something, also in the cells of the others, which are one trial.
-TEST(JointAxis, SettingsAreOfTheKindsThatHaveThem) {
+// A setting of one kind is valid in the cells of other kinds, too; these cells are one trial.
+TEST(JointAxis, SettingsApplyToKindsThatHaveThem) {
   Workspace w;
   const auto kinds = [](const PlannedSweep& sweep) {
     std::multiset<std::string> out;
@@ -133,7 +134,7 @@ TEST(JointAxis, SettingsAreOfTheKindsThatHaveThem) {
   EXPECT_NE(mistakeOf(w, slack + "joint = \"weld\"\n").find("axis 'slack' means nothing"), std::string::npos);
 }
 
-TEST(JointAxis, WhatCannotBeIsUnsupportedWithTheReason) {
+TEST(JointAxis, ImpossibleKindsAreUnsupportedWithAReason) {
   Workspace w;
   std::map<std::string, std::string> reasons;
   for (const PlannedTrial& t : planned(w, "dimension = [2, 3]\njoint = \"*\"\n").trials) {
@@ -184,7 +185,7 @@ joint = ["pivot", "distance{mode=rope,length=0.1}", "distance"]
   EXPECT_EQ(hashOf("--param joint=pivot"), hashes.at("pivot"));
   EXPECT_EQ(hashOf(""), hashes.at("pivot"));
   EXPECT_EQ(hashOf("--param 'joint=distance{mode=rope,length=0.1}'"), hashes.at("distance{mode=rope,length=0.1}"));
-  // As if its file had said so.
+  // As if the scene file contained it.
   std::string said = edited(kLinks, "kind = \"$joint\"", "kind = \"weld\"");
   said = edited(said, "kind = \"$joint\"", "kind = \"weld\"");
   w.write("welded.toml", said);
@@ -262,7 +263,7 @@ TEST(JointAxis, IsListed) {
   EXPECT_NE(w.lpc("list --name bridge").text.find("joint=pivot  (lpc list --stage joint)"), std::string::npos);
 }
 
-// The shipped sweep has every kind, and none of its cells is a hole.
+// The shipped sweep contains every kind and has no empty cell.
 TEST(ShippedSweeps, HoldEveryKindOfJoint) {
   const PlannedSweep sweep = planSweeps("joints", {}).at(0);
   Names missing = kindsIn(3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Scenes of joints, those of the 2009 report among them, do what these say.
+// Scenes of joints, including those of the 2009 report, behave as described.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ using test::Play;
 
 constexpr double kPi = 3.141592653589793;
 
-/// Steps, and returns the largest error of a joint after any of them, m.
+/// Steps, and returns the largest joint error (m) after any step.
 template <int D>
 double worstJoint(Play<D>& play, long steps) {
   double worst = 0;
@@ -28,11 +28,12 @@ double energy(const Play<D>& play) {
   const StateInvariants<D> now = stateInvariants<D>(play.world);
   return now.kinetic + now.potential;
 }
-/// Of a body about z, rad.
+/// Rotation of a body about z, rad.
 double turn(const Rot<2>& q) { return angleOf(q.s, q.c); }
 double turn(const Rot<3>& q) { return 2 * angleOf(q.z, q.w); }
 
-/// When a number that step() returns last went through nothing upwards, and first, over how often between: a period, s.
+/// Period (s) between the first and last upward zero crossing of the value that step() returns, by the number of
+/// periods between them.
 template <class Step>
 double period(const Step& step, double dt, int steps) {
   double first = 0, last = 0, before = step();
@@ -48,8 +49,9 @@ double period(const Step& step, double dt, int steps) {
   return swings > 0 ? (last - first) / swings : 0;
 }
 
-// Bernoulli's slowest swing of a chain has the shape J0(2.4048 sqrt(s / length)), s from below; other swings have no
-// part in that product. Links of a twentieth are stiffer than a chain by less than a hundredth.
+// Bernoulli's slowest mode of a hanging chain has the shape J0(2.4048 sqrt(s / length)), with s from the lower end.
+// Other modes do not contribute to this product. Links of a twentieth of the length make the period differ by less than
+// a hundredth.
 template <int D>
 void swingsAsAChain() {
   Play<D> play("chain", {{"n", 20}, {"link", 0.2}, {"angle", 0.02}});
@@ -73,7 +75,7 @@ void swingsAsAChain() {
 }
 TEST(JointScenes, TheChainSwingsAsBernoulliSays) { swingsAsAChain<2>(), swingsAsAChain<3>(); }
 
-// In short steps a double pendulum keeps its energy, of which 1 is what it would lose from level to hanging.
+// A double pendulum with short steps keeps its energy; 1 is the energy lost from horizontal to hanging.
 template <int D>
 void keepsItsEnergy() {
   Play<D> play("double_pendulum", {});
@@ -140,7 +142,7 @@ void crosses() {
 }
 TEST(JointScenes, TheCarCrossesTheRopeBridge) { crosses<2>(), crosses<3>(); }
 
-// Hands by 60 and 12, in ten turns of the first.
+// Clock hands with ratios 60 and 12, over ten turns of the first.
 template <int D>
 void tellsTheTime() {
   Play<D> play("gear_clock", {});
@@ -159,8 +161,8 @@ void tellsTheTime() {
 }
 TEST(JointScenes, TheClocksHandsKeepTheirRatios) { tellsTheTime<2>(), tellsTheTime<3>(); }
 
-// Lifted and carried by its end, below the pointer by g / (2 pi f)^2 when nearly still; dropped, it lies. Of less force
-// than half the weight, which its end has, it stays.
+// Lifted by its end and carried: the end hangs g / (2 pi f)^2 below the pointer when nearly still. After release it
+// lies. A force below half the weight, which the end carries, does not lift it.
 template <int D>
 void carries() {
   const auto end = [](const Play<D>& play) -> Vec<D> {
@@ -184,14 +186,14 @@ void carries() {
 }
 TEST(JointScenes, ThePointerCarriesByItsForce) { carries<2>(), carries<3>(); }
 
-// Closed, and pulled at for two seconds, each tooth is where it was to a tenth of a head; without the slider the rows
-// part.
+// Closed and pulled for two seconds, each tooth stays in place to a tenth of a head. Without the slider the rows
+// separate.
 TEST(JointScenes, TheZipCloses) {
   const auto worst = [](const ParameterValues& values) {
     Play<2> play("zip", values);
     EXPECT_LT(worstJoint(play, 600), 0.05);
     double out = 0;
-    for (int i = 0; i < 12; ++i) {  // the left row from body 2 on, then the right one
+    for (int i = 0; i < 12; ++i) {  // the left row from body 2 on, then the right row
       const bool left = i < 6;
       const Vec<2> closed(Real(left ? -0.9 : 0.9), Real((left ? 1 : 1.5) + i % 6));
       out = std::max(out, double((play.world.pose(play.director.body(2 + i)).p - closed).norm()));
@@ -202,9 +204,9 @@ TEST(JointScenes, TheZipCloses) {
   EXPECT_GT(worst({{"speed", 0}}), 3);
 }
 
-// All of preset 8: the pendulum swings through, of the cradle one ball leaves for the one that came, the seesaw tips to
-// its weight, the vehicle crosses the bridge.
-TEST(JointScenes, TheReportsJointsDoWhatItSays) {
+// All of preset 8: the pendulum swings through, the cradle releases one ball for each that hits, the seesaw tips to the
+// heavier side, the vehicle crosses the bridge.
+TEST(JointScenes, Preset8BehavesAsInTheReport) {
   Play<2> play("preset_8", {}, "solver=split_solver{impact=sequential}");
   const auto x = [&](int body) { return double(play.world.pose(play.director.body(body)).p[0]); };
   constexpr int kPendulum = 4, kBall = 7, kChassis = 28;
@@ -216,13 +218,13 @@ TEST(JointScenes, TheReportsJointsDoWhatItSays) {
   EXPECT_LT(worstJoint(play, 492), 0.1);
   EXPECT_GT(turn(play.world.pose(play.body("see_saw")).q), 0.2);
   EXPECT_GT(x(kChassis), 10.7);
-  // The springs hold two boxes and one, of 1 kg each: after ten seconds they still swing about there.
+  // The springs hold two boxes and one box of 1 kg each; after ten seconds they still swing about these positions.
   const auto height = [&](const char* name) { return double(play.world.pose(play.body(name)).p[1]); };
   EXPECT_NEAR(height("hung"), 10 - 3 - 2 * 9.8 / 40, 0.1);
   EXPECT_NEAR(height("hung_below"), height("hung") - 2 - 9.8 / 40, 0.1);
 }
 
-// Parameters by which a method departs from its source change what they name.
+// Parameters that depart from a method's source change what their names say.
 TEST(Variants, ShortenedXpbdCorrectionsLeaveMoreError) {
   Play<2> whole("pendulum", {}, "solver=xpbd"), half("pendulum", {}, "solver=xpbd{joint_share=0.5}");
   EXPECT_GT(worstJoint(half, 120), 1000 * worstJoint(whole, 120));
@@ -230,7 +232,7 @@ TEST(Variants, ShortenedXpbdCorrectionsLeaveMoreError) {
 TEST(Variants, AvbdRowsOfTheStartKeepMoreAngularMomentum) {
   const auto lost = [](const std::string& solver) {
     Play<2> play("turning_cluster", {}, "solver=" + solver);
-    play.step();  // the bodies are there
+    play.step();  // so that the bodies exist
     const double before = invariants(play.world).angularMomentum[0];
     play.steps(59);
     return std::abs(invariants(play.world).angularMomentum[0] - before);
@@ -243,7 +245,7 @@ TEST(Variants, TgsRelaxesAfterEachSubstepOrTheLast) {
     play.steps(60);
     return double(play.world.profiler().frame().work[WorkCount::rowUpdates]);
   };
-  // Four sub-steps of one sweep, and two sweeps of relaxing after each or once.
+  // Four sub-steps of one sweep each, with two relaxation sweeps after each or once.
   EXPECT_GT(rows("tgs"), 0);
   EXPECT_EQ(rows("tgs") / 12, rows("tgs{relax_at=end}") / 6);
 }

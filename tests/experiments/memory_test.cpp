@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// `lpc run --memory`: who allocates is told in its own row, the same each time.
+// `lpc run --memory`: each stage's allocations are in its own row, the same every time.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -45,8 +45,8 @@ json ran(const Workspace& w, const std::string& arguments) {
   return json::parse(out.text);
 }
 
-// Planted: a broadphase that keeps 4096 bytes more after each step. Nobody else is told to have them.
-TEST(Memory, WhoHoardsIsTold) {
+// Planted: a broadphase that allocates 4096 more bytes after each step. No other row may contain them.
+TEST(Memory, GrowingMemoryIsReported) {
   Workspace w;
   const std::string plugin = "--plugin " LPC_BINARY_DIR "/lib/liblpc_planted.so ";
   const json with = ran(w, plugin + kStack + " --pipeline broadphase=planted_hoard");
@@ -64,21 +64,20 @@ TEST(Memory, WhoHoardsIsTold) {
   EXPECT_EQ(broadphase["last_step"], 120);
   EXPECT_LT(not_["broadphase"]["last_step"].get<long>(), 120) << "a stage that is warm allocates no more";
   hoards.erase("broadphase"), not_.erase("broadphase");
-  hoards.erase("scene"), not_.erase("scene");  // the two objects differ by themselves
+  hoards.erase("scene"), not_.erase("scene");  // the objects themselves differ in size
   ASSERT_EQ(hoards.size(), not_.size());
   for (const auto& [scope, row] : hoards) {
     const json& other = not_[scope];
     EXPECT_EQ(row["allocations"], other["allocations"]) << scope;
     EXPECT_EQ(row["last_step"], other["last_step"]) << scope;
-    for (const char* what :
-         {"held", "allocated"}) {  // malloc may give 16 bytes more, where a block is not worth parting
+    for (const char* what : {"held", "allocated"}) {  // malloc may give 16 bytes more if a block is not worth splitting
       EXPECT_LE(std::abs(row[what].get<long>() - other[what].get<long>()), 16 * row["allocations"].get<long>())
           << scope;
     }
   }
 }
 
-// The same each time, and to look changes nothing; rows are together what their columns in the profile say.
+// Equal every time, and measuring changes nothing; the rows add up to their columns in the profile.
 TEST(Memory, IsTheSameEachTimeAndAddsUp) {
   Workspace w;
   const json first = ran(w, kStack + " --profile p.csv"), second = ran(w, kStack + " --profile p.csv");
@@ -111,8 +110,8 @@ TEST(Memory, IsTheSameEachTimeAndAddsUp) {
   for (const auto& [what, sum] : sums) EXPECT_EQ(sum, sumOf(rows, what.c_str())) << what;
 }
 
-// What a script brings is the scene's.
-TEST(Memory, WhoComesLaterIsOfTheScene) {
+// Bodies that a script adds count as the scene's.
+TEST(Memory, LaterBodiesCountAsTheScenes) {
   Workspace w;
   auto rows = rowsOf(ran(w, "run director_1 --param rain_until=100 --param every=30 --memory"));
   EXPECT_EQ(rows["scene"]["last_step"], 100) << "the firework";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Shapes from OBJ and STL: what was written is what is read, what is broken is refused in one line that says why, and a
-// file that changes is another trial.
+// Shapes from OBJ and STL: a written file reads back equal, a broken one is rejected with a one-line reason, and a
+// changed file is another trial.
 #include "experiments/trial/formats/mesh_file.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using Triangles = std::vector<std::array<int, 3>>;
 
 const std::string kNoLibrary = "this build is without assimp";
 
-/// 1 x 2 x 3 m from the origin; its corners are counted from 0, x slowest.
+/// 1 x 2 x 3 m from the origin; corners numbered from 0, x slowest.
 const std::vector<Vec<3>> kCorners = {{0, 0, 0}, {0, 0, 3}, {0, 2, 0}, {0, 2, 3},
                                       {1, 0, 0}, {1, 0, 3}, {1, 2, 0}, {1, 2, 3}};
 const Triangles kSides = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
@@ -67,7 +67,7 @@ std::string stl(const std::vector<Vec<3>>& points, const Triangles& triangles) {
   return stl(points, triangles, static_cast<std::uint32_t>(triangles.size()));
 }
 
-/// What the reader says of a file, without the path before it; empty when it says nothing.
+/// The reader's message without the path; empty if there is none.
 std::string said(const Workspace& w, const std::string& name, const std::string& bytes) {
   const std::string path = w.write(name, bytes);
   try {
@@ -85,7 +85,7 @@ bool isThere(const Workspace& w) {
   return said(w, "probe.obj", obj(kCorners, kSides)).find(kNoLibrary) == std::string::npos;
 }
 
-/// Corners of triangles, sorted, each triangle from its least: what must not change on the way through a file.
+/// Corners of the triangles, sorted, each triangle from its least corner: must survive a round trip through a file.
 std::vector<std::array<std::array<double, 3>, 3>> content(const std::vector<Vec<3>>& points,
                                                           const Triangles& triangles) {
   std::vector<std::array<std::array<double, 3>, 3>> out;
@@ -111,7 +111,7 @@ TEST(MeshFile, EveryFormatHoldsTheSameTriangles) {
   const std::pair<const char*, std::string> files[] = {
       {"a.obj", obj(kCorners, kSides)}, {"a.stl", stlText(kCorners, kSides)}, {"A.STL", stl(kCorners, kSides)}};
   for (const auto& [name, bytes] : files) EXPECT_TRUE(isTheBox(parseMesh(bytes, name))) << name;
-  // Quads are cut; groups are one body; a library of materials is not looked for; points of no face are none.
+  // Quads are split, groups form one body, the material library is not read, points without a face are dropped.
   const std::string quads =
       "mtllib /no/such/file\nv 9 9 9\nusemtl x\ng a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 2 3 4 5\ng b\nf -4/1 "
       "-2/1 -1/1\n";
@@ -128,7 +128,7 @@ TEST(MeshFile, EveryFormatHoldsTheSameTriangles) {
   test::expectCaught("mesh files: a triangle that faces inwards", isTheBox(planted));
 }
 
-TEST(MeshFile, WhatIsBrokenIsRefusedWithItsReason) {
+TEST(MeshFile, BrokenFilesAreRefusedWithAReason) {
   const Workspace w;
   if (!isThere(w)) GTEST_SKIP() << "assimp is absent";
   const std::string box = obj(kCorners, kSides), text = stlText(kCorners, kSides), binary = stl(kCorners, kSides);
@@ -188,8 +188,8 @@ TEST(MeshFile, WhatIsBrokenIsRefusedWithItsReason) {
   EXPECT_THROW(meshBytes(w.path("folder.obj")), UserError);
 }
 
-// Before any of it is read: ten million points take neither time nor memory.
-TEST(MeshFile, WhatIsTooLargeIsRefusedAtOnce) {
+// Rejected before reading: ten million points take neither time nor memory.
+TEST(MeshFile, LargeFilesAreRefusedBeforeReading) {
   const Workspace w;
   const std::string path = w.write("large.obj", "v 0 0 0\n");
   std::filesystem::resize_file(path, std::uintmax_t{10000000} * 30);
@@ -207,7 +207,7 @@ TEST(MeshFile, WhatIsTooLargeIsRefusedAtOnce) {
   EXPECT_EQ(said(w, "faces.obj", many), ": more than 1000000 triangles; valid: a coarser mesh");
 }
 
-// Any length and any byte: refused in one line, or read.
+// Any length and any byte: rejected with a one-line message, or read.
 TEST(MeshFile, DamageIsRefusedInOneLineOrHarmless) {
   const Workspace w;
   if (!isThere(w)) GTEST_SKIP() << "assimp is absent";
@@ -230,7 +230,7 @@ TEST(MeshFile, DamageIsRefusedInOneLineOrHarmless) {
   EXPECT_GT(read, 10);
 }
 
-// --- In scenes.
+// --- in scenes ------------------------------------------------------------------------------------------------------
 
 std::string scene(const std::string& shape, const std::string& dimensions = "[3]") {
   return "name = \"t\"\nsummary = \"s\"\ndimensions = " + dimensions + "\n[[body]]\nshapes = [{ kind = \"polytope\", " +
@@ -249,7 +249,7 @@ std::string sceneSays(const Workspace& w, const std::string& text) {
   return "";
 }
 
-// Six boxes of a U of which one is missing, as one closed surface: an L in the plane z, extruded.
+// An L in the x-y plane, extruded by 1 m along z, as a closed surface.
 const std::vector<Vec<3>> kLetter = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0},
                                      {0, 0, 1}, {2, 0, 1}, {2, 1, 1}, {1, 1, 1}, {1, 2, 1}, {0, 2, 1}};
 const Triangles kLetterSides = {{0, 2, 1},   {0, 3, 2},  {0, 5, 3},  {3, 5, 4},   {6, 7, 8}, {6, 8, 9}, {6, 9, 11},
@@ -268,14 +268,14 @@ TEST(MeshFile, ABodyIsTheHullOfItsFile) {
   EXPECT_NEAR(massOf("file = \"box.stl\""), 6, 1e-12);
   EXPECT_NEAR(massOf("file = \"box.stl\", scale = \"1 / 2\""), 0.75, 1e-12);
   EXPECT_NEAR(massOf("file = \"letter.obj\", hull = true"), 3.5, 1e-12);
-  // One hull for all turns of a block.
+  // One hull for all iterations of a block.
   const std::string many = scene("file = \"box.stl\"") + "repeat = 2000\n";
   const auto spec = SceneFile::parse(many, w.path("t.toml")).build<3>({}, 1);
   EXPECT_EQ(spec.spawns.at(0).body.shapes.at(0).shape.view().hull,
             spec.spawns.back().body.shapes.at(0).shape.view().hull);
 }
 
-TEST(MeshFile, BodiesThatAreNoneAreRefusedWithAdvice) {
+TEST(MeshFile, UnsuitableMeshesOfBodiesAreRefusedWithAdvice) {
   const Workspace w;
   if (!isThere(w)) GTEST_SKIP() << "assimp is absent";
   const std::string advice =
@@ -319,8 +319,8 @@ TEST(MeshFile, BodiesThatAreNoneAreRefusedWithAdvice) {
   EXPECT_EQ(sceneSays<2>(w, scene("file = \"box.obj\"", "[2, 3]") + "repeat = 0\n"), "");
 }
 
-// The L that is no body is ground: with its concave edge, as it is.
-TEST(MeshFile, GroundIsAsItsFileHasIt) {
+// The L cannot be a dynamic body, but can be ground, with its concave edge.
+TEST(MeshFile, GroundKeepsTheFilesTriangles) {
   const Workspace w;
   if (!isThere(w)) GTEST_SKIP() << "assimp is absent";
   w.write("letter.obj", obj(kLetter, kLetterSides));
@@ -340,7 +340,7 @@ TEST(MeshFile, GroundIsAsItsFileHasIt) {
   EXPECT_NE(sceneSays<2>(w, ground("type = \"fixed\"\n", "[2, 3]")).find("t.toml"), std::string::npos);
 }
 
-// All points lie on the hull, and a valley where it has a ridge.
+// All points lie on the hull, but a valley lies where the hull has a ridge.
 TEST(MeshFile, AValleyBetweenPointsOfTheHullIsSeen) {
   std::vector<Vec<3>> raised = kCorners;
   raised[7][1] = Real(2.5);

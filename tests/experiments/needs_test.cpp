@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// `lpc needs`: what each switch of a scene's model saves and what it changes.
+// `lpc needs`: what each part of a scene's model costs and what it changes.
 #include "experiments/runner/needs.h"
 
 #include <csignal>
@@ -46,8 +46,8 @@ TEST(Needs, PlansEachModelForEachSeedAndItsOwnTwice) {
   EXPECT_EQ(keys.size(), sweep.trials.size());
 }
 
-// The default of sleep and continuous collision does nothing: a switch of it would measure nothing.
-TEST(Needs, ASwitchTurnsARealPolicy) {
+// The default methods for sleeping and continuous collision do nothing, so enabling them must choose a real method.
+TEST(Needs, ASwitchUsesARealMethod) {
   EXPECT_EQ(withPolicies(""), Pipeline::parse("sleep=timer_island continuous=cast").text());
   EXPECT_EQ(withPolicies("sleep=millington"), Pipeline::parse("sleep=millington continuous=cast").text());
   EXPECT_EQ(withPolicies("sleep=none"), Pipeline::parse("sleep=none continuous=cast").text())
@@ -55,7 +55,7 @@ TEST(Needs, ASwitchTurnsARealPolicy) {
   EXPECT_EQ(withPolicies("engine=box2d"), "engine=box2d");
   Workspace w;
   const std::string ask = "needs mass_ratio --param ratio=1 --seeds 1 --steps 180 --quiet --store ";
-  const auto updates = [](const std::string& text) {  // of +sleeping, times those of minimal
+  const auto updates = [](const std::string& text) {  // of +sleeping, relative to minimal
     std::smatch row;
     const bool found = std::regex_search(text, row, std::regex("\n\\+sleeping +[^)]+\\) +([0-9.]+)"));
     return found ? std::stod(row[1]) : -1;
@@ -68,8 +68,8 @@ TEST(Needs, ASwitchTurnsARealPolicy) {
   EXPECT_TRUE(std::regex_search(none.text, std::regex("\n-cache .* nothing to measure: cache=none\n"))) << none.text;
 }
 
-// A block that slides on a slope: without friction it slides elsewhere, joints and restitution do nothing to it.
-TEST(Needs, TellsWhatChangesAndWhatDoesNot) {
+// A block sliding on a slope: without friction it slides elsewhere; joints and restitution have no effect.
+TEST(Needs, ReportsWhatChangesAndWhatDoesNot) {
   Workspace w;
   const std::string command = "needs slope --seeds 2 --steps 60 --quiet --store n.db";
   const Outcome out = w.lpc(command);
@@ -88,7 +88,7 @@ TEST(Needs, TellsWhatChangesAndWhatDoesNot) {
   EXPECT_GT(farthest("-friction"), 0.1);
   EXPECT_EQ(farthest("\\+joints"), 0);
   EXPECT_NE(out.text.find("equal work counts"), std::string::npos) << out.text;
-  // All of it is in the store, for the report.
+  // The store holds all of it for the report.
   EXPECT_EQ(test::ask(w.path("n.db"), "SELECT count(*) FROM planned WHERE sweep='needs_slope'"), "20");
   EXPECT_EQ(test::ask(w.path("n.db"), "SELECT baseline FROM sweep"), "minimal");
   const std::string first = test::ask(w.path("n.db"), "SELECT group_concat(started || wall) FROM trial");
@@ -115,11 +115,11 @@ TEST(Needs, MistakesAreOneLine) {
   }
 }
 
-// Ctrl-C keeps what was finished, and the same command goes on.
-TEST(Needs, GoesOnAfterCtrlC) {
+// Ctrl-C keeps finished trials, and the same command continues.
+TEST(Needs, ContinuesAfterCtrlC) {
   Workspace w;
   const std::string run = "needs slope --steps 100 --seeds 8 --store n.db";
-  // As soon as it tells its progress, on a slow machine as on a fast one.
+  // Interrupted at the first progress message, so that the machine's speed does not matter.
   const Outcome stopped =
       w.shell("{ " LPC_BINARY_DIR "/bin/lpc " + run +
               " 2> told & until grep -q ' of ' told || ! kill -0 $!; do sleep 0.01; done; kill -INT $!; wait $!; }");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// `lpc corpus`: the file is one of cases that we read again, and its runner counts what is wrong.
+// `lpc corpus` writes a file of cases that LPC reads back, and a runner that counts wrong answers.
 #include "experiments/runner/pair_corpus.h"
 
 #include <algorithm>
@@ -17,7 +17,8 @@ using nlohmann::json;
 using test::Outcome;
 using test::Workspace;
 
-// How far the interval of the file is from what the referee says of the pair that is read (of s); below 0: they meet.
+// Distance between the file's interval and the referee's answer for the pair read back (in units of s); below 0 they
+// overlap.
 template <int D>
 double apart(const CaseGeometry<D>& g, const json& expected) {
   const HardPair<D> pair = g.pair();
@@ -43,7 +44,7 @@ TEST(PairCorpus, IsAFileOfCasesThatTheRefereeConfirms) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const json& expected = file["cases"][i]["expected"];
     const double off = std::visit([&](const auto& g) { return apart(g, expected); }, cases[i].geometry);
-    EXPECT_LE(off, 1e-14) << cases[i].id;  // a rotation that is read is normalised
+    EXPECT_LE(off, 1e-14) << cases[i].id;  // reading normalises the rotation
     farthest = std::max(farthest, off);
   }
   json planted = file["cases"][0]["expected"];
@@ -88,7 +89,7 @@ TEST(PairCorpus, TheRunnerCountsWrongAnswers) {
   EXPECT_GE(spheres, 5);
   EXPECT_GT(overlapping, 10);
 
-  const Outcome empty = w.shell("python3 -B corpus/run.py");  // as it is: nothing is taken, nothing wrong
+  const Outcome empty = w.shell("python3 -B corpus/run.py");  // unchanged: no case supported, none wrong
   EXPECT_EQ(empty.code, 0) << empty.text;
   EXPECT_EQ(counted(empty, "pairs, "), all) << empty.text;
   EXPECT_EQ(counted(empty, "not taken"), all) << empty.text;
@@ -98,18 +99,18 @@ TEST(PairCorpus, TheRunnerCountsWrongAnswers) {
   EXPECT_EQ(counted(right, "not taken"), all - spheres) << right.text;
   EXPECT_EQ(counted(right, "wrong"), 0) << right.text;
 
-  // What must be counted.
+  // What the runner must count.
   const auto isPassed = [&](const std::string& body) { return runWith(w, body).code == 0; };
   test::expectCaught("spheres that are a thousandth too large",
                      isPassed(std::string(kSpheres) + "gap - 0.001 * a[\"radius\"]\n"));
   test::expectCaught("a library without a number", isPassed(std::string(kSpheres) + "math.nan\n"));
   test::expectCaught("a library that throws", isPassed("    raise ValueError(\"planted\")\n"));
-  const Outcome side = runWith(w, "    return math.inf\n");  // apart, all of them
+  const Outcome side = runWith(w, "    return math.inf\n");  // always apart
   EXPECT_GE(counted(side, "wrong"), overlapping) << side.text;
   EXPECT_LT(counted(side, "wrong"), all) << side.text;
 }
 
-TEST(PairCorpus, WhatIsFilledInStaysAndMistakesWriteNothing) {
+TEST(PairCorpus, AFilledInRunnerStaysAndMistakesWriteNothing) {
   Workspace w;
   const std::pair<std::string, std::string> wrong[] = {
       {"", "--export"},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Streams of pairs: what a world's generator is asked about, nobody near missing, each pair the same one in every step;
-// written and read.
+// Streams of pairs: the queries of a world's generator, complete for near pairs, with the same number for a pair in
+// every step; written and read.
 #include "experiments/trial/formats/pair_stream.h"
 
 #include <xxhash.h>
@@ -23,7 +23,7 @@ using test::refused;
 using test::Workspace;
 
 constexpr std::size_t kNoLimit = 1000000;
-const char* const kPipeline = "contacts=query_clip{query=gjk_epa}";  // takes all kinds, and remembers pairs
+const char* const kPipeline = "contacts=query_clip{query=gjk_epa}";  // supports all kinds, and keeps pair memory
 
 template <int D>
 Shape<D> spiky() {
@@ -47,8 +47,8 @@ std::vector<Shape<D>> everyShape() {
   return out;
 }
 
-/// All kinds fall on a plane and on each other; two of them never meet, and from time to time one goes and another
-/// comes in its slot. Each body's number is its own.
+/// Bodies of all kinds fall on a plane and on each other. Two of them never collide, and now and then one is removed
+/// and another takes its slot. Each body has its own number as user data.
 template <int D>
 class Crowd {
  public:
@@ -65,7 +65,7 @@ class Crowd {
     world.add(test::pivot<D>(m_handles[0], m_handles[2], test::at<D>(0, 1)));
   }
 
-  /// The pairs of the coming step, and the step.
+  /// Writes the pairs of the coming step, and steps.
   void step() {
     if (steps % 20 == 10) {
       world.remove(m_handles.back());
@@ -91,13 +91,13 @@ class Crowd {
   std::vector<Handle> m_handles;
 };
 
-using Ids = std::set<std::pair<std::array<std::int32_t, 3>, std::array<std::int32_t, 3>>>;  // body, shape, child, twice
+using Ids = std::set<std::pair<std::array<std::int32_t, 3>, std::array<std::int32_t, 3>>>;  // body, shape, child; twice
 
 void addId(Ids& ids, const std::array<std::int32_t, 3>& a, const std::array<std::int32_t, 3>& b) {
   EXPECT_TRUE(ids.insert(std::minmax(a, b)).second) << "twice in a step";
 }
 
-/// The meetings of the stream's last step.
+/// The queries of the stream's last step.
 template <int D>
 std::span<const typename PairStream<D>::Meeting> lastMeetings(const PairStream<D>& stream) {
   return std::span(stream.meetings).last(stream.steps.back().meetings);
@@ -113,7 +113,7 @@ Ids lastIds(const PairStream<D>& stream) {
   return out;
 }
 
-/// What the world was asked in its last step, by what it remembers.
+/// The queries of the world's last step, from its pair records.
 template <int D>
 Ids askedIds(const World<D>& world) {
   Ids out;
@@ -141,11 +141,11 @@ void asAWorldAsks() {
   EXPECT_GT(met, 1000u);
   test::expectCaught("PairCollector looks after the step", !isLate);
 }
-TEST(PairStream, IsWhatAWorldIsAskedAbout2) { asAWorldAsks<2>(); }
-TEST(PairStream, IsWhatAWorldIsAskedAbout3) { asAWorldAsks<3>(); }
+TEST(PairStream, HoldsTheQueriesOfAWorld2) { asAWorldAsks<2>(); }
+TEST(PairStream, HoldsTheQueriesOfAWorld3) { asAWorldAsks<3>(); }
 
-/// How many parts of the world that may collide are nearer than the margin and not in these ids. By every two parts and
-/// a query of each.
+/// Number of pairs of parts that may collide, are nearer than the margin and are not in these ids. Tests every two
+/// parts with a query.
 template <int D>
 int missing(const World<D>& world, const Ids& ids) {
   struct Part {
@@ -208,13 +208,13 @@ void nobodyNearIsMissing() {
   test::expectCaught("PairCollector takes the first part of a compound alone", partless == 0);
   test::expectCaught("PairCollector forgets a pair", forgetful == 0);
 }
-TEST(PairStream, NobodyNearIsMissing2) { nobodyNearIsMissing<2>(); }
-TEST(PairStream, NobodyNearIsMissing3) { nobodyNearIsMissing<3>(); }
+TEST(PairStream, HoldsEveryNearPair2) { nobodyNearIsMissing<2>(); }
+TEST(PairStream, HoldsEveryNearPair3) { nobodyNearIsMissing<3>(); }
 
-/// Is each number one pair of parts and each pair one number, and is its pose that of its parts? Names are the users'.
+/// Whether numbers and pairs of parts correspond one to one, and each pose is that of its parts. Names are user data.
 template <int D, class NumberOf>
 bool keepsNumbers(const NumberOf& numberOf) {
-  using Name = std::array<std::uint64_t, 3>;  // user's number of the body, shape, child
+  using Name = std::array<std::uint64_t, 3>;  // user data of body, of shape; child
   std::map<std::pair<Name, Name>, std::uint32_t> byName;
   std::map<std::uint32_t, std::pair<Name, Name>> byNumber;
   Crowd<D> crowd;
@@ -282,7 +282,7 @@ std::string written(const PairStream<D>& stream) {
   return out.str();
 }
 
-/// Distances of all meetings, and who they are.
+/// Distances of all queries, and their pairs.
 template <int D>
 bool asksTheSame(const PairStream<D>& a, const PairStream<D>& b) {
   if (a.scene != b.scene || a.dt != b.dt || a.margin != b.margin || a.meetings.size() != b.meetings.size())
@@ -298,7 +298,7 @@ bool asksTheSame(const PairStream<D>& a, const PairStream<D>& b) {
   for (std::size_t i = 0; i < a.meetings.size(); ++i) {
     const PairView<D> x = a.view(a.meetings[i]), y = b.view(b.meetings[i]);
     if (a.meetings[i].pair != b.meetings[i].pair || x.a.kind != y.a.kind || x.b.kind != y.b.kind) return false;
-    // Corners of a hull that is made again may come in another order: the same distance, but for rounding.
+    // A rebuilt hull may have its corners in another order: the same distance up to rounding.
     if (std::abs(double(distance(x) - distance(y))) > 1e-9) return false;
   }
   return true;
@@ -366,7 +366,7 @@ TEST(PairStreamFile, DamageIsRefusedInOneLine) {
   EXPECT_NE(refusal(good + "x"), "");
 }
 
-// What somebody else's program may have written, with a checksum that is right.
+// A file by another program, with a valid checksum.
 TEST(PairStreamFile, NonsenseIsRefusedInOneLine) {
   const auto sign = [](std::string bytes) {
     const std::uint64_t sum = XXH64(bytes.data(), bytes.size(), 0);
@@ -439,7 +439,7 @@ TEST(RecordPairs, WritesThoseOfSteps) {
       << some.text;
   EXPECT_EQ(test::filesIn(w).size(), 1u);
 
-  // Whoever finds the pairs and makes the contacts: the same trajectory, the same bytes.
+  // Any broadphase and generator that give the same trajectory give the same bytes.
   ASSERT_EQ(w.lpc(scene + "q.pairs --steps 3,10:14 --pipeline broadphase=naive").code, 0);
   EXPECT_EQ(readFile(w.path("q.pairs")), readFile(w.path("p.pairs")));
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Trials of pairs: there is one truth and one error, in trials and in ledgers.
+// Trials of pairs: ground truth and error are the same in trials and in ledgers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,12 +17,12 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pairs_trial_test { namespace {
 
-// Wrong by a part of the size, now and then along a wrong normal, and sometimes silent.
+// Wrong by a fraction of the size, sometimes with a wrong normal, and sometimes without an answer.
 template <int D>
 class Careless final : public PairQuery<D> {
  public:
   using Params = NoParams;
-  static inline std::vector<double> errors;  // of what it was asked last, as `lpc verify` tells them
+  static inline std::vector<double> errors;  // of the last queries, as `lpc verify` reports them
   static inline int refused = 0, wrong = 0, wrongSides = 0;
   static inline bool retelling = false;
 
@@ -86,7 +86,7 @@ void sameError() {
 }
 TEST(PairsTrial, AnErrorIsThatOfTheLedger) { sameError<2>(), sameError<3>(); }
 
-// Ours, as libraries, are asked one by one, too; and of what a method does not claim nothing is judged.
+// LPC's methods are also queried one by one, as libraries are. What a method does not claim is not judged.
 TEST(PairsTrial, SinglesAreTimedAndGapsThatAreNotClaimedAreCounted) {
   const auto asked = [](const char* method, bool timed) {
     return runTrial({.trial = drawn(3, "box", "box", 100, method, timed)}).metrics;
@@ -100,7 +100,7 @@ TEST(PairsTrial, SinglesAreTimedAndGapsThatAreNotClaimedAreCounted) {
   EXPECT_LT(rough.at("side_alone"), 100);
 }
 
-// Three axes of each pair; the planted bug counts those of a batch.
+// Counts three axes per pair; the planted bug counts those of a batch.
 template <bool ofBatch>
 class Counting final : public PairQuery<2> {
  public:
@@ -120,7 +120,7 @@ using CountsPairs = Counting<false>;
 template <int D>
 using CountsBatches = Counting<true>;
 
-// What a query does is told per query, whether it is asked again to be timed or not; a witness tells nothing of it.
+// Work is reported per query, whether the query is repeated for timing or not; a witness reports none.
 TEST(PairsTrial, WorkIsThatOfOneQuery) {
   static const Registrar<PairQuery, CountsPairs, 2> three(__FILE__);
   static const Registrar<PairQuery, CountsBatches, 2> batch(__FILE__);
@@ -138,7 +138,7 @@ TEST(PairsTrial, WorkIsThatOfOneQuery) {
   test::expectCaught("work counted once for a batch", ran("planted_batch", false).at("axis_tests") == 3);
 }
 
-// As if a method counted in what it remembers how often it has been asked about a pair; without memory it starts anew.
+// Counts the queries of a pair in its memory; without memory it starts again.
 template <int D>
 class Remembering final : public PairQuery<D> {
  public:
@@ -150,7 +150,7 @@ class Remembering final : public PairQuery<D> {
   void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>>, std::span<PairMemory> memory,
              WorkDone& work) override {
     work[WorkCount::axisTests] += pairs.size();
-    for (const PairView<D>& p : pairs) {  // counted: pairs of other kinds than the first
+    for (const PairView<D>& p : pairs) {  // counts pairs of other kinds than the first
       work[WorkCount::polytopeFaces] += p.a.kind != pairs[0].a.kind || p.b.kind != pairs[0].b.kind;
     }
     for (PairMemory& m : memory)
@@ -173,8 +173,9 @@ TrialResult asked(const std::string& method, const std::string& stream, bool tim
   return runTrial(t.request);
 }
 
-// Three boxes on the ground and on one another meet in each of four steps: the first time, the second, and so on.
-TEST(PairsTrial, AStreamIsAskedInItsOrderWithWhatIsRemembered) {
+// Three boxes on the ground and on each other make contact in each of four steps: the first time, the second, and so
+// on.
+TEST(PairsTrial, AStreamIsQueriedInOrderWithItsMemory) {
   static const Registrar<PairQuery, Remembering, 2> planted(__FILE__);
   const auto warm = asked("planted_remembering", "warm").metrics;
   EXPECT_EQ(warm.at("asked"), 12);
@@ -228,8 +229,8 @@ TEST(PairsTrial, TheRefereesCodeIsPartOfTheKeyOfPairsAlone) {
   EXPECT_FALSE(boxes.at("code").contains("oracles"));
 }
 
-// What judges is in the key of every trial of pairs; an adapter, changed or new, is not.
-TEST(PairsTrial, AnAdapterIsNoneOfTheRefereesCode) {
+// The referee's code is in the key of every trial of pairs; a changed or new adapter is not.
+TEST(PairsTrial, TheRefereesCodeIncludesNoAdapter) {
   const auto hash = [](std::string_view referee, std::string_view adapter) {
     return judgesHash(
         std::array<SourceHash, 2>{{{"oracles/referee/referee.h", referee}, {"oracles/witnesses/fcl.cpp", adapter}}});
@@ -255,7 +256,7 @@ TEST(PairsTrial, AxesOfAStreamNeedAScene) {
   }
 }
 
-// A kernel that is compiled apart, such as the lanes of `sat`, is in the keys of its group; another method's file is
+// Code in a separate file, such as the SIMD kernels of `sat`, is in the keys of its group; another method's file is
 // not.
 TEST(PairsTrial, KernelsArePartOfTheKeysOfTheirGroup) {
   const Registered& sat = Registry::instance().find(StageKind::pairQuery, 3, "sat");
@@ -271,7 +272,7 @@ TEST(PairsTrial, KernelsArePartOfTheKeysOfTheirGroup) {
   }
 }
 
-// An adapter that calls other people's code has the version of that in the keys of its own trials.
+// The version of a foreign library is in the keys of its adapter's trials.
 TEST(PairsTrial, ALibrarysVersionIsPartOfTheKeyOfItsWitness) {
   const std::regex foreign("#include <[^>]+/"), version("[A-Za-z0-9]+ [0-9.]+(, [A-Za-z0-9]+ [0-9.]+)*");
   for (const int dimension : {2, 3}) {

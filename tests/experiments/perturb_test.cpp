@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Ensembles: seeds that do something, in every scene, and are told where they do nothing.
+// Ensembles: seeds change every scene, or the user is told that they have no effect.
 #include <algorithm>
 #include <filesystem>
 #include <utility>
@@ -21,7 +21,7 @@ using test::Outcome;
 using test::Workspace;
 
 constexpr double kAmount = 1e-3;
-constexpr std::size_t kBodies = 500;  // larger scenes are as these, but take long to build
+constexpr std::size_t kBodies = 500;  // larger scenes are similar but slow to build
 
 std::vector<SceneFile> scenes() {
   std::vector<SceneFile> out;
@@ -44,13 +44,13 @@ bool samePoses(const SceneSpec<D>& a, const SceneSpec<D>& b) {
 }
 
 template <int D>
-double centersApart(BodyDef<D> a, BodyDef<D> b) {  // of mass, m
+double centersApart(BodyDef<D> a, BodyDef<D> b) {  // distance of the centres of mass, m
   World<D> world;
   world.add(a), world.add(b);
   return (world.bodies().pose[0].p - world.bodies().pose[1].p).norm();
 }
 
-// What is wrong with `moved`, which should be `still` perturbed by kAmount; empty where nothing is.
+// What is wrong with `moved`, which should be `still` perturbed by kAmount; empty if nothing is.
 template <int D>
 std::string fault(const SceneSpec<D>& still, const SceneSpec<D>& moved) {
   if (still.spawns.size() != moved.spawns.size()) return "other bodies";
@@ -87,7 +87,7 @@ void everyScene() {
     EXPECT_NE(samePoses(moved, file.build<D>({{"perturb", kAmount}}, seed + 1)), moves);
     EXPECT_EQ(still.seeded, !samePoses(still, file.build<D>({}, seed + 1)));
     EXPECT_EQ(moved.seeded, moves);
-    // Planted bugs: a step too far; each body that must not move does, a floor among them.
+    // Planted bugs: a perturbation that is too large, and one of each body that must not move, including a floor.
     SceneSpec<D> wrong = moved;
     wrong.spawns[0].body.X_WB.p[0] += Real(3 * kAmount);
     EXPECT_NE(fault(still, wrong), "");
@@ -107,7 +107,7 @@ TEST(Perturb, movesTheDynamicBodiesOfEveryScene) {
   everyScene<3>();
 }
 
-// A see-saw whose board is defined from its end: the pivot is where its centre of mass is, and stays there.
+// A see-saw with a board defined from its end: the pivot is at its centre of mass and stays there.
 TEST(Perturb, aPinnedBodyTurnsAboutItsCentreOfMass) {
   SceneSpec<2> still;
   BodyDef<2> board;
@@ -120,13 +120,13 @@ TEST(Perturb, aPinnedBodyTurnsAboutItsCentreOfMass) {
   EXPECT_NE(X.q.radians(), 0);
   EXPECT_LT((X * Vec<2>(1, 0) - Vec<2>(1, 0)).norm(), 1e-6);
   EXPECT_TRUE(moved.seeded);
-  // Nothing of one that may neither shift nor turn is left to the seed.
+  // A body that may neither move nor rotate is not perturbed.
   still.spawns[0].body.rotatable = false;
   perturb(still, 0.1, 1);
   EXPECT_FALSE(still.seeded);
 }
 
-// Of the joints of a world in its first moment (m, and rad).
+// Joint errors of a world at the start (m; rad).
 template <int D>
 double errorAtStart(const SceneSpec<D>& scene) {
   World<D> world(Pipeline::parse(""), scene.settings);
@@ -143,7 +143,7 @@ TEST(Perturb, noJointStartsWithAnError) {
     const SceneSpec<3> moved = bridge.build<3>(values, 1);
     ASSERT_FALSE(moved.joints.empty());
     EXPECT_LT(errorAtStart(moved), 1e-12) << kind;
-    // Planted bug: joints are made first, and then the bodies are moved.
+    // Planted bug: joints are made before the bodies are perturbed.
     World<3> world(Pipeline::parse(""), moved.settings);
     Director<3> director(bridge.build<3>({{"joint", std::string(kind)}}, 1));
     director.advance(world);
@@ -154,7 +154,7 @@ TEST(Perturb, noJointStartsWithAnError) {
   }
 }
 
-TEST(Perturb, isNoNameForAnotherParameter) {
+TEST(Perturb, itsNameIsReserved) {
   Workspace w;
   const std::string text = "name = \"s\"\nsummary = \"s\"\ndimensions = [2]\n[parameters]\n";
   w.write("s.toml", text + "perturb = { default = 1, min = 0, max = 2, meaning = \"m\" }\n");
@@ -171,7 +171,7 @@ std::string ensemble(const std::string& scene, const std::string& more) {
   return "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"" + scene + "\"\nsteps = 5\nseed = [1, 2, 3]\n" + more;
 }
 
-TEST(Perturb, aSeedThatDecidesNothingIsTold) {
+TEST(Perturb, aSeedWithoutEffectIsReported) {
   Workspace w;
   w.write("idle.toml", ensemble("vertical_stack", ""));
   w.write("moved.toml", ensemble("vertical_stack", "perturb = 1e-6\n"));
@@ -181,11 +181,11 @@ TEST(Perturb, aSeedThatDecidesNothingIsTold) {
   EXPECT_NE(w.lpc("sweep ./idle.toml --dry-run").text.find(note), std::string::npos);
   EXPECT_EQ(w.lpc("sweep ./moved.toml --dry-run").text.find("decides nothing"), std::string::npos);
   EXPECT_EQ(w.lpc("sweep ./drawn.toml --dry-run").text.find("decides nothing"), std::string::npos);
-  // By cell, not by scene: of these, half run three times over, and others are moved.
+  // Per cell, not per scene: half of these cells run the same trial three times; the others are perturbed.
   w.write("half.toml", ensemble("vertical_stack", "n = [2, 3]\nperturb = [0, 1e-6]\n"));
   const Outcome half = w.lpc("sweep ./half.toml --dry-run");
   EXPECT_NE(half.text.find("nothing in scene 'vertical_stack' where perturb=0: set"), half.text.npos) << half.text;
-  // And it is true: by the final states.
+  // The final states confirm it.
   const std::string count = "SELECT count(DISTINCT hash) || ' of ' || count(*) FROM trial WHERE outcome = 'ok'";
   for (const auto& [name, hashes] : {std::pair("idle", "1 of 3"), std::pair("moved", "3 of 3"),
                                      std::pair("drawn", "3 of 3"), std::pair("half", "8 of 12")}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A simulation under way as a picture: what its film would show, and over it what films do not.
+// A picture of a running simulation: what its film would show, plus marks that films do not have.
 #include "experiments/film/picture_draw.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ bool samePatches(const Picture& a, const Picture& b) {
       [](const Patch& p, const Patch& q) { return p.corners == q.corners && p.fill == q.fill && p.edge == q.edge; });
 }
 
-// Of each step of a heap, some of whom sleep in the end, the picture is its film's.
+// Some bodies of a heap fall asleep. The picture of each step equals that of its film.
 template <int D>
 void aWorldIsItsFilm() {
   const Workspace w;
@@ -57,10 +57,10 @@ void aWorldIsItsFilm() {
     EXPECT_TRUE(samePatches(live[i], reel.picture(i, camera))) << "frame " << i;
     asIfAwake = asIfAwake && samePatches(awake[i], reel.picture(i, camera));
   }
-  expectCaught("PictureDraw.AWorldIsItsFilm: nobody is paler " + std::to_string(D) + 'D', asIfAwake);
+  expectCaught("PictureDraw.PicturesEqualTheFilm: nobody is paler " + std::to_string(D) + 'D', asIfAwake);
 }
-TEST(PictureDraw, AWorldIsItsFilm2) { aWorldIsItsFilm<2>(); }
-TEST(PictureDraw, AWorldIsItsFilm3) { aWorldIsItsFilm<3>(); }
+TEST(PictureDraw, PicturesEqualTheFilm2) { aWorldIsItsFilm<2>(); }
+TEST(PictureDraw, PicturesEqualTheFilm3) { aWorldIsItsFilm<3>(); }
 
 struct Pixels {
   std::size_t width = 0, height = 0;
@@ -87,7 +87,7 @@ Pixels pixelsOf(const Picture& picture) {
 
 constexpr DrawColour kPaper{247, 247, 245}, kInk{200, 0, 0}, kOther{0, 0, 200};
 
-// Marks are where the camera sees their places, over a shape that covers these.
+// Marks appear where the camera projects their positions, over a shape that covers these.
 template <int D>
 void marksAreOverShapes() {
   const Camera<D> camera = cameraOf<D>(Sight{{-3, -2}, {3, 2}}, 300);
@@ -113,7 +113,7 @@ void marksAreOverShapes() {
 TEST(PictureDraw, MarksAreOverShapes2) { marksAreOverShapes<2>(); }
 TEST(PictureDraw, MarksAreOverShapes3) { marksAreOverShapes<3>(); }
 
-// A plane fills what is below it and hides nobody; its outline leaves all free.
+// A plane fills the area below it and hides no body; its outline leaves everything visible.
 TEST(PictureDraw, PlanesAreBehind) {
   const Camera<2> camera = cameraOf<2>(Sight{{-3, -2}, {3, 2}}, 300);
   PictureDraw<2> draw(camera);
@@ -129,7 +129,7 @@ TEST(PictureDraw, PlanesAreBehind) {
   EXPECT_EQ(seen.at(camera.pixel({2, -1})), kPaper);
 }
 
-// What shines through lets half of what is behind it be seen, in files of both kinds; words have their colour.
+// Transparent shapes show half of what is behind them, in both file formats; words have their colour.
 TEST(PictureDraw, ShinesThroughAndHasWords) {
   const Camera<2> camera = cameraOf<2>(Sight{{-3, -2}, {3, 2}}, 300);
   PictureDraw<2> draw(camera);

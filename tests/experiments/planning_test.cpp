@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Planning ends, and before it has made more than a machine can hold.
+// Planning ends, and before it exceeds a machine's memory.
 #include <csignal>
 
 #include "experiments/runner/sweep_file.h"
@@ -31,7 +31,7 @@ std::string seeds(int n) {
 const std::string kBoxes = "summary = \"s\"\nkind = \"boxes\"\n",
                   kAxes = "[axes]\ndimension = 2\ndistribution = \"uniform\"\nbroadphase = \"naive\"\nn = 8\n";
 
-// One pass: what a value holds is not looked at again.
+// Names are replaced in one pass: an inserted value is not examined again.
 TEST(Planning, AnAxisThatNamesItself) {
   Workspace w;
   const auto world = [](const std::string& axes, const std::string& used = "$it") {
@@ -51,7 +51,7 @@ TEST(Planning, AnAxisThatNamesItself) {
   };
   for (const auto& [text, parts] : cases) expectParts(messageOf(w, text), parts, text);
 
-  // Names of which one begins another, a text with two of them, and a stage's axis that names another axis.
+  // Names that begin with another name, a text with two names, and a stage's axis that names another axis.
   const auto plan = planSweeps(w.write("s.toml",
                                        "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"box_drop\"\n"
                                        "n = 3\nnn = 5\nsolver = "
@@ -61,7 +61,7 @@ TEST(Planning, AnAxisThatNamesItself) {
   EXPECT_NE(pipeline.find("iterations=53"), std::string::npos) << pipeline;
 }
 
-// Refused before a cell is made: with the axes and their sizes.
+// Rejected before any cell is made, with the axes and their sizes.
 TEST(Planning, TooManyTrials) {
   Workspace w;
   std::string squared = kAxes;
@@ -72,10 +72,11 @@ TEST(Planning, TooManyTrials) {
         "valid: up to 100000 in all"}},
       {kBoxes + squared, {"s.toml:", "1e+24 trials (a 1000, b 1000", "valid: up to 100000 in all"}},
       {kBoxes + kAxes + seeds(1000) + "frames = " + seeds(1000).substr(7), {"1e+06 trials (", "seed 1000", "frames"}},
-      // Each group is small enough by itself.
+      // Each group is small enough on its own.
       {kBoxes + kAxes + "[[group]]\naxes = { frames = [1, 2, 3] }\n[[group]]\nrepeats = 99998\n",
        {"s.toml:10: ", "99998 trials (repeats 99998) after 3 before it", "valid: up to 100000 in all"}},
-      // Timed trials beside the untimed one of a cell, and twice as many of a method that is timed twice.
+      // An untimed trial beside the timed ones of a cell, and twice as many trials for a method that is timed twice as
+      // often.
       {"timed = true\nuntimed = true\nrepeats = 50000\n" + kBoxes + kAxes + "frames = [1, 2]\n",
        {"s.toml:", "100002 trials (repeats 50000, frames 2, each cell once untimed)"}},
       {"timed = true\nrepeats = 20000\ntwice = \"naive\"\n" + kBoxes + kAxes + "frames = [1, 2, 3]\n",
@@ -87,14 +88,14 @@ TEST(Planning, TooManyTrials) {
        {"s.toml:", "100002 trials (repeats 50001, budgets 2)"}},
   };
   for (const auto& [text, parts] : cases) expectParts(messageOf(w, text), parts, text);
-  // Nor are the sweeps of a set together.
+  // The limit also holds for the sweeps of a set together.
   w.write("a.toml", kBoxes + "repeats = 3\n" + kAxes);
   w.write("b.toml", kBoxes + "repeats = 99998\n" + kAxes);
   const std::string set = "summary = \"s\"\nsweeps = [\"" + w.path("a.toml") + "\", \"" + w.path("b.toml") + "\"]\n";
   expectParts(messageOf(w, set), {"b.toml:", "99998 trials", "after 3 before it"}, set);
 }
 
-// The values of an axis are looked at once and not in every cell: 20,000 took minutes.
+// The values of an axis are examined once, not in every cell: 20,000 values took minutes.
 TEST(Planning, LongAxes) {
   Workspace w;
   const auto plan = planSweeps(w.write("s.toml",

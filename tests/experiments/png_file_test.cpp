@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Pictures as files: what is read is what was written, and what cannot be written whole is not written.
+// Pictures as files: a written file reads back equal, and a file that cannot be written completely is not written.
 #include "experiments/film/png_file.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using namespace test;
 
 constexpr int kWidth = 61, kHeight = 40;
 
-// No two pixels alike, so that nothing can be left out: 7 kB.
+// No two equal pixels, so that compression saves nothing: 7 kB.
 std::vector<unsigned char> noise() {
   Random random(1);
   std::vector<unsigned char> out(3 * kWidth * kHeight);
@@ -42,7 +42,7 @@ TEST(PngFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read, noise());
 }
 
-// As if the disk had room for so many bytes of a file.
+// Limits the size of files, as a full disk does.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) : m_handler(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -71,7 +71,7 @@ std::string refusal(const std::string& path) {
   return "";
 }
 
-TEST(PngFile, IsThereWholeOrNotAtAll) {
+TEST(PngFile, IsWrittenCompletelyOrNotAtAll) {
   const Workspace w;
   EXPECT_EQ(refusal(w.path("nowhere/a.png")),
             w.path("nowhere/a.png") + ": cannot be written: No such file or directory");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The worlds of the 2009 sandbox by their numbers: found, of the report's settings, and doing what the report says.
+// The worlds of the 2009 sandbox, by number: they are found, have the report's settings, and do what the report says.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -32,7 +32,7 @@ struct Play {
   void steps(long n) {
     for (long i = 0; i < n; ++i) director.advance(world), world.step(scene.dt);
   }
-  /// Of the i-th of that name.
+  /// Pose of the i-th body of that name.
   Pose<D> pose(const std::string& name, int i = 0) const { return world.pose(director.body(spawn(name, i))); }
   Vec<D> start(const std::string& name, int i = 0) const {
     return scene.spawns[static_cast<std::size_t>(spawn(name, i))].body.X_WB.p;
@@ -47,12 +47,12 @@ struct Play {
     return static_cast<int>(
         std::count_if(scene.spawns.begin(), scene.spawns.end(), [&](const auto& s) { return s.body.name == name; }));
   }
-  Real moved(const std::string& name) const {  // the one that moved most
+  Real moved(const std::string& name) const {  // largest motion among them
     Real most = 0;
     for (int i = 0; i < count(name); ++i) most = std::max(most, (pose(name, i).p - start(name, i)).norm());
     return most;
   }
-  /// How many of that name have their y axis nearer to the ground than to where it was.
+  /// Number of bodies of that name tilted by more than about 45 degrees.
   int fallen(const std::string& name) const {
     int out = 0;
     for (int i = 0; i < count(name); ++i) out += (pose(name, i).q * Vec<D>::Unit(1))[1] < Real(0.7);
@@ -62,7 +62,7 @@ struct Play {
 
 const std::string kSleep = "sleep=split_average";
 
-// --- by number -------------------------------------------------------------------------------------------------------
+// --- by number ------------------------------------------------------------------------------------------------------
 
 TEST(Presets, ANumberIsAName) {
   const auto found = [](const char* folder, const char* number) {
@@ -98,7 +98,7 @@ TEST(Presets, ANumberRuns) {
   EXPECT_EQ(std::count(wrong.text.begin(), wrong.text.end(), '\n'), 1) << wrong.text;
 }
 
-// --- settings --------------------------------------------------------------------------------------------------------
+// --- settings -------------------------------------------------------------------------------------------------------
 
 SceneSpec<2> scene(const std::string& keys, const std::string& rest = "", const std::string& shape = "") {
   return SceneFile::parse("name = \"t\"\nsummary = \"s\"\ndimensions = [2]\n" + keys + "\n" + rest +
@@ -106,7 +106,7 @@ SceneSpec<2> scene(const std::string& keys, const std::string& rest = "", const 
                           "t.toml")
       .build<2>({}, 1);
 }
-// As `Settings::lpc2009` makes them.
+// Whether the settings are those of `Settings::lpc2009`.
 bool of2009(const SceneSpec<2>& s) {
   const Settings report = Settings::lpc2009();
   const ShapeDef<2>& shape = s.spawns.at(0).body.shapes.at(0);
@@ -115,7 +115,7 @@ bool of2009(const SceneSpec<2>& s) {
          shape.restitution == report.restitution && shape.friction == report.friction;
 }
 
-TEST(Presets, SettingsOfASceneAreBelowItsOwnKeys) {
+TEST(Presets, KeysOfASceneOverrideSettings) {
   const std::string key = "settings = \"2009\"";
   EXPECT_TRUE(of2009(scene(key)));
   expectCaught("a scene without them", of2009(scene("")));
@@ -136,21 +136,22 @@ TEST(Presets, SettingsOfASceneAreBelowItsOwnKeys) {
   }
 }
 
-TEST(Presets, AllHaveTheReports) {
+TEST(Presets, AllHaveTheReportsSettings) {
   for (const std::string number : {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11"}) {
     const SceneSpec<2> s = SceneFile::load(findToml("scenes", number)).build<2>({}, 1);
     EXPECT_EQ(s.settings.gravity, Vec<2>(0, Real(-9.8))) << number;
     EXPECT_EQ(s.dt, Real(1) / 60) << number;
     for (const auto& spawn : s.spawns) {
-      if (number == "8" && spawn.body.name == "ball") continue;  // of the cradle: they keep their speed
+      if (number == "8" && spawn.body.name == "ball") continue;  // of the cradle: full restitution
       for (const auto& shape : spawn.body.shapes) EXPECT_EQ(shape.restitution, Real(0.4)) << number;
     }
   }
 }
 
-// --- what they do ----------------------------------------------------------------------------------------------------
+// --- behaviour ------------------------------------------------------------------------------------------------------
 
-// "Technically this is mathematically correct"; with "a small random offset", the circles roll off, the squares stand.
+// "Technically this is mathematically correct"; with "a small random offset" the circles roll off and the squares
+// stand.
 template <int D>
 void towers(const std::string& sleep) {
   Play<D> aligned("2", {{"circles", 6}, {"squares", 6}}, sleep);
@@ -175,7 +176,7 @@ TEST(Presets, TheTowerOfDominoesIsStable) {
   }
 }
 
-// 0.5 m down, up again by 0.4^2 of it, and to rest.
+// Falls by 0.5 m, bounces to 0.4^2 of that height, and comes to rest.
 TEST(Presets, TheBoxFallsBouncesAndLies) {
   Play<2> play("4");
   Real up = 0;
@@ -191,7 +192,8 @@ TEST(Presets, TheBoxFallsBouncesAndLies) {
   EXPECT_LT(std::abs(play.pose("box").q.radians()), 1e-3);
 }
 
-// The report's fifth explodes; ours sinks by the drop and stands. "Small row spacing" is the stabler of the two there.
+// In the report, pyramid 5 explodes; here it sinks by the drop height and stands. Pyramid 6, with "small row spacing",
+// is the more stable one in the report.
 TEST(Presets, PyramidsFallAndStand) {
   Play<2> play("5", {{"base", 10}});
   play.steps(400);
@@ -201,15 +203,15 @@ TEST(Presets, PyramidsFallAndStand) {
   EXPECT_LT(spaced.moved("box"), 0.5 + 9 * 0.05 + 0.3);
 }
 
-// Preset 1, its circles, compounds and shapes of lines: each lies on what of it is round or pointed. The capsule, the
-// pentagon and what they lean on are left out.
+// Preset 1, its circles, compounds and line shapes: each comes to rest on a round or pointed part. Without the capsule,
+// the pentagon and what they lean on.
 TEST(Presets, EachShapeLiesOnItsOwn) {
   Play<2> play("1");
   play.steps(600);
   struct Lies {
     const char* body;
-    Vec<2> point;  // of the body: a corner, or the centre of a circle
-    Real height;   // m: 0, or the circle's radius
+    Vec<2> point;  // of the body: a corner or the centre of a circle
+    Real height;   // m: 0 or the circle's radius
   };
   const Lies all[] = {
       {"circle", {0, 0}, 1},
@@ -236,9 +238,9 @@ TEST(Presets, EachShapeLiesOnItsOwn) {
   }
 }
 
-// In space the larger one is a wall one box thick, whose rows slide on each other: who sleeps on what slides away
-// wakes.
-TEST(Presets, TheWallOfSpaceStandsWithTheReportsSleeping) {
+// In 3D the larger pyramid is a wall one box thick, and its rows slide on each other: bodies that sleep on a sliding
+// support must wake.
+TEST(Presets, TheWallIn3dStandsWithTheReportsSleeping) {
   Play<3> play("6", {}, kSleep);
   play.steps(450);
   EXPECT_LT(play.moved("box"), play.scene.limits.drift);
@@ -271,8 +273,8 @@ TEST(Presets, AllDominoesFall) {
   EXPECT_EQ(play.fallen("domino"), 15);
 }
 
-// Those that slide do so with g (sin - mu cos), from where contacts have settled: in half a second each goes by a
-// quarter of that farther than in the one before. mu is the geometric mean with the slope's 0.5.
+// Sliding boxes have a = g (sin - mu cos) once contacts have settled: each half second they go a / 4 farther than in
+// the one before. mu is the geometric mean with the slope's 0.5.
 bool slides(const std::array<double, 4>& frictions) {
   Play<2> play("10");
   std::array<std::array<Vec<2>, 4>, 3> at;
@@ -333,7 +335,7 @@ TEST(Presets, NothingFallsThroughAFloorOfSpheres) {
   }
 }
 
-// Each row of the fan knocks over the next, so that all lie in the end.
+// Each row of the fan knocks over the next, so that all fall.
 TEST(Presets, TheFanFallsAsAWhole) {
   Play<3> play("many_dominoes_3d", {{"rows", 6}, {"particles", 10}});
   play.steps(400);

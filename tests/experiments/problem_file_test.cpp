@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Velocity problems taken out of a world, written and read: what they are solved by gives the bits that it gave there.
+// Velocity problems frozen from a world, written and read: a resolver gives the same bits for the file as in the world.
 #include "experiments/trial/formats/problem_file.h"
 
 #include <set>
@@ -24,7 +24,7 @@ struct Solved {
   std::vector<JointRecord<D>> joints;
 };
 
-/// Freezes what it sees, and solves a copy of it beside the world.
+/// Freezes its problem, and solves a copy beside the world.
 template <int D>
 struct Freezer final : VelocityWatcher<D> {
   std::string resolver;
@@ -72,7 +72,7 @@ std::string written(const FrozenProblem<D>& problem) {
   return out.str();
 }
 
-/// A heap that falls, with a pendulum, a motor that has limits and a soft spring; some contacts bounce.
+/// A falling heap with a pendulum, a motor with limits and a soft spring; some contacts bounce.
 template <int D>
 FrozenProblem<D> heapProblem(Freezer<D>& freezer, const std::string& solver) {
   World<D> world(Pipeline::parse(solver));
@@ -114,7 +114,7 @@ TEST(ProblemFile, IsSolvedToTheSameBits2) {
 }
 TEST(ProblemFile, IsSolvedToTheSameBits3) { sameBits<3>("coloured"); }
 
-TEST(ProblemFile, WhatIsLeftOutIsMissed) {
+TEST(ProblemFile, EveryFieldIsNeeded) {
   Freezer<2> freezer;
   freezer.resolver = "catto";
   const FrozenProblem<2> problem = heapProblem(freezer, "solver=split_solver{position=baumgarte}");
@@ -187,7 +187,7 @@ TEST(ProblemFile, RefusesInOneLine) {
   }
 }
 
-// Two rows of a contact and an equality: read, written, and each thing that may be wrong with it.
+// Two rows of a contact and an equality: read, written, and with every possible fault.
 TEST(ProblemFile, HoldsAMatrix) {
   const std::string good =
       "{\"format\": \"lpc problems\", \"version\": 1, \"dimension\": 2, \"problems\": "

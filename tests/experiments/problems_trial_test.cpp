@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Resolvers alone on frozen problems: what is left falls as W says that it must, and who cannot run says why.
+// Resolvers alone on frozen problems: the residual falls as the spectrum of W predicts, and a method that cannot run
+// says why.
 #include <nlohmann/json.hpp>
 
 #include "experiments/runner/sweep_file.h"
@@ -17,21 +18,21 @@ namespace lpc { inline namespace LPC_PRECISION { namespace problems_trial_test {
 using nlohmann::json;
 using test::Workspace;
 
-TEST(Spectrum, IsThatOfTheIteration) {
+TEST(Spectrum, PredictsTheRateOfConvergence) {
   const std::vector<double> two = {2, 1, 1, 2};
   const Spectrum s = spectrumOf(two, 2);
   EXPECT_EQ(s.rank, 2);
   EXPECT_NEAR(s.gaussSeidel, 0.25, 1e-12);
-  // Masses of 1 and 100 in one row each: a row's unit is no matter of convergence.
+  // Masses of 1 and 100 in one row each: the unit of a row does not affect convergence.
   const Spectrum scaled = spectrumOf(std::vector<double>{2, 10, 10, 200}, 2);
   EXPECT_NEAR(scaled.gaussSeidel, 0.25, 1e-12);
-  // The same contact twice: one update of either answers both.
+  // The same contact twice: one update of either solves both.
   const Spectrum twice = spectrumOf(std::vector<double>{1, 1, 1, 1}, 2);
   EXPECT_EQ(twice.rank, 1);
   EXPECT_NEAR(twice.gaussSeidel, 0, 1e-12);
 }
 
-/// catto, which in its second iteration gives what is no number.
+/// catto, but its second iteration gives NaN.
 template <int D>
 class NotANumber final : public VelocityResolver<D> {
  public:
@@ -69,7 +70,7 @@ class NotANumber final : public VelocityResolver<D> {
 };
 LPC_REGISTER(VelocityResolver, NotANumber, 2);
 
-/// A witness that might work in a process of its own, and says how long it took.
+/// A witness that might run in its own process and reports its own time.
 template <int D>
 class WithAClock final : public WitnessResolver<D> {
  public:
@@ -96,7 +97,7 @@ struct LastProblem final : VelocityWatcher<D> {
   void see(const VelocityInput<D>& in) override { frozen = freeze(in, defaultGravity<D>()); }
 };
 
-/// The problem of the world's last step, in a file of the workspace.
+/// Saves the problem of the world's last step in a file of the workspace.
 template <int D>
 std::string problemFile(const Workspace& w, World<D>& world, int steps) {
   LastProblem<D> last;
@@ -141,7 +142,7 @@ TEST(ProblemsTrial, ResidualFallsAsTheMatrixSays) {
   }
 }
 
-TEST(ProblemsTrial, MeasuresWhatIsLeft) {
+TEST(ProblemsTrial, MeasuresTheResidual) {
   Workspace w;
   const std::string file = stackFile(w, 2);
   const TrialResult cold = trialOf(file, "catto", 200), warm = trialOf(file, "catto", 200, "warm");
@@ -160,7 +161,7 @@ TEST(ProblemsTrial, MeasuresWhatIsLeft) {
   EXPECT_LT(cold.series.at("multiply_adds")[0], cold.series.at("multiply_adds")[1]) << "at first rows are made alone";
   EXPECT_EQ(cold.metrics.count("ns_per_solve"), 0u);
   EXPECT_GT(trialOf(file, "catto", 5, "cold", "on", "recorded", true).metrics.at("ns_per_solve"), 0);
-  // Who makes momentum is seen to; his impulses alone would look better than his velocities are.
+  // A method that creates momentum is detected. By its impulses alone it would look better than its velocities are.
   EXPECT_GT(trialOf(file, "shock_propagation", 3).metrics.at("unexplained_velocity"), 1e-3);
   for (const char* method : {"millington", "direct_lcp"}) {
     const TrialResult once = trialOf(file, method, 100);
@@ -169,14 +170,14 @@ TEST(ProblemsTrial, MeasuresWhatIsLeft) {
   }
 }
 
-TEST(ProblemsTrial, AWitnessTellsItsTimeItself) {
+TEST(ProblemsTrial, AWitnessReportsItsOwnTime) {
   Workspace w;
   const std::string file = stackFile(w, 2);
   EXPECT_NEAR(trialOf(file, "planted_clock", 1, "cold", "on", "recorded", true).metrics.at("ns_per_solve"), 3e9, 1);
 }
 
-// A box that slides askew, in 3D, where laws of friction differ: each method leaves nothing of its own.
-TEST(ProblemsTrial, LeavesNothingOfItsOwnLaw) {
+// A box that slides obliquely in 3D, where friction laws differ: each method has no residual by its own law.
+TEST(ProblemsTrial, HasNoResidualByItsOwnLaw) {
   Workspace w;
   World<3> world;
   test::addGround(world);
@@ -193,16 +194,16 @@ TEST(ProblemsTrial, LeavesNothingOfItsOwnLaw) {
     EXPECT_LT(left(method, "own_residual"), 1e-6) << method;
     EXPECT_EQ(left(method, "problem_residual") > 1e-3, std::string(method) != "catto") << method;
   }
-  // Without De Saxce's correction the measure takes a box for right that is lifted by its sliding.
+  // Without De Saxce's correction the measure accepts a box that its sliding lifts.
   test::expectCaught("ProblemsTrial a natural map without De Saxce's correction",
                      left("admm{correction=none}", "own_residual") > 1e-3);
   EXPECT_TRUE(std::isnan(left("direct_lcp", "own_residual"))) << "where its facets lie only it knows";
-  // Box: limits of the last step's normal impulse, which without a last step are zero.
+  // Box friction: its limits come from the normal impulse of the last step and are zero without one.
   EXPECT_LT(left("catto{friction=box}", "own_residual"), 1e-6);
 }
 
-// Who begins at one iteration has its zeroth: the impulses of the last step, or none.
-TEST(ProblemsTrial, CurvesBeginAtNoIteration) {
+// A method that starts at one iteration also has a value for zero: the impulses of the last step, or none.
+TEST(ProblemsTrial, CurvesBeginAtZeroIterations) {
   Workspace w;
   const std::string file = stackFile(w, 2);
   for (const char* start : {"cold", "warm"}) {
@@ -213,12 +214,12 @@ TEST(ProblemsTrial, CurvesBeginAtNoIteration) {
   }
 }
 
-TEST(ProblemsTrial, WhatIsNoNumberIsARowWithAReason) {
+TEST(ProblemsTrial, NaNIsARowWithAReason) {
   Workspace w;
   const std::string file = stackFile(w, 3);
   EXPECT_EQ(trialOf(file, "planted_nan", 4).outcome, "ok");
   for (const char* where : {"impulse", "velocity", "turn"}) {
-    for (const int iterations : {2, 4}) {  // at the end, and on the way there
+    for (const int iterations : {2, 4}) {  // at the end, and on the way
       const TrialResult r = trialOf(file, std::string("planted_nan{where=") + where + "}", iterations);
       EXPECT_EQ(r.outcome, "diverged") << where;
       EXPECT_EQ(r.reason, "nan");

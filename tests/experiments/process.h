@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// `lpc` running beside a test, which stops or kills it or its workers.
+// `lpc` running in parallel with a test, which stops or kills it or its workers.
 #pragma once
 
 #include <sys/wait.h>
@@ -19,7 +19,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 class Process {
  public:
-  /// Runs `lpc ARGUMENTS` in the folder; what it says is in the file "said" there.
+  /// Runs `lpc ARGUMENTS` in the workspace; its output goes to the file "said" there.
   Process(const Workspace& workspace, const std::string& arguments) : m_said(workspace.path("said")) {
     const std::string command = "cd " + workspace.path("") + " && exec " LPC_BINARY_DIR "/bin/lpc " + arguments;
     m_pid = fork();
@@ -42,7 +42,7 @@ class Process {
     if (!m_ended) m_ended = waitpid(m_pid, &m_status, WNOHANG) == m_pid;
     return m_ended;
   }
-  /// The exit code, or 128 and the signal that ended it.
+  /// The exit code, or 128 plus the signal that ended it.
   int wait() {
     while (!m_ended) m_ended = waitpid(m_pid, &m_status, 0) == m_pid;
     return WIFEXITED(m_status) ? WEXITSTATUS(m_status) : 128 + WTERMSIG(m_status);
@@ -51,7 +51,7 @@ class Process {
     if (!ended()) ::kill(m_pid, number);
   }
 
-  /// The workers and witnesses that it has started and that are there.
+  /// Its running workers and witnesses.
   std::vector<pid_t> workers() const {
     std::vector<pid_t> out;
     std::error_code gone;
@@ -60,15 +60,15 @@ class Process {
       if (name.find_first_not_of("0123456789") != name.npos) continue;
       std::ifstream in(entry.path() / "stat");
       std::string line;
-      std::getline(in, line);  // "12 (lpc-worker-f64) S 7 ...", and 7 is the parent
+      std::getline(in, line);  // "12 (lpc-worker-f64) S 7 ...": 7 is the parent
       const std::size_t after = line.rfind(") ");
       if (line.find(" (lpc-") == line.npos || after == line.npos) continue;
       if (std::atol(line.c_str() + after + 4) == m_pid) out.push_back(std::stoi(name));
     }
     return out;
   }
-  /// Waits until the file is there (a new store: workers that are tried before it is made are not at work) and a worker
-  /// is; false when it has ended.
+  /// Waits until the file exists and a worker runs; false if the process has ended. With a new store, workers that are
+  /// only probed run before the store is made.
   bool isBusy(const std::string& file) {
     while (!ended()) {
       if (std::filesystem::exists(file) && !workers().empty()) return true;

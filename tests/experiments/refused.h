@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A mistake of the user's: exit code 2, one line, and nothing left behind.
+// A user mistake: exit code 2, a one-line message, and no files.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ inline std::set<std::string> filesIn(const Workspace& w) {
   return out;
 }
 
-/// Runs `lpc` and demands a refusal that holds these parts.
+/// Runs `lpc` and requires a one-line error that contains these parts.
 inline void refused(const Workspace& w, const std::string& arguments, const Parts& parts,
                     const std::string& environment = "") {
   const auto before = filesIn(w);

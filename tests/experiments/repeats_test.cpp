@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Repeats of timed trials: in what order they are made, and what each tells.
+// Repeats of timed trials: their order, and what each reports.
 #include <algorithm>
 
 #include "tests/experiments/workspace.h"
@@ -9,7 +9,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace repeats_test { namesp
 using test::ask;
 using test::Workspace;
 
-// Repeat and method of the timed trials in the order in which they were finished.
+// Repeat and method of the timed trials, in the order in which they finished.
 std::vector<std::pair<int, std::string>> inOrder(const std::string& store) {
   std::vector<std::pair<int, std::string>> out;
   SQLite::Database db(store, SQLite::OPEN_READONLY);
@@ -20,7 +20,7 @@ std::vector<std::pair<int, std::string>> inOrder(const std::string& store) {
   return out;
 }
 
-// Whether each round holds every cell once, and the one that is timed twice as often twice.
+// Whether each round holds every cell once, and the cell of the method that is timed twice as often twice.
 bool inRounds(std::vector<std::pair<int, std::string>> trials, int repeats, const std::string& twice) {
   const std::size_t size = trials.size() / static_cast<std::size_t>(repeats);
   for (std::size_t i = 0; i < trials.size(); ++i) {
@@ -57,7 +57,7 @@ TEST(Repeats, areInterleavedAndOneMethodIsTimedTwice) {
       << untimed.text;
 }
 
-TEST(Repeats, afterTheFirstTellTimesAlone) {
+TEST(Repeats, afterTheFirstReportOnlyTimes) {
   Workspace w;
   w.write("s.toml",
           "summary = \"s\"\nkind = \"world\"\ntimed = true\nrepeats = 2\n[axes]\nscene = \"vertical_stack\"\nn = 3\n"

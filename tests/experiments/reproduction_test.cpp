@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Kept cases as programs against a witness's library alone: compiled and run, they answer what our adapter got.
+// Kept cases as programs that use only a witness's library: compiled and run, they print the answer that LPC's adapter
+// got.
 #include "experiments/runner/reproduction.h"
 
 #include <algorithm>
@@ -24,11 +25,11 @@ struct Tried {
   bool right;
 };
 
-// Of each library every way in which an adapter writes a shape. FCL takes its seconds to compile.
+// For each library, every way in which its adapter writes a shape. FCL takes seconds to compile.
 const std::vector<Tried> kTried = {
     {"libccd_gjk", "jolt-sphere-near-coincident", false},
     {"libccd_gjk", "libccd-ts-boxcyl7", false},
-    {"libccd_gjk", "libccd-25-cubes", false},             // a direction that is no number: no answer
+    {"libccd_gjk", "libccd-25-cubes", false},             // a direction that is NaN: no answer
     {"libccd_gjk", "parry-205-capsule-triangle", false},  // 2D
     {"libccd_mpr", "drake-convex-4", false},
     {"libccd_mpr", "parry-70-capsule-cuboid-0", false},
@@ -38,7 +39,7 @@ const std::vector<Tried> kTried = {
     {"ode", "parry-70-capsule-cuboid-0", true},
     {"bullet_box_box", "fcl-395-box-box", false},
     {"bullet_gjk_epa", "libccd-25-cubes", false},
-    {"bullet_gjk_epa", "drake-21234-cyl-box", true},  // but for its normal
+    {"bullet_gjk_epa", "drake-21234-cyl-box", true},  // except for its normal
     {"bullet_gjk_epa", "drake-convex-4", true},
     {"fcl_libccd", "fcl-508-box-box", false},
     {"fcl_libccd_collide", "drake-convex-5", false},
@@ -52,7 +53,7 @@ const std::vector<Tried> kTried = {
 };
 
 struct Asked {
-  double answer = 0;  // of our adapter, in the unit of the question
+  double answer = 0;  // of LPC's adapter, in the question's unit
   Question question;
 };
 
@@ -78,7 +79,7 @@ Asked asked(const Tried& t) {
   return {};
 }
 
-// As the first line of the program says.
+// Compiles with the command in the program's first line.
 Outcome compiledAndRun(const Workspace& w, const std::string& program) {
   w.write("repro.cpp", program);
   const std::size_t at = program.find(": g++ ");
@@ -89,7 +90,7 @@ double printed(const Outcome& out) {
   EXPECT_NE(at, out.text.npos) << out.text;
   return at == out.text.npos ? 0 : std::strtod(out.text.c_str() + at + 7, nullptr);
 }
-// Two compilers' sums of a few numbers differ in their last bits.
+// Sums of a few numbers by two compilers differ in the last bits.
 bool isSame(double a, double b) { return a == b || std::abs(a - b) <= 1e-13 || (std::isnan(a) && std::isnan(b)); }
 
 TEST(Reproduction, ProgramsAnswerAsTheAdaptersDo) {
@@ -107,7 +108,7 @@ TEST(Reproduction, ProgramsAnswerAsTheAdaptersDo) {
   }
 }
 
-// No witness is forgotten: whoever is registered is tried above.
+// Every registered witness is tried above.
 TEST(Reproduction, EveryWitnessWritesAProgram) {
   std::set<std::string> tried;
   for (const Tried& t : kTried) tried.insert(Spec::parse(t.witness).name);
@@ -118,7 +119,7 @@ TEST(Reproduction, EveryWitnessWritesAProgram) {
   }
 }
 
-// Of a library that is asked something else, and of a verdict that is turned round.
+// Programs that query another function, and a reversed verdict.
 TEST(Reproduction, PlantedProgramsAreCaught) {
   Workspace w;
   const Tried t{"libccd_mpr", "drake-convex-4", false};
@@ -136,8 +137,8 @@ TEST(Reproduction, PlantedProgramsAreCaught) {
   test::expectCaught("an exit code the wrong way round", turned.code == 1);
 }
 
-// Where only a side is told, and where nothing is: what the programs return.
-TEST(Reproduction, ASideAloneIsJudgedByTheSide) {
+// Answers that give only the side, or nothing: the programs' return values.
+TEST(Reproduction, AnAnswerWithoutADistanceIsJudgedByItsSide) {
   constexpr double kApart = std::numeric_limits<double>::infinity();
   Question q{.snippet = {}, .truth = {}, .allowed = 1e-12};
   q.truth.lo = -0.5, q.truth.hi = -0.25;
@@ -154,7 +155,7 @@ TEST(Reproduction, ASideAloneIsJudgedByTheSide) {
   EXPECT_FALSE(q.isRight(-kApart));
 }
 
-TEST(Reproduction, TheCommandWritesAFileAndTellsOneLine) {
+TEST(Reproduction, TheCommandWritesAFileAndPrintsOneLine) {
   Workspace w;
   const Outcome named = w.lpc("verify --repro libccd-25-cubes --witness bullet_gjk_epa --out cubes.cpp");
   EXPECT_EQ(named.code, 0) << named.text;
@@ -166,7 +167,7 @@ TEST(Reproduction, TheCommandWritesAFileAndTellsOneLine) {
   const Outcome normal = w.lpc("verify --repro drake-21234-cyl-box --witness bullet_gjk_epa --out normal.cpp");
   EXPECT_TRUE(normal.text.ends_with("; the program returns 0, since it asks for no normal, which is wrong\n"))
       << normal.text;
-  // By number, to standard output, of a file that is named; the witness is right, and that is told.
+  // By number, to standard output, from a named file; the witness is right, and the message says so.
   const Outcome numbered = w.lpc("verify --repro 61 --witness ode --cases " + keptCases());
   EXPECT_EQ(numbered.code, 0) << numbered.text;
   EXPECT_NE(numbered.text.find("#include <ode/ode.h>"), std::string::npos) << numbered.text;
@@ -205,7 +206,7 @@ TEST(Reproduction, MistakesAreOneLineAndNothingIsWritten) {
   EXPECT_EQ(std::distance(begin(all), end(all)), 1) << "something was written";
 }
 
-// What a file says of itself stays within its comment.
+// Texts from a file stay within the program's comment.
 TEST(Reproduction, TextsOfAFileAreNoCode) {
   Workspace w;
   const std::string file =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A request survives the way to its worker, field by field.
+// A request reaches its worker unchanged, field by field.
 #include "experiments/trial/request.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 using nlohmann::json;
 
-// Each field differs from its default, so that one that is not written or not read is seen.
+// Each field differs from its default, so that a field that is not written or not read is detected.
 template <class Asked>
 Asked base() {
   Asked out;
@@ -38,10 +38,10 @@ std::vector<decltype(TrialRequest::trial)> everyKind() {
   return {world, boxes, pairs, stream, problem};
 }
 
-// What differs between two documents; "" when nothing does.
+// The difference between two documents; "" if there is none.
 std::string difference(const json& a, const json& b) { return a == b ? "" : json::diff(a, b).dump(); }
 
-TEST(Request, SurvivesTheWayToItsWorker) {
+TEST(Request, ReachesItsWorkerUnchanged) {
   for (const auto& trial : everyKind()) {
     TrialRequest request{.trial = trial, .sceneFile = "a.toml", .scriptFile = "b.toml"};
     request.plugins = {"c.so"}, request.profile = "d.csv", request.record = "e.lpcr", request.saves = {{4, "f.toml"}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is held, what has sunk, who has left, and the body that must fall beside those that rest.
+// Measures of rest: which bodies are supported, have sunk or have left, and a body that must fall beside resting ones.
 #include "experiments/trial/measure/rest.h"
 
 #include <cmath>
@@ -45,8 +45,8 @@ TEST(Rest, SharesAreOfTheSmallestBodyBeyondTheSlop) {
   EXPECT_EQ(r.share(), 0);
 }
 
-// A box of 1 m that another has gone into by a metre rests, keeps its neighbours, and holds nothing.
-TEST(Rest, WhatHasSunkIsNotHeld) {
+// A box of 1 m into which another has sunk by nearly a metre: it rests, keeps its neighbours, and supports nothing.
+TEST(Rest, ASunkBodyIsNotSupported) {
   const TrialResult through = run("mass_ratio", "solver=avbd{iterations=1}", {{"ratio", 10000}}, 600);
   EXPECT_EQ(through.outcome, "sank") << through.reason;
   EXPECT_NE(through.reason.find("of the smallest body (1 m), over 1 %"), std::string::npos) << through.reason;
@@ -55,12 +55,12 @@ TEST(Rest, WhatHasSunkIsNotHeld) {
   EXPECT_EQ(held.outcome, "ok") << held.reason;
   EXPECT_LT(held.metrics.at("sunk"), kRestShare);
   EXPECT_EQ(held.metrics.at("smallest_body"), 1);
-  // The planted bug: drift alone, as it was.
+  // The planted bug: drift alone, as in an early version.
   EXPECT_LT(through.metrics.at("lateral_max"), 0.5) << "nobody went aside, and all touch whom they touched";
 }
 
-// What is cut short, on its way down, was not asked whether it holds.
-TEST(Rest, WhoIsNotYetAtRestIsNotJudged) {
+// A run that ends while a body is still falling does not decide whether it is supported.
+TEST(Rest, ABodyNotYetAtRestIsNotJudged) {
   const TrialResult early = run("mass_ratio", "solver=avbd{iterations=1}", {{"ratio", 10000}}, 59);
   EXPECT_EQ(early.outcome, "ok") << early.reason;
   EXPECT_GT(early.metrics.at("sunk"), kRestShare) << "but it is told";
@@ -93,7 +93,7 @@ velocity = [4, 0, 0]
 shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
 )";
 
-TEST(Rest, WhoIsBelowAllThatHoldsHasLeft) {
+TEST(Rest, ABodyBelowAllSupportsHasLeft) {
   const TrialResult over = runText(kFloor + kSlides);
   EXPECT_EQ(over.outcome, "left") << over.reason;
   EXPECT_NE(over.reason.find("over an edge"), std::string::npos) << over.reason;
@@ -119,7 +119,7 @@ shapes = [{ kind = "plane" }]
   EXPECT_EQ(runText(plane + kSlides).outcome, "ok");
 }
 
-TEST(Rest, WhoHangsHasNotLeft) {
+TEST(Rest, AHangingBodyHasNotLeft) {
   const std::string nail = R"(
 needs = ["joints", "rotation"]
 steps = 120
@@ -137,7 +137,7 @@ shapes = [{ kind = "circle", radius = 0.1 }]
   EXPECT_EQ(runText(nail).outcome, "left");
 }
 
-// A step's way of 1e-8 m is none where an ulp is 1e-7 m: all rest, whatever they stand on.
+// A motion of 1e-8 m a step vanishes where an ulp is 1e-7 m: all bodies rest, whatever supports them.
 std::string far(double y) {
   return R"(
 needs = []
@@ -157,7 +157,7 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
 )";
 }
 
-TEST(Rest, WhereABodyDoesNotFallStillnessTellsNothing) {
+TEST(Rest, StillnessIsFrozenIfAFreeBodyDoesNotFall) {
   EXPECT_EQ(runText(far(0)).outcome, "ok");
   const TrialResult frozen = runText(far(1e9));
   EXPECT_EQ(frozen.outcome, "frozen") << frozen.reason;

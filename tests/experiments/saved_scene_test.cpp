@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Worlds that a run saves, and runs that begin with them.
+// Worlds that a run saves, and runs that start from them.
 #include <nlohmann/json.hpp>
 
 #include "experiments/parse/toml_reader.h"
@@ -18,7 +18,7 @@ std::string hashOf(const Workspace& w, const std::string& arguments) {
   return begin == std::string::npos ? out.text : json::parse(out.text.substr(begin)).value("hash", out.text);
 }
 
-// Of two ways to the same step the ends are equal, bit for bit.
+// Whether an uninterrupted run and a saved, continued one end equal, bit for bit.
 bool goesOn(const Workspace& w, const std::string& scene, const std::string& with, const std::string& pipeline) {
   const std::string options = " --pipeline '" + pipeline + "' " + with;
   const std::string whole = hashOf(w, scene + options + " --steps 80 --save 30:later.toml");
@@ -51,7 +51,7 @@ TEST(SavedScene, IsASceneOfASweep) {
   EXPECT_EQ(test::ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "4");
 }
 
-TEST(SavedScene, WhatItCannotBeIsTold) {
+TEST(SavedScene, MistakesAreOneLine) {
   const Workspace w;
   ASSERT_EQ(w.lpc("run pyramid --param base=3 --steps 40 --save 20:a.toml").code, 0);
   const auto refused = [&](const std::string& arguments, const std::string& said) {
@@ -64,7 +64,7 @@ TEST(SavedScene, WhatItCannotBeIsTold) {
   refused("pyramid --save x:b.toml", "valid: a step and a name");
   refused("pyramid --save 20:b.world", "valid: NAME.toml");
   refused("pyramid --steps 10 --save 20:b.toml", "no step 20");
-  refused("./a.toml --save 1:a.toml", "a.toml");  // it would be written over
+  refused("./a.toml --save 1:a.toml", "a.toml");  // it would be overwritten
   refused("./a.toml --param perturb=0.01", "perturb = 0");
   refused("./a.toml --dimension 3", "3D");
   const std::string scene = readFile(w.path("a.toml")), world = readFile(w.path("a.world"));
@@ -87,7 +87,7 @@ TEST(SavedScene, WhatItCannotBeIsTold) {
   EXPECT_FALSE(std::filesystem::exists(w.path("b.world")));
 }
 
-// What it lacks then is named, and is no damage.
+// The message names the missing force and does not call the file damaged.
 TEST(SavedScene, OfAPluginNeedsThePlugin) {
   const Workspace w;
   w.write("pushed.toml",
@@ -113,7 +113,7 @@ TEST(SavedScene, OfTheOtherPrecisionIsUnsupported) {
   EXPECT_NE(out.text.find("32-bit numbers"), std::string::npos) << out.text;
 }
 
-TEST(SavedScene, WhatWasNotReachedIsNotWritten) {
+TEST(SavedScene, AStepThatIsNotReachedIsNotWritten) {
   const Workspace w;
   w.write("fall.toml",
           "name = \"fall\"\nsummary = \"f\"\ndimensions = [2]\nneeds = []\nsteps = 100\n[limits]\ndrift = 0.1\n"
@@ -133,7 +133,7 @@ TEST(SavedScene, WhatWasNotReachedIsNotWritten) {
   EXPECT_FALSE(std::filesystem::exists(w.path("d.toml")));
 }
 
-TEST(SavedScene, NothingSleepsWhereItIsAsked) {
+TEST(SavedScene, NoSleepingSwitchesSleepOff) {
   const Workspace w;
   EXPECT_NE(hashOf(w, "pyramid --param base=3 --pipeline 2009"), hashOf(w, "pyramid --param base=3"));
   const Outcome asleep = w.lpc("run 2 --pipeline 2009 --steps 240"),

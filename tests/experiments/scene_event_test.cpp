@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a script does between steps, against closed forms; and its mistakes, told with file and line.
+// What a script does between steps, compared with closed forms; and its mistakes, reported with file and line.
 #include "experiments/trial/scene/scene_event.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace scene_event_test { na
 using test::expectCaught;
 using test::Workspace;
 
-// A box of 2 kg, by no force moved, and a peg; events follow.
+// A box of 2 kg without forces, and a peg; events follow.
 const std::string kHead = R"(name = "t"
 summary = "s"
 dimensions = [2, 3]
@@ -49,8 +49,8 @@ struct Played {
   Motion<D> motion(int spawn) const { return world.motion(director.body(spawn)); }
 };
 
-// Forces of the file come and go at their steps: three of eight. The first is there from the start, and twice as strong
-// on the other side.
+// Forces of the file start and end at their steps. The first acts in three of eight steps. Two copies of the second,
+// with -1 and -2 N m, act in the first step only.
 template <int D>
 bool forcesComeAndGo(const std::string& until) {
   const std::string torque = "[[force]]\nkind = \"torque\"\nb = \"box\"\n";
@@ -80,7 +80,7 @@ Vec<D> vec(Real x, Real y, Real z) {
 
 // --- push -----------------------------------------------------------------------------------------------------------
 
-// v = J / m and w = r x J / I from the step of the blow on, I = m (1 + 1) / 12 about z.
+// v = J / m and w = r x J / I from the step of the push on; I = m (1 + 1) / 12 about z.
 template <int D>
 bool pushed(const SceneSpec<D>& spec) {
   const Motion<D> before = Played<D>(spec, 3).motion(0), after = Played<D>(spec, 4).motion(0);
@@ -134,7 +134,7 @@ TEST(SceneEvent, TorqueTurns) {
   EXPECT_EQ(Played<2>(spec, 2).motion(0).v.norm(), 0);
 }
 
-// 16 N towards a place 3 m above the centre of mass; there is no way from a place to itself.
+// 16 N towards a point 3 m above the centre of mass. A force from a point towards itself has no direction.
 template <int D>
 void pulled() {
   const auto at = [](const std::string& towards) {
@@ -175,11 +175,11 @@ velocity = [0, 1, 0]
   for (auto& e : wrong.events) e.body = 0;
   expectCaught("another body is set", isSet(wrong));
 }
-TEST(SceneEvent, SetIsWhatItSays) { set<2>(), set<3>(); }
+TEST(SceneEvent, SetSetsPoseAndMotion) { set<2>(), set<3>(); }
 
 // --- add, joint, remove ---------------------------------------------------------------------------------------------
 
-TEST(SceneEvent, BodiesComeAreJoinedAndGo) {
+TEST(SceneEvent, BodiesAreAddedJoinedAndRemoved) {
   const auto spec = scene<2>(R"(
 [[event]]
 do = "add"
@@ -224,7 +224,7 @@ const std::string kRemove = "[[event]]\ndo = \"remove\"\nstep = 2\nbody = \"box\
                   kAdd =
                       "[[event]]\ndo = \"add\"\nstep = 2\nname = \"new\"\nposition = [20, 20, 20]\n"
                       "shapes = [{ kind = \"circle\", radius = 1 }]\n";
-// The one who comes takes the lowest free slot: that of the one who has gone.
+// The added body takes the lowest free slot: that of the removed one.
 template <int D>
 bool takesItsSlot(const SceneSpec<D>& spec) {
   const Played<D> p(spec, 3);
@@ -237,13 +237,13 @@ void inOrder() {
   SceneSpec<D> wrong = scene<D>(kRemove + kAdd);
   std::swap(wrong.events[0], wrong.events[1]);
   expectCaught("two events of a step in the other order", takesItsSlot(wrong));
-  // Blocks of another order than their steps, and one that acts again and again.
+  // Blocks not in the order of their steps, and one that repeats.
   const std::string set = "[[event]]\ndo = \"set\"\nbody = \"box\"\n";
   const Played<D> last(scene<D>(set + "step = 3\nvelocity = [1, 0]\n" + set +
                                 "step = 1\nuntil = 4\nvelocity = [2, 0]\n" + set + "step = 2\nvelocity = [3, 0]\n"),
                        4);
   EXPECT_EQ(last.motion(0).v[0], 2);
-  // What stands in no event comes before all events of its step, and goes after them.
+  // Bodies outside events are added before all events of their step, and removed after them.
   const std::string late =
       "[[body]]\nname = \"late\"\nfrom = 2\nremove = 2\nposition = [20, 20]\n"
       "shapes = [{ kind = \"circle\", radius = 1 }]\n";
@@ -252,7 +252,7 @@ void inOrder() {
 }
 TEST(SceneEvent, TheyHappenInTheOrderOfTheFile) { inOrder<2>(), inOrder<3>(); }
 
-// A block's joint to a body that an event brings comes after the events, one of another step with it.
+// A block's joint to a body that an event adds is made after that step's events.
 TEST(SceneEvent, JointsWaitForTheBodiesOfEvents) {
   const std::string joint = "[[joint]]\nkind = \"pivot\"\na = \"peg\"\nb = \"new\"\nanchor = [9, 9]\n";
   const Played<2> p(scene<2>(joint + kAdd), 3);
@@ -260,7 +260,7 @@ TEST(SceneEvent, JointsWaitForTheBodiesOfEvents) {
   EXPECT_EQ(p.world.joints()[0].bodyB, p.director.body(2).slot);
 }
 
-// --- what a hand does to a world ------------------------------------------------------------------------------------
+// --- a user's actions on a world ------------------------------------------------------------------------------------
 
 template <int D>
 void merged() {
@@ -285,7 +285,7 @@ void merged() {
 }
 TEST(SceneEvent, BodiesAreMergedAndTakenApart) { merged<2>(), merged<3>(); }
 
-// The script goes on at its own steps, and the world at 0.
+// The script continues with its own steps, and the world restarts at 0.
 template <int D>
 void cleared() {
   const auto spec = scene<D>("[[event]]\ndo = \"clear\"\nstep = 2\n" + kAdd +
@@ -351,7 +351,7 @@ TEST(SceneEvent, WakesOneOrAll) {
   EXPECT_EQ(awake(""), std::pair(true, true));
 }
 
-// A place by its numbers, to the last bit, where an angle costs some.
+// A rotation by its numbers, exact to the last bit; an angle costs some bits.
 template <int D>
 void rotated() {
   Rot<D> q;
@@ -360,7 +360,7 @@ void rotated() {
   const std::string list = D == 2 ? "rotation = [0.6, 0.8]\n" : "rotation = [0.5, 0.5, -0.5, -0.5]\n";
   const Played<D> p(scene<D>("[[event]]\ndo = \"set\"\nstep = 0\nbody = \"box\"\n" + list), 1);
   EXPECT_EQ(p.pose(0).q.matrix(), q.matrix());
-  // One that a run in single precision has written is off by its rounding, and is made of length 1.
+  // A rotation written in single precision has rounding error and is normalised.
   const std::string rounded =
       D == 2 ? "rotation = [0.600000024, 0.800000012]\n" : "rotation = [0.600000024, 0, 0, -0.800000012]\n";
   const Played<D> written(scene<D>("[[event]]\ndo = \"set\"\nstep = 0\nbody = \"box\"\n" + rounded), 1);
@@ -370,7 +370,7 @@ void rotated() {
 }
 TEST(SceneEvent, RotationsAreTakenAsTheyAre) { rotated<2>(), rotated<3>(); }
 
-// The shipped scene has each kind, and each leaves its mark.
+// The shipped scene uses each kind of event, and each has an effect.
 TEST(SceneEvent, TheShippedSceneUsesEach) {
   const std::string text = readFile(LPC_SOURCE_DIR "/experiments/scenes/script_events.toml");
   for (const auto& kind : eventKinds<2>()) {
@@ -460,7 +460,7 @@ TEST(SceneEvent, MistakesAreOneLine) {
     for (const std::string& part : parts) EXPECT_NE(message.find(part), message.npos) << event << "\n" << message;
     EXPECT_EQ(message.find('\n'), message.npos) << message;
   }
-  // What only the run can tell has its line and step.
+  // Faults that only the run detects are reported with line and step.
   try {
     Played<2>(scene<2>("[[event]]\ndo = \"take_apart\"\nstep = 2\nbody = \"box\"\nnames = [\"a\", \"b\"]\n"), 4);
     FAIL();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Reading scene files: expressions, loops, scripts, and mistakes told with file and line.
+// Reading scene files: expressions, loops, scripts, and mistakes reported with file and line.
 #include "experiments/trial/scene/scene_file.h"
 
 #include <gtest/gtest.h>
@@ -104,7 +104,7 @@ shapes = [{ kind = "circle", radius = "half" }]
   EXPECT_EQ(larger.spawns[2].body.X_WB.p, Vec<2>(8, 3));
 }
 
-// One draw for all who use it.
+// One draw, shared by all uses.
 TEST(SceneFile, aTableLetDrawsOnce) {
   const SceneSpec<2> scene = flat(
       "[let]\nr = \"rand(1, 2)\"\n[[body]]\nrepeat = { i = 2 }\nposition = [\"r\", 0]\n"
@@ -175,8 +175,8 @@ shapes = [
   EXPECT_LT((flatScene.spawns[0].body.X_WB.q * Vec<2>(1, 0) - Vec<2>(0, 1)).norm(), 1e-15);
 }
 
-// Every mistake is one line: where, what was found, what is valid.
-// `part` counts within one entry of `parts` and is 0 everywhere else.
+// Every mistake is one line: where, what was found, what is valid. `part` counts within one entry of `parts` and is 0
+// everywhere else.
 TEST(SceneFile, partsRepeat) {
   const SceneFile file = SceneFile::parse(R"(
 name = "ladder"
@@ -268,7 +268,7 @@ TEST(SceneFile, mistakesHaveFileAndLine) {
   EXPECT_NE(messageOf("name = 3", {}, false).find("t.toml:1: "), std::string::npos);
 }
 
-// Joints that cannot be: the line names the block or the number, and what would be valid.
+// Impossible joints: the message names the block or the number, and what is valid.
 TEST(SceneFile, badJointsAreRefused) {
   const std::string bodies =
       "[[body]]\nname = \"a\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n"
@@ -355,7 +355,7 @@ parameters = { mode = "rope" }
   EXPECT_EQ(file.build<2>({}, 1).joints[0].def.X_WJ.p, Vec<2>(1, 2));
 }
 
-// A frame's x is `along`, its z `axis`; what is not given turns as little as it can.
+// `along` is the frame's x axis, `axis` its z axis; an axis that is not given rotates as little as possible.
 TEST(SceneFile, jointsHaveDirections) {
   const std::string head =
       "name = \"t\"\nsummary = \"t\"\ndimensions = [2, 3]\nneeds = [\"joints\"]\n[[body]]\nname = \"a\"\n"
@@ -389,8 +389,8 @@ TEST(SceneFile, jointsHaveDirections) {
   EXPECT_THROW(flat("along = [0, 0, 1]\n"), UserError);
 }
 
-// A block that makes no turn has no values: its directions may be any.
-TEST(SceneFile, directionsOfNoTurnAreNotMeasured) {
+// A block with zero iterations has no values, so its directions are not checked.
+TEST(SceneFile, directionsInABlockWithoutIterationsAreNotChecked) {
   const std::string text =
       "name = \"t\"\nsummary = \"t\"\ndimensions = [3]\nneeds = [\"joints\"]\n[[body]]\nname = \"a\"\n"
       "shapes = [{ kind = \"circle\", radius = 1 }]\n[[joint]]\nrepeat = { i = 0 }\nkind = \"wheel\"\na = \"world\"\n"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Mistakes that a scene would once have taken in silence, without an end or with a crash: nesting, loops beyond all
-// reason, expressions that mean something else, blocks that nobody reads, numbers beyond what arithmetic takes.
+// Mistakes that a scene reader could accept silently, hang on or crash on: nesting, huge loops, ambiguous expressions,
+// blocks that are never read, numbers beyond the arithmetic's range.
 #include <gtest/gtest.h>
 
 #include "experiments/parse/expression.h"
@@ -20,7 +20,7 @@ std::string nested(int n, const std::string& open, const std::string& inside, co
   return times(n, open) + inside + times(n, close);
 }
 
-TEST(SceneMistakes, WhatIsNestedTooDeep) {
+TEST(SceneMistakes, DeepNestingIsRefused) {
   const int n = 100000;
   const std::string deep = nested(30000, "a{b=", "a", "}");
   refused({
@@ -41,7 +41,7 @@ TEST(SceneMistakes, WhatIsNestedTooDeep) {
            "[[joint]]\nkind = \"" + deep + "\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n",
        {"t.toml:", "nested more than 64"}},
   });
-  // What people write is not deep, whatever its strings and comments hold.
+  // Ordinary scenes are not nested deeply, whatever their strings and comments hold.
   const std::string dots = times(99, "."), open = times(99, "[");
   EXPECT_EQ(
       messageOf<2>("# " + dots + open + "\ngravity = [0.5, -9.81, 0.25]  # '" + open + "\n[limits]\ndrift = 1.5\n" +
@@ -53,7 +53,7 @@ TEST(SceneMistakes, WhatIsNestedTooDeep) {
   EXPECT_EQ(messageOf<2>(placed(times(4000, "1+") + "1")), "no error");
 }
 
-TEST(SceneMistakes, ProgramsEndInOneLineHoweverDeep) {
+TEST(SceneMistakes, DeepNestingEndsProgramsInOneLine) {
   Workspace w;
   const std::string deep = nested(30000, "a{b=", "a", "}"), lists = nested(100000, "[", "", "]");
   const std::string start = "{\"cases\": [{\"id\": \"c\", \"query\": \"signed_distance\", \"dim\": ";
@@ -79,8 +79,8 @@ TEST(SceneMistakes, ProgramsEndInOneLineHoweverDeep) {
   }
 }
 
-// Caps over all blocks together, told with the place of the block that goes beyond them.
-TEST(SceneMistakes, ScenesWithoutAnEnd) {
+// Limits over all blocks together; the message names the block that exceeds them.
+TEST(SceneMistakes, UnboundedScenesAreRefused) {
   const std::string million = "repeat = { i = 1000000, j = 1000000 }\n", many = "more than 1000000 ";
   const std::string spring = "[[force]]\na = \"world\"\nb = \"a\"\nkind = \"spring\"\n";
   const std::string push = "[[event]]\ndo = \"push\"\nbody = \"a\"\nimpulse = [1, 0]\nstep = 0\n";
@@ -100,7 +100,7 @@ TEST(SceneMistakes, ScenesWithoutAnEnd) {
        {"t.toml:9: " + many + "turns"}},
   });
   refused<2>({
-      // what is made until then takes a second
+      // building up to the limit takes a second
       {"[[body]]\nrepeat = 100000\nshapes = [" + times(200, "{ kind = \"circle\", radius = 1 },") + "]\n",
        {"t.toml:6: " + many + "shapes"}},
       {"[[body]]\nrepeat = 100000\nshapes = [\n{ kind = \"compound\", parts = [\n{ repeat = 10000, kind = \"circle\", "
@@ -112,7 +112,7 @@ TEST(SceneMistakes, ScenesWithoutAnEnd) {
   });
 }
 
-// A comma, an assignment and a second comparison mean something to the parser, and nothing to who wrote them.
+// A comma, an assignment and a second comparison have a meaning in the parser that a scene's author does not expect.
 TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
   const std::string head = "[parameters]\nn = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";  // 4 and 5
   const auto when = [&](const std::string& text) {
@@ -187,9 +187,9 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
     parts.push_back("t.toml:8: ");
     refused({{when(c.text), parts}});
   }
-  // A zero would be the end of what is read.
+  // A NUL character would end the text early.
   refused({{placed("1 \\u0000 +* 2"), {"t.toml:5: '1 \\x00 +* 2'", "control character"}}});
-  // What they do mean.
+  // What valid expressions mean.
   Expressions e(1);
   e.setGlobal("n", 3);
   const std::vector<std::pair<std::string, double>> right = {
@@ -220,7 +220,7 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
   EXPECT_EQ(e.evaluate("n"), 3) << "a refused assignment has changed it";
 }
 
-TEST(SceneMistakes, NamesThatAreTaken) {
+TEST(SceneMistakes, ReservedNamesAreRefused) {
   const auto parameter = [](const std::string& name) {
     return "[parameters]\n" + name + " = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";
   };
@@ -250,7 +250,7 @@ TEST(SceneMistakes, NamesThatAreTaken) {
   refused(cases);
 }
 
-// Of the scene's own table: each name knows those above it, so that a circle is an unknown name.
+// In the scene's own table each name may use the names above it, so a cycle is an unknown name.
 TEST(SceneMistakes, NamesOfTheTableLet) {
   const std::string n = "[parameters]\nn = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";
   std::vector<BadScene> cases = {
@@ -276,8 +276,8 @@ TEST(SceneMistakes, NamesOfTheTableLet) {
   refused(cases);
 }
 
-// Each expression is compiled with all of them.
-TEST(SceneMistakes, MoreNamesThanPeopleWrite) {
+// Each expression is compiled with all names.
+TEST(SceneMistakes, TooManyNamesAreRefused) {
   const auto parameters = [](int n) {
     std::string out = "[parameters]\n";
     for (int i = 0; i < n; ++i) {
@@ -300,7 +300,7 @@ TEST(SceneMistakes, MoreNamesThanPeopleWrite) {
            {lets(4000), {"t.toml:6: " + many}}});
 }
 
-// Finite, and yet nothing that a world can take.
+// Finite numbers that no world can process.
 TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
   const std::string joints = "needs = [\"joints\"]\n", plane = "shapes = [{ kind = \"plane\" }]\n";
   const auto shape = [](const std::string& fields) { return "[[body]]\nshapes = [{ kind = " + fields + " }]\n"; };
@@ -355,7 +355,7 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
   for (const double angle : {-1e5, 1e5, 3.0}) {
     EXPECT_EQ(messageOf<3>("[[body]]\nangle = " + std::to_string(angle) + "\n" + kBall), "no error");
   }
-  // What f64 holds and f32 does not: the plan is made in f64, the worker refuses.
+  // Numbers that f64 holds but f32 does not: planning uses f64, and the worker rejects them.
   Workspace w;
   w.write("far.toml", kHead + "steps = 1\n[[body]]\nposition = [\"1e39\", 0]\n" + kBall);
   w.write("turned.toml", kHead + "steps = 1\n[[body]]\nangle = 1e308\n" + kBall);
@@ -369,7 +369,7 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       "lpc: far.toml:6: 1e+39 is more than numbers of this precision hold; valid: up to 3.4028234663852886e+38\n");
 }
 
-// Whatever a message quotes, it is one line that a terminal and a table can take.
+// Whatever text a message quotes, it stays one line that a terminal and a table can show.
 TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
   Workspace w;
   w.write("good.toml", kHead + "steps = 1\n" + kNamed);

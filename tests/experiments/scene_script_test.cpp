@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A script as a file of its own, played in any scene; and its mistakes, told with its file and line.
+// A script in its own file, played in any scene; and its mistakes, reported with its file and line.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -73,7 +73,7 @@ void plays() {
 }
 TEST(SceneScript, PlaysInAScene) { plays<2>(), plays<3>(); }
 
-// What a trial's key is made of.
+// Whether the script is part of the content from which a trial's key is computed.
 bool inTheContent(const std::string& changed) { return with(changed).content() != with(kScript).content(); }
 TEST(SceneScript, IsInTheContent) {
   std::string changed = kScript;
@@ -93,7 +93,7 @@ TEST(SceneScript, IsInTheContent) {
   EXPECT_FALSE(key("").canonical.contains("script"));
 }
 
-// The same as the scenes director_1 and director_2 but for the room: what comes where and when.
+// Adds the same bodies at the same places and steps as the scenes director_1 and director_2, which have another room.
 void sameAsScene(const std::string& name, const ParameterValues& values, const ParameterValues& own, bool places) {
   const SceneFile script = SceneFile::load(findToml("scenes", "0"), findToml("scripts", name));
   const SceneSpec<2> a = script.build<2>(values, 1), b = SceneFile::load(findToml("scenes", name)).build<2>(own, 1);
@@ -134,7 +134,7 @@ void everyScriptPlays() {
 }
 TEST(SceneScript, EveryOneThatShipsPlays) { everyScriptPlays<2>(), everyScriptPlays<3>(); }
 
-// In all directions alike: the sum is nothing, all are as fast, and no two overlap.
+// Evenly distributed: the velocities sum to zero, all sparks are equally fast, and no two overlap.
 template <int D>
 bool even(const SceneSpec<D>& scene) {
   Vec<D> sum = Vec<D>::Zero();
@@ -161,7 +161,7 @@ void firework() {
 }
 TEST(SceneScript, AFireworkIsEven) { firework<2>(), firework<3>(); }
 
-// Of every number of corners from 3 (3D: 4) to 8, on a circle of half a metre, none a needle.
+// Polygons with every number of corners from 3 (3D: 4) to 8, on a circle of radius 0.5 m, none too thin.
 template <int D>
 bool random3To8(const SceneSpec<D>& scene) {
   std::map<std::size_t, int> seen;
@@ -172,8 +172,7 @@ bool random3To8(const SceneSpec<D>& scene) {
     for (const Vec<D>& v : vertices) {
       if (std::abs(v.norm() - Real(0.5)) > 1e-6) return false;
     }
-    const Real size =
-        massProperties(s.body.shapes[0].shape, Real(1)).mass;  // of the circle it has 0.785, of the ball 0.524
+    const Real size = massProperties(s.body.shapes[0].shape, Real(1)).mass;  // a circle has 0.785, a ball 0.524
     if (size < (D == 2 ? Real(0.075) : Real(0.0125))) return false;
   }
   return seen.size() == (D == 2 ? 6 : 5) && seen.begin()->first == (D == 2 ? 3 : 4) && seen.rbegin()->first == 8;
@@ -231,7 +230,7 @@ TEST(SceneScript, MistakesAreOneLineOfTheScript) {
     for (const std::string& part : parts) EXPECT_NE(message.find(part), message.npos) << script << "\n" << message;
     EXPECT_EQ(message.find('\n'), message.npos) << message;
   }
-  // A mistake of the scene is still told as one of the scene.
+  // A mistake in the scene is still reported for the scene.
   try {
     with(head, kScene + "oops = 1\n").build<2>({}, 1);
     FAIL();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The table of scenes at their defaults, tests/experiments/scene_states.txt: how many bodies, and a hash of all that
-// the first step starts from.
+// The table of scenes with default parameters, tests/experiments/scene_states.txt: number of bodies, and a hash of
+// everything that the first step depends on.
 #pragma once
 
 #include <fstream>
@@ -18,7 +18,7 @@ struct SceneState {
   std::string hash;
 };
 
-/// By name and dimension. A scene that is not in it is a new one.
+/// By name and dimension. A scene that is missing is new.
 inline const std::map<std::pair<std::string, int>, SceneState>& sceneStates() {
   static const auto all = [] {
     std::map<std::pair<std::string, int>, SceneState> out;
@@ -36,7 +36,7 @@ inline const std::map<std::pair<std::string, int>, SceneState>& sceneStates() {
   return all;
 }
 
-/// Of a scene that need not be built to know that it is too large for a test. Zero for a new one.
+/// Number of bodies, so that a scene too large for a test need not be built. Zero for a new scene.
 inline std::size_t bodiesOf(const std::string& scene, int dimension) {
   const auto it = sceneStates().find({scene, dimension});
   return it == sceneStates().end() ? 0 : it->second.bodies;

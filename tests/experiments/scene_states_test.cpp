@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What each scene is at its defaults, bit by bit: a change of a scene is a change of a line in scene_states.txt.
+// Each scene with default parameters, bit by bit: a change of a scene changes its line in scene_states.txt.
 #include "tests/experiments/scene_states.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ class Hash {
     m_hash = (m_hash ^ w) * 0x9e3779b97f4a7c15u;
     m_hash ^= m_hash >> 32;
   }
-  void number(double x) { word(std::bit_cast<std::uint64_t>(x + 0.0)); }  // -0 is 0
+  void number(double x) { word(std::bit_cast<std::uint64_t>(x + 0.0)); }  // -0 counts as 0
   void text(const std::string& s) {
     for (const char c : s) word(static_cast<unsigned char>(c));
     word(s.size());
@@ -67,7 +67,7 @@ void addBody(const BodyDef<D>& body, Hash& hash) {
   }
 }
 
-// Of events when and to whom: what they do is code.
+// Hashes the steps and bodies of events; their effects are code.
 template <int D>
 std::string hashOf(const SceneSpec<D>& scene) {
   Hash hash;
@@ -98,7 +98,7 @@ std::string hashOf(const SceneSpec<D>& scene) {
   return hash.hex();
 }
 
-// Builds every scene in every dimension that has no more bodies than a test can take.
+// Builds every scene, in each dimension, that is small enough for a test.
 template <int D, class See>
 void every(const See& see) {
   for (const std::string& path : listToml("scenes")) {
@@ -122,16 +122,16 @@ void build() {
     EXPECT_EQ(hashOf(scene), pinned->second.hash) << "is the change meant? Then read the top of scene_states.txt";
   });
 }
-TEST(SceneStates, areWhatTheyWere) { build<2>(), build<3>(); }
+TEST(SceneStates, areUnchanged) { build<2>(), build<3>(); }
 
-TEST(SceneStates, namesScenesThatAreThere) {
+TEST(SceneStates, namesOnlyExistingScenes) {
   EXPECT_GT(test::sceneStates().size(), 40u);
   for (const auto& [key, state] : test::sceneStates()) {
     EXPECT_TRUE(SceneFile::load(findToml("scenes", key.first)).has(key.second)) << key.first;
   }
 }
 
-// The check must be able to fail: one last bit, one body, one coefficient, one joint.
+// The check must be able to fail: one bit, one body, one coefficient, one joint.
 TEST(SceneStates, aSmallChangeIsSeen) {
   const auto load = [] { return SceneFile::load(findToml("scenes", "bridge")).build<2>({}, 1); };
   const std::string before = hashOf(load());
@@ -152,7 +152,7 @@ TEST(SceneStates, aSmallChangeIsSeen) {
   }
 }
 
-// The table anew: see its top.
+// Writes the table again: see its first lines.
 template <int D>
 void print() {
   every<D>([](const SceneFile& file, const SceneSpec<D>& scene) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Scenes as text, and what their reader says of them.
+// Scenes as text, and the messages of their reader.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ struct BadScene {
 
 inline const std::string kHead = "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\n";  // lines 1 to 3
 inline const std::string kBall = "shapes = [{ kind = \"circle\", radius = 1 }]\n";
-inline const std::string kNamed = "[[body]]\nname = \"a\"\n" + kBall;  // lines 4 to 6, where nothing stands before it
+inline const std::string kNamed = "[[body]]\nname = \"a\"\n" + kBall;  // lines 4 to 6 without a preceding block
 inline const std::string kPivot = "[[joint]]\nkind = \"pivot\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n";
 
 inline std::string placed(const std::string& expression) {

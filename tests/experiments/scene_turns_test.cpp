@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Blocks that make no turn of their loops, and what is counted of those that do.
+// Blocks with zero iterations, and the count of iterations of the others.
 #include "framework/problem/joint.h"
 #include "tests/experiments/scene_text.h"
 
@@ -7,7 +7,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace scene_turns_test { na
 
 using namespace test;
 
-// A kind of joint of one dimension.
+// A joint kind of one dimension.
 template <int D>
 struct Screw : JointKind<D> {
   struct Params {
@@ -21,8 +21,9 @@ struct Screw : JointKind<D> {
   void rows(const JointRecord<D>&, const Pose<D>&, const Pose<D>&, JointRows<D>&) const override {}
 };
 
-// What makes no turn is read all the same, but has no values: bodies, numbers and sizes that never are do not matter.
-TEST(SceneMistakes, BlocksOfNoTurns) {
+// A block with zero iterations is parsed but not evaluated: unknown bodies and invalid numbers or sizes in it do not
+// matter.
+TEST(SceneMistakes, BlocksWithoutIterationsAreOnlyParsed) {
   const std::string joints = "needs = [\"joints\"]\n", none = "repeat = { i = 0, j = \"i + 1\" }\n";
   const auto event = [](const std::string& rest) { return kNamed + "[[event]]\n" + rest; };
   refused({
@@ -141,7 +142,7 @@ parameters = { pitch = "1 / n" }
   static const Registrar<JointKind, Screw, 3> registrar(__FILE__);
   EXPECT_EQ(messageOf<2>(sound), "no error");
   EXPECT_EQ(messageOf<3>(sound), "no error");
-  // Nobody's numbers are drawn for it, and it leaves nothing.
+  // It draws no random numbers and creates nothing.
   const auto drawn = [&](const std::string& before) {
     return SceneFile::parse(kHead + before + placed("rand(0, 1)"), "t.toml").build<2>({}, 1);
   };
@@ -151,8 +152,8 @@ parameters = { pitch = "1 / n" }
   EXPECT_EQ(with.spawns[0].body.X_WB.p, without.spawns[0].body.X_WB.p);
 }
 
-// Exactly as many as may be, by any number of loops; what is counted is the innermost turns.
-TEST(SceneMistakes, AsManyTurnsAsMayBe) {
+// Exactly the allowed number of iterations, in any number of loops; only innermost iterations count.
+TEST(SceneMistakes, TheLimitOfIterationsIsExact) {
   const auto scene = [](const std::string& rest) { return "[[body]]\nwhen = 0\n" + rest + kBall + kNamed; };
   for (const std::string repeat : {"{ i = 1000, j = 1000 }", "{ i = 1000, j = 1000, n = 1 }"}) {
     EXPECT_EQ(messageOf<2>(scene("repeat = " + repeat + "\n")), "no error") << repeat;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Scenes build what their names say.
+// Scenes contain what their names say.
 #include <gtest/gtest.h>
 
 #include "experiments/runner/locations.h"
@@ -18,7 +18,7 @@ SceneSpec<D> build(const std::string& name, const ParameterValues& values = {}) 
   return file.build<D>(values, file.defaultSeed());
 }
 
-// What each scene holds at its default parameters; the same in both dimensions but for the walls of the directors'
+// Contents of each scene with default parameters: equal in both dimensions except for the walls of the directors'
 // rooms.
 const std::map<std::string, Census> kExpected = {
     {"bouncing_ball", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 1}, {"dynamic sphere", 1}}},
@@ -79,7 +79,7 @@ TEST(Scenes, buildWhatTheirNamesSay) {
     }
     if (file.has(3)) {
       Census solid = expected;
-      if (name.starts_with("director")) solid["fixed"] = solid["fixed box"] = 6;  // a room has six walls
+      if (name.starts_with("director")) solid["fixed"] = solid["fixed box"] = 6;  // a room has six walls in 3D
       if (solid.erase("fixed chain")) solid["fixed mesh"] = 1;
       EXPECT_EQ(census(file.build<3>({}, file.defaultSeed())), solid);
     }
@@ -94,7 +94,7 @@ TEST(Scenes, parametersScaleThem) {
   EXPECT_EQ(census(build<2>("director_1", {{"rain_until", 1000}}))["dynamic"], 40 + 36);
 }
 
-// A pile of balls stays one between walls; without them the balls roll for ever.
+// A pile of balls stays between walls; without them the balls roll forever.
 TEST(Scenes, mixedPileComesToRestInItsBin) {
   test::Workspace w;
   const std::string path = findToml("scenes", "mixed_pile");
@@ -147,7 +147,7 @@ TEST(Scenes, largePyramidIsBox2Ds) {
   }
 }
 
-// Its 17 stones fill the arch, each beside the next: between the two curves of its points, 0.25 times the source's.
+// Its 17 stones fill the arch side by side, between the two curves of its points, at 0.25 times the source's size.
 TEST(Scenes, archIsSolver2ds) {
   const SceneSpec<2> scene = build<2>("arch_solver2d");
   std::vector<std::vector<Vec<2>>> stones;
@@ -192,7 +192,7 @@ TEST(Scenes, highMassRatioHasHeavyTops) {
   EXPECT_NEAR(highest, 1 + 2 * 9 + 2, 1e-12);
 }
 
-// Chapter 7.4.1: ten vertical lines, the rain stops at 5000, 36 small circles in every direction between the two
+// Chapter 7.4.1: ten vertical lines, rain that stops at 5000, 36 small circles in all directions between the two
 // central towers, the end at 10000.
 TEST(Scenes, directorOneFollowsTheReport) {
   const SceneSpec<2> scene = build<2>("director_1");

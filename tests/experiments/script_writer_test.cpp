@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is done by hand to a world, between its steps, and the same as a script: one life, to the last bit.
+// A user's actions on a world between its steps, and the same actions as a script: the runs agree to the last bit.
 #include "experiments/trial/scene/script_writer.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace script_writer_test { 
 
 using namespace test;
 
-// Bodies with a name, with a number behind it, and with none; a joint and a force of their own.
+// Bodies with a name, with a numbered name and without a name; a joint and a force of the scene.
 const std::string kScene = R"(name = "t"
 summary = "s"
 dimensions = [2, 3]
@@ -49,7 +49,7 @@ kind = "drag"
 )";
 constexpr int kSteps = 24;
 
-// A hand: what it does is done to the world at once, and written down. What the world refuses is not.
+// Performs a user's actions on the world and writes them to a script. Actions that the world rejects are not written.
 template <int D>
 class Hand {
  public:
@@ -302,7 +302,7 @@ class Hand {
       }
     }
   }
-  // A script's push and force ask for one; a world passes over them.
+  // A script's push and force require a dynamic body; a world ignores them for others.
   void requireDynamic(Handle h) const {
     if (m_world->bodies().type[static_cast<std::size_t>(h.slot)] != BodyType::dynamic) throw UserError("not dynamic");
   }
@@ -364,7 +364,7 @@ std::vector<std::uint64_t> played(const SceneSpec<D>& scene) {
   return hashes;
 }
 
-// Numbers as a writer with six digits has them.
+// Numbers as written with six digits.
 std::string rounded(const std::string& script) {
   static const std::regex kNumber("-?[0-9]+\\.[0-9]+(e[-+]?[0-9]+)?");
   std::string out;
@@ -400,13 +400,13 @@ void everyDeed() {
   const auto asRead = [](SceneSpec<D>&) {};
   check("a script of deeds lives their life" + in, [=] { oneLife<D>(asItIs, asRead); });
   expectFalsified("six digits" + in, [=] { oneLife<D>(rounded, asRead); });
-  // What is done to somebody before he comes is a mistake, and caught as well.
+  // An action on a body that does not exist yet is an error and counts as caught.
   expectFalsified("two events of a step swapped" + in, [=] { oneLife<D>(asItIs, swapTwo<D>); });
 }
-TEST(ScriptWriter, ADeedIsAnEvent2) { everyDeed<2>(); }
-TEST(ScriptWriter, ADeedIsAnEvent3) { everyDeed<3>(); }
+TEST(ScriptWriter, ActionsReplayAsEvents2) { everyDeed<2>(); }
+TEST(ScriptWriter, ActionsReplayAsEvents3) { everyDeed<3>(); }
 
-// All of them are drawn, and done.
+// Every kind of action occurs.
 template <int D>
 void drawsEach() {
   std::string all;
@@ -424,7 +424,7 @@ void drawsEach() {
 }
 TEST(ScriptWriter, EachIsDrawn) { drawsEach<2>(), drawsEach<3>(); }
 
-// Bodies that stay where they are, as a script says them.
+// Static bodies as a script writes them.
 template <int D>
 void surfaces() {
   ScriptWriter<D> writer;
@@ -455,9 +455,9 @@ void surfaces() {
     EXPECT_EQ(had, has) << i;
   }
 }
-TEST(ScriptWriter, SurfacesAreWhatTheyWere) { surfaces<2>(), surfaces<3>(); }
+TEST(ScriptWriter, SurfacesRoundTrip) { surfaces<2>(), surfaces<3>(); }
 
-TEST(ScriptWriter, SaysWhatAScriptCannot) {
+TEST(ScriptWriter, ReportsWhatAScriptCannotDo) {
   ScriptWriter<2> writer;
   const std::string before = writer.text("s");
   BodyDef<2> body;
@@ -473,7 +473,7 @@ TEST(ScriptWriter, SaysWhatAScriptCannot) {
   EXPECT_EQ(writer.text("s"), before) << "half-written";
 }
 
-// As a program of a user would: a file that `lpc run --script` plays.
+// As a user's program writes it: a file that `lpc run --script` plays.
 TEST(ScriptWriter, OfTheCommandLine) {
   Workspace w;
   PlainDraw draw(7);

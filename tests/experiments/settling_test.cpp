@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// How a scene has settled: what is told of flights, slides, falls and rest that have a closed form.
+// Measures of how a scene settles, on flights, slides, falls and rest with closed forms.
 #include "experiments/trial/measure/settling.h"
 
 #include <cmath>
@@ -43,7 +43,7 @@ shapes = [{ kind = "circle", radius = 0.5 }]
 )")
                      .metrics;
   EXPECT_NEAR(m.at("lateral_max"), 6, 1e-4);
-  EXPECT_NEAR(m.at("sag_end"), 20, 0.2);  // g t^2 / 2, and g t dt / 2 of the integrator
+  EXPECT_NEAR(m.at("sag_end"), 20, 0.2);  // g t^2 / 2, and g t dt / 2 from the integrator
   EXPECT_NEAR(m.at("tilt_end"), 1, 1e-4);
   EXPECT_NEAR(m.at("creep"), std::hypot(3, 15), 0.1);
   EXPECT_TRUE(std::isnan(m.at("rest_since")));
@@ -51,7 +51,7 @@ shapes = [{ kind = "circle", radius = 0.5 }]
   EXPECT_EQ(m.at("fell_through"), 0);
 }
 
-TEST(Settling, WithoutGravityAllWaysAreSideways) {
+TEST(Settling, WithoutGravityAllMotionIsLateral) {
   const auto m = run(R"(
 gravity = [0, 0, 0]
 [[body]]
@@ -81,8 +81,8 @@ struct Blow final : ForceGenerator<2> {
   }
 };
 
-// Nor has it sunk by nothing, and it is not at rest.
-TEST(Settling, WhoIsNowhereHasNotSettled) {
+// A body at NaN has no measured sinking, and it is not at rest.
+TEST(Settling, ABodyAtNaNHasNotSettled) {
   World<2> world;
   for (const double x : {0.0, 9.0}) world.add(test::body<2>(Shape<2>::sphere(1), test::at<2>(x, 0)));
   world.add(std::make_shared<const Blow>());
@@ -95,7 +95,7 @@ TEST(Settling, WhoIsNowhereHasNotSettled) {
   EXPECT_TRUE(std::isnan(quantile({1, std::nan(""), 2}, 0.5)));
 }
 
-// The last second is no number of steps to keep room for.
+// The number of steps in the last second must not determine memory.
 TEST(Settling, TinyStepsAreKeptOneByOne) {
   World<2> world;
   world.add(test::body<2>(Shape<2>::sphere(1), test::at<2>(0, 0)));
@@ -107,7 +107,7 @@ TEST(Settling, TinyStepsAreKeptOneByOne) {
   EXPECT_TRUE(std::isnan(seen.creep()) && std::isnan(seen.jitter()));
 }
 
-TEST(Settling, RestIsToldFromItsBeginning) {
+TEST(Settling, RestIsReportedFromItsStart) {
   const auto m = run(kTable + R"(
 [[body]]
 position = [0, 0.5, 0]
@@ -120,7 +120,7 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
   EXPECT_EQ(m.at("supports_changed"), 0);
 }
 
-TEST(Settling, WhoSlidesOffATableHasOtherSupports) {
+TEST(Settling, SlidingOffATableChangesTheSupports) {
   const auto m = run(kTable + R"(
 [[body]]
 position = [0, 0.5, 0]
@@ -134,7 +134,7 @@ creep = 0.1
   EXPECT_NE(m.reason.find("in a second, over 0.1 m"), std::string::npos) << m.reason;
 }
 
-TEST(Settling, WhoIsInTheFloorFellThrough) {
+TEST(Settling, ABodyInTheFloorFellThrough) {
   const auto m = run(kTable + R"(
 [[body]]
 position = [0, -1, 0]
@@ -145,9 +145,9 @@ shapes = [{ kind = "circle", radius = 0.1 }]
   EXPECT_EQ(m.at("fell_through"), 1);
 }
 
-// One sweep over three boxes leaves most of the problem, hundreds leave next to nothing. Who solves no velocity problem
-// has no residual of one.
-TEST(NaturalMap, IsWhatIsLeftOfAStep) {
+// One sweep over three boxes leaves most of the residual, hundreds leave almost none. A method without a velocity
+// problem has no residual.
+TEST(NaturalMap, IsTheResidualOfAStep) {
   const auto left = [](const std::string& solver) {
     return run(kTable + R"(
 [[body]]
@@ -163,7 +163,8 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], friction = 0.5 }]
   EXPECT_TRUE(std::isnan(left("soft_step")));
 }
 
-// Soft contacts under a heavy load sink by more than the limit and hold; the same way down without a support is a fall.
+// Soft contacts under a heavy load sink by more than the limit but hold. The same motion without a support is a
+// collapse.
 TEST(Settling, SaggingIsNoCollapse) {
   const std::string load = R"(
 [[body]]
@@ -178,7 +179,7 @@ drift = 0.1
   const auto sags = run(kTable + load, "solver=soft_step{hertz=6}");
   EXPECT_EQ(sags.outcome, "ok") << sags.reason;
   EXPECT_GT(sags.metrics.at("sag_end"), 0.1);
-  // Who is lifted has risen.
+  // A lifted load has risen.
   const auto lifted = run(R"(
 gravity = [0, -10, 0]
 [[body]]

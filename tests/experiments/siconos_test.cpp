@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Siconos beside ours on the shipped problems, in trials and in the ledger: velocities, not impulses.
+// Siconos and LPC on the shipped problems, in trials and in the ledger: velocities are compared, not impulses.
 #include <nlohmann/json.hpp>
 
 #include "experiments/trial/formats/problem_file.h"
@@ -36,8 +36,8 @@ void askAll(const std::string& name, const ProblemFile& file, std::map<std::stri
   siconos[name] = verdicts.back().end;
 }
 
-// Of the arch neither Siconos nor proximal_newton comes to the end. The card house has more than one solution: Siconos
-// finds another than ours, that leaves as little.
+// On the arch neither Siconos nor proximal_newton converges. The card house has several solutions: Siconos finds
+// another one, with an equal residual.
 TEST(Siconos, AgreesOnTheShippedProblems) {
   std::map<std::string, Tally> siconos;
   for (const char* name :
@@ -67,8 +67,8 @@ TEST(Siconos, IsAMethodOfTrials) {
   EXPECT_LT(r.metrics.at("unexplained_velocity"), 1e-9);
 }
 
-// Of its own process, which no clock of this one sees. That it tells one is all that a test can ask of a time.
-TEST(Siconos, ItTellsTheTimeOfItsLibrary) {
+// Siconos runs in its own process, so this process cannot time it. A test can only check that it reports a time.
+TEST(Siconos, ReportsTheTimeOfItsLibrary) {
   FrozenProblem<2> problem = ProblemFile::load(shipped("arch")).of<2>()[0].problem;
   WorkDone work;
   Profiler profiler;

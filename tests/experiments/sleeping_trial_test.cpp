@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What trials tell of sleeping, on the scenes that were made for it: the wave of the 2009 report, gentle touches, and
-// balls that roll slowly.
+// What trials report on scenes made for sleeping: the wave of the 2009 report, gentle touches, and slow balls.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +20,8 @@ TrialResult run(const std::string& scene, const std::string& sleep, int dimensio
   return runTrial(t.request);
 }
 
-// Who waits for a gap wakes a step after the one below, as the report tells (6.5.1); an island wakes at once.
+// A policy that waits for a gap wakes each body a step after the one below, as in the report (6.5.1); an island wakes
+// in one step.
 TEST(SleepingTrial, TheWaveTakesAStepForEachBodyOrNone) {
   for (const int dimension : {2, 3}) {
     for (const double n : {3.0, 5.0}) {
@@ -43,7 +43,7 @@ TEST(SleepingTrial, TheWaveTakesAStepForEachBodyOrNone) {
   }
 }
 
-// The ball itself does not count. Below the threshold of a blow it wakes nobody, above it whom it strikes; an island
+// The ball itself does not count. Slower than a blow it wakes no body, faster it wakes the body that it hits. An island
 // wakes at any speed.
 TEST(SleepingTrial, GentleTouchesWakeIslandsAlone) {
   for (const int dimension : {2, 3}) {
@@ -59,7 +59,7 @@ TEST(SleepingTrial, GentleTouchesWakeIslandsAlone) {
   }
 }
 
-// How far a ball rolls tells when it was put to sleep: 20 s at its speed when never.
+// The distance of a rolling ball shows when it was put to sleep: 20 s at its speed if never.
 TEST(SleepingTrial, SlowRollersStopOrRollOn) {
   for (const int dimension : {2, 3}) {
     const auto seconds = [&](const std::string& sleep, double speed) {
@@ -76,8 +76,8 @@ TEST(SleepingTrial, SlowRollersStopOrRollOn) {
   }
 }
 
-// A scene whose script does nothing has no wave.
-TEST(SleepingTrial, WithoutAnActNobodyIsWoken) {
+// A scene with a script that does nothing has no wave.
+TEST(SleepingTrial, WithoutAnActionNoBodyIsWoken) {
   const auto m = run("sleep_roll", "none", 2).metrics;
   EXPECT_TRUE(std::isnan(m.at("woken")));
   EXPECT_TRUE(std::isnan(m.at("wake_steps")));

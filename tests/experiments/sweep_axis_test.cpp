@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Stars in sweeps: whoever is registered is in, wherever a method's name may stand.
+// Stars in sweeps include every registered method, wherever a method's name may appear.
 #include "experiments/runner/sweep_axis.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Names without(Names names, const Names& some) {
   return names;
 }
 
-// The axis `name` of this text: label and what it stands for.
+// The axis `name` of this text: labels and pipelines.
 std::map<std::string, std::string> axisOf(const std::string& name, const std::string& text) {
   const toml::table table = parseToml(name + " = " + text + "\n", "s.toml");
   std::map<std::string, std::string> out;
@@ -50,7 +50,7 @@ std::string errorOf(const std::string& name, const std::string& text) {
   return "no error";
 }
 
-TEST(SweepStar, IsEveryRegisteredOneOfAnyStage) {
+TEST(SweepStar, IsEveryRegisteredMethodOfAStage) {
   for (const StageInfo& stage : kStages) {
     const std::string name{stage.name};
     SCOPED_TRACE(name);
@@ -76,15 +76,15 @@ TEST(SweepStar, StandsInsideAnotherMethod) {
           registered(StageKind::cache).size());
 }
 
-// A parameter goes to those who have it: the others are in the sweep all the same.
-TEST(SweepStar, GivesParametersToThoseWhoHaveThem) {
+// A parameter applies to the methods that have it; the others are still in the sweep.
+TEST(SweepStar, GivesParametersToMethodsThatHaveThem) {
   const auto axis = axisOf("r", R"({ "$velocity" = "solver=split_solver{velocity=*{iterations=$n}}" })");
   EXPECT_EQ(axis.at("catto"), "solver=split_solver{velocity=catto{iterations=$n}}");
   EXPECT_EQ(axis.at("millington"), "solver=split_solver{velocity=millington}");
   EXPECT_EQ(axisOf("velocity", "\"*-naive-catto{iteration_factor=3}\"").count("millington{iteration_factor=3}"), 1u);
 }
 
-TEST(SweepStar, PlansAlsoThoseWithoutTheParameter) {
+TEST(SweepStar, PlansAlsoMethodsWithoutTheParameter) {
   Workspace w;
   const auto sweeps = planSweeps(w.write("s.toml", R"(
 summary = "s"
@@ -120,8 +120,8 @@ TEST(SweepStar, MistakesAreOneLine) {
   }
 }
 
-// Marks that nobody replaced are refused by name, not as bad syntax.
-TEST(SweepStar, IsNobodysName) {
+// Marks that were not replaced are rejected by name, not as a syntax error.
+TEST(SweepStar, IsNoValidName) {
   Workspace w;
   const test::Outcome run = w.lpc("run box_drop --pipeline 'solver=split_solver{velocity=*}'");
   EXPECT_EQ(run.code, 2);
@@ -129,7 +129,7 @@ TEST(SweepStar, IsNobodysName) {
   EXPECT_NE(run.text.find(" catto, "), std::string::npos) << run.text;
 }
 
-// Registered methods of the stages whose sweeps these are, in no cell of a plan.
+// Registered methods of these stages that occur in no cell of the plan.
 Names lacking(const PlannedSweep& sweep) {
   Names missing;
   for (const StageKind kind : {StageKind::solver, StageKind::velocity, StageKind::position}) {
@@ -152,9 +152,9 @@ Names lacking(const PlannedSweep& sweep) {
   return missing;
 }
 
-// They cost what they cost.
+// Direct methods: their cost cannot be set.
 const Names kWithoutSweeps = {"direct_lcp", "proximal_newton"};
-// Methods with the same trials for every calibrated setting, told by the first cell of each that can run.
+// Methods with the same trials for every calibrated setting, by their first cell that can run.
 Names withoutSetting(const PlannedSweep& sweep) {
   Names out, seen;
   const auto look = [&](const json& axes, const auto& planAt) {
@@ -234,7 +234,7 @@ iterations = [4, 10]
 axes = { scene = "pyramid", resolver = { "millington" = "solver=split_solver{velocity=millington{iteration_factor=$iterations}}" } }
 )";
 
-// Whatever the name is. Methods without effort are as they are, at no value of the setting.
+// Whatever the parameter's name is. Methods without effort have no value of the setting.
 TEST(SweepStar, GivesEffortByItsRole) {
   const auto axis = axisOf("r", R"({ "$velocity" = "solver=split_solver{velocity=*{effort=$n}}" })");
   EXPECT_EQ(axis.at("catto"), "solver=split_solver{velocity=catto{iterations=$n}}");
@@ -264,7 +264,7 @@ iterations = [2, 4]
   EXPECT_EQ(at["direct_lcp"], Names{"none"});
   EXPECT_EQ(at["catto"], (Names{"2", "4"}));
   EXPECT_EQ(at["millington"], (Names{"2", "4"}));
-  // Of a pipeline for all a method has the stages that it does not replace.
+  // A method takes the stages that it does not replace from the common pipeline.
   const std::string base = w.write("b.toml", R"(
 summary = "s"
 kind = "world"
@@ -353,7 +353,7 @@ TEST(SweepWith, MistakesAreOneLine) {
   EXPECT_FALSE(std::filesystem::exists(w.path("never.db")));
 }
 
-TEST(SweepSet, OneValueStandsForAnAxisWhereverItIs) {
+TEST(SweepSet, OneValueReplacesAnAxisEverywhere) {
   Workspace w;
   const std::string path = w.write("s.toml", kTwoResolvers);
   const auto sweeps = planSweeps(path, {}, {}, {"iterations=7"});
@@ -369,12 +369,12 @@ TEST(SweepSet, OneValueStandsForAnAxisWhereverItIs) {
   EXPECT_EQ(bodies, std::set<int>{50});
 }
 
-// What is advised must hold when the bodies start elsewhere, and be more than the noise of the clock.
+// Recommendations must hold for other start positions and exceed the noise of the timing.
 TEST(SweepSet, ChooseTimesEveryMethodUnderTwentySeedsFourTimes) {
   const auto fewest = [](const std::vector<PlannedSweep>& sweeps) {
     std::map<std::string, std::map<int, int>> repeats;  // of each cell and seed
     for (const PlannedSweep& s : sweeps) {
-      EXPECT_TRUE(s.notes.empty()) << s.name << ": " << s.notes.at(0);  // that the seeds decide nothing
+      EXPECT_TRUE(s.notes.empty()) << s.name << ": " << s.notes.at(0);  // the note that seeds have no effect
       for (const PlannedTrial& t : s.trials) {
         nlohmann::json cell = t.axes;
         for (const char* name : {"seed", "repeat", "timed"}) cell.erase(name);
@@ -394,8 +394,8 @@ TEST(SweepSet, ChooseTimesEveryMethodUnderTwentySeedsFourTimes) {
   }
 }
 
-// What is taken of each stage runs as a whole beside what every stage was judged with.
-TEST(SweepSet, WhatIsTakenRunsBesideWhatWasGiven) {
+// The best method of each stage, all together, runs beside the pipeline in which each stage was compared.
+TEST(SweepSet, TheTakenMethodsRunBesideTheGivenPipeline) {
   const auto sweeps = planSweeps("choose_together", {}, {"taken=broadphase=naive solver=soft_step"}, {"n=50"});
   std::set<std::string> labels;
   for (const PlannedTrial& t : sweeps.at(0).trials) labels.insert(t.axes.at("together"));
@@ -408,7 +408,7 @@ TEST(SweepSet, MistakesAreOneLine) {
   const std::string head = "summary = \"s\"\nkind = \"world\"\n[axes]\ndt = 0.01\nscene = ";
   w.write("dt.toml", head + "\"pyramid\"\n");
   w.write("wrong.toml", head + "\"pyramud\"\n");
-  std::string none = "*witness";  // as where no oracles were built
+  std::string none = "*witness";  // as in a build without oracles
   for (const std::string& name : registered(StageKind::broadphase, AlgorithmRole::witness)) none += "-" + name;
   w.write("none.toml", head + "\"pyramid\"\nbroadphase = \"" + none + "\"\n");
   const std::pair<const char*, std::vector<const char*>> cases[] = {
@@ -433,14 +433,14 @@ TEST(SweepSet, MistakesAreOneLine) {
   }
 }
 
-TEST(SweepAxis, NoneHasTheNameOfWhatTheStoreKeepsBesideThem) {
+TEST(SweepAxis, NamesOfOtherColumnsAreRefused) {
   for (const std::string_view name : kNoAxes) {
     EXPECT_NE(errorOf(std::string(name), "[\"a\", \"b\"]").find("s.toml:1: an axis '" + std::string(name) + "'"),
               std::string::npos)
         << name;
   }
   EXPECT_EQ(errorOf("reports", "[\"a\", \"b\"]"), "no error");
-  // And the list is whole: what stands among the roles is an axis, or in it.
+  // The list is complete: each entry among the roles is an axis or in the list.
   Workspace w;
   w.write("s.toml", R"(
 summary = "s"
@@ -462,7 +462,7 @@ steps = 2
   }
 }
 
-TEST(SweepReport, TheChartsThatASweepIsForAreInTheStore) {
+TEST(SweepReport, TheStoreNamesTheChartsOfASweep) {
   Workspace w;
   const auto text = [](const std::string& charts) {
     return "summary = \"s\"\nkind = \"boxes\"\nreport = " + charts +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What holds for every store that a sweep leaves, however it came about: killed, resumed, in another order, in
-// parallel. Wrong runners' stores are seen to break the rules.
+// What holds for every store of a sweep, whether the sweep was killed, resumed, reordered or run in parallel. Stores of
+// wrong runners break these rules.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -25,12 +25,12 @@ using test::Workspace;
 
 const std::string kPlugin = LPC_BINARY_DIR "/lib/liblpc_planted.so";
 
-// Of the hour, not of the trial: times, and how busy the machine was.
+// Depends on the moment, not on the trial: times, and the machine's load.
 bool isTime(const std::string& metric) {
   return metric.starts_with("ns_") || metric.starts_with("ms_") || metric == "load";
 }
 
-// Rules that one store breaks, by itself.
+// The rules that this store breaks.
 std::vector<std::string> broken(const std::string& store) {
   std::vector<std::string> faults;
   SQLite::Database db(store, SQLite::OPEN_READONLY);
@@ -38,7 +38,7 @@ std::vector<std::string> broken(const std::string& store) {
   open.executeStep();
   if (open.getColumn(0).getInt() > 0) faults.push_back("a planned cell has no row");
 
-  std::map<std::string, std::set<std::string>> names;  // of metrics, by kind of trial
+  std::map<std::string, std::set<std::string>> names;  // metrics, by kind of trial
   std::map<std::string, std::map<std::string, double>> repeats;
   SQLite::Statement s(db,
                       "SELECT t.key, t.canonical, t.outcome, t.metrics, t.commit_id, m.description "
@@ -70,7 +70,7 @@ std::vector<std::string> broken(const std::string& store) {
   return faults;
 }
 
-// Key, start and duration of each row that is ok: what a resume must leave alone.
+// Key, start and duration of each row with outcome ok: a resume must not change them.
 std::map<std::string, std::string> rows(const std::string& store) {
   std::map<std::string, std::string> out;
   SQLite::Database db(store, SQLite::OPEN_READONLY);
@@ -86,7 +86,7 @@ bool leftAlone(const std::map<std::string, std::string>& before, const std::map<
   return true;
 }
 
-// Cells of which some have metrics that are 0, repeated, timed and untimed.
+// Cells, some with metrics that are 0; repeated, timed and untimed.
 std::string sweepText(const std::string& sizes, const std::string& methods) {
   return "summary = \"s\"\nkind = \"boxes\"\ntimed = true\nuntimed = true\nrepeats = 2\n"
          "[axes]\ndimension = 2\ndistribution = \"uniform\"\nframes = 14\nn = [" +
@@ -98,7 +98,7 @@ std::string sweepCommand(const std::string& store, const std::string& more = "")
   return "--plugin " + kPlugin + " sweep s.toml --quiet --store " + store + " " + more;
 }
 
-// The text of a store but for the metrics that are times.
+// The text of a store without metrics that are times.
 std::string untimed(const std::string& store) {
   const std::string copy = store + ".untimed";
   std::filesystem::copy_file(store, copy, std::filesystem::copy_options::overwrite_existing);
@@ -109,7 +109,7 @@ std::string untimed(const std::string& store) {
   return timeless(copy);
 }
 
-TEST(SweepRules, HoldForAStoreAndNotForThoseOfWrongRunners) {
+TEST(SweepRules, HoldForARightStoreAndNotForWrongOnes) {
   Workspace w;
   w.write("s.toml", sweepText(kSizes, kMethods));
   ASSERT_EQ(w.lpc(sweepCommand("right.db")).code, 0);
@@ -133,8 +133,8 @@ TEST(SweepRules, NeitherOrderNorParallelismMatters) {
   EXPECT_EQ(untimed(w.path("turned.db")), untimed(w.path("one.db")));
 }
 
-// Twenty kills, of runners that start or are at work, half of them after all workers were killed as well: no row is run
-// twice, none is half there, and the end is that of an uninterrupted sweep.
+// Twenty kills of runners that start or work; before half of them all workers are killed, too. No row is run twice or
+// written half, and the result equals that of an uninterrupted sweep.
 TEST(SweepRules, SurviveTwentyKills) {
   Workspace w;
   w.write("s.toml", sweepText("8, 16, 24, 32, 40, 48", kMethods));
@@ -148,7 +148,7 @@ TEST(SweepRules, SurviveTwentyKills) {
     EXPECT_NE(w.lpc(sweepCommand("pieces.db", "--retry")).text.find(" 0 run"), std::string::npos);
   };
   Random random(test::seedOf("twenty kills"));
-  const int most = std::clamp(test::caseCount(20), 10, 250);  // more take more than minutes
+  const int most = std::clamp(test::caseCount(20), 10, 250);  // more would take minutes
   int kills = 0, workers = 0;
   std::map<std::string, std::string> before;
   for (int turn = 0; (kills < most || workers == 0) && turn < 10 * most && !HasFailure(); ++turn) {
@@ -172,14 +172,14 @@ TEST(SweepRules, SurviveTwentyKills) {
       const auto after = rows(pieces);
       EXPECT_TRUE(leftAlone(before, after)) << "after kill " << kills;
       before = after;
-    } catch (const SQLite::Exception&) {  // killed before it had made its tables
+    } catch (const SQLite::Exception&) {  // killed before its tables existed
       EXPECT_TRUE(before.empty());
     }
   }
   EXPECT_GE(kills, most);
   EXPECT_GT(workers, 0);
 
-  // A journal whose end is torn, as by a machine that died: what was committed before is there, the rest is run again.
+  // A journal with a truncated end, as after a crash of the machine: committed rows are kept, the rest is run again.
   const std::filesystem::path journal = pieces + "-wal";
   if (std::filesystem::exists(journal) && std::filesystem::file_size(journal) > 100) {
     std::filesystem::resize_file(journal, std::filesystem::file_size(journal) - 100);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Sweeps: planning, keys, outcomes, merging. What every store keeps to: sweep_rules_test.cpp.
+// Sweeps: planning, keys, outcomes, merging. sweep_rules_test.cpp tests what holds for every store.
 #include <regex>
 
 #include "experiments/runner/code_identity.h"
@@ -44,7 +44,7 @@ TEST(SweepPlan, isTheProductOfItsAxes) {
   EXPECT_EQ(sweeps[0].trials[0].axes["kind"], "boxes");
 }
 
-TEST(SweepPlan, onlyKeepsWhatTakesPart) {
+TEST(SweepPlan, onlySelectsByMethod) {
   Workspace w;
   const std::string path = w.write("s.toml", boxes("n = [8, 16]\nbroadphase = \"*\"\n"));
   const auto all = planSweeps(path, {}), some = planSweeps(path, {"naive"});
@@ -56,7 +56,7 @@ TEST(SweepPlan, onlyKeepsWhatTakesPart) {
   EXPECT_NE(messageOf(path, {"naive", "nobody"}).find("--only nobody"), std::string::npos);
 }
 
-TEST(SweepPlan, PrecisionKeepsTheTrialsOfOne) {
+TEST(SweepPlan, PrecisionSelectsTrials) {
   Workspace w;
   w.write("a.toml",
           "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"box_drop\"\nprecision = [\"f64\", \"f32\"]\n");
@@ -66,12 +66,12 @@ TEST(SweepPlan, PrecisionKeepsTheTrialsOfOne) {
     const std::string text = w.lpc("sweep both.toml --dry-run --store s.db" + more).text;
     return std::pair(text.find("    1 trials") != text.npos, text.find("\nb ") != text.npos);
   };
-  EXPECT_EQ(planned(""), std::pair(true, true));  // the one of b
+  EXPECT_EQ(planned(""), std::pair(true, true));  // the trial of b
   EXPECT_EQ(planned(" --precision f64"), std::pair(true, true));
   EXPECT_EQ(planned(" --precision f32"), std::pair(true, false)) << "a sweep without a trial is no part of it";
 }
 
-// The plan is made in f64 and writes every parameter out: a default of f64 must be one that f32 takes.
+// The plan is made in f64 and writes every parameter out, so a default in f64 must be valid in f32.
 TEST(SweepRun, DefaultsHoldInEitherPrecision) {
   if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   Workspace w;
@@ -86,7 +86,7 @@ TEST(SweepRun, DefaultsHoldInEitherPrecision) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT group_concat(reason) FROM trial WHERE reason LIKE '%valid:%'"), "");
 }
 
-// A key is made of inputs and of the code that takes part, and of nothing else.
+// A key depends on inputs and on the code that takes part, and on nothing else.
 TEST(SweepPlan, keysAreStable) {
   Workspace w;
   const auto one = [&](const std::string& axes) {
@@ -102,7 +102,7 @@ TEST(SweepPlan, keysAreStable) {
   EXPECT_TRUE(a.canonical["code"].contains("broadphase/sort_and_sweep"));
   EXPECT_FALSE(a.canonical["core"].get<std::string>().empty());
   EXPECT_EQ(trialKey(a.canonical), a.key);
-  // Hash of the algorithm's content, not of its name: two algorithms differ.
+  // The hash covers the algorithm's content, not its name: two algorithms differ.
   EXPECT_NE(codeHashes(StageKind::broadphase, {"naive", {}}, 2)["broadphase/naive"],
             a.canonical["code"]["broadphase/sort_and_sweep"]);
 }
@@ -137,7 +137,7 @@ TEST(SweepPlan, mistakesHaveFileAndLine) {
   EXPECT_FALSE(std::filesystem::exists(w.path("never.db"))) << "half-written";
 }
 
-// A failure is a data point: each planted algorithm ends as a row with its name.
+// A failure is a data point: each planted algorithm gives a row with its outcome.
 TEST(SweepRun, failuresAreRows) {
   Workspace w;
   w.write("bad.toml", boxes("n = 64\nbroadphase = [\"planted_hang\", \"planted_crash\", \"planted_allocate\", "
@@ -157,7 +157,7 @@ TEST(SweepRun, failuresAreRows) {
     EXPECT_NE(ask(w.path("s.db"), "SELECT reason" + where).find(what.second), std::string::npos) << name;
   }
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM planned"), "5");
-  // Done is done, except with --retry, and then only what may come out otherwise.
+  // Finished trials run again only with --retry, and only those that may end differently.
   EXPECT_NE(w.lpc("--plugin " + kPlugin + " sweep bad.toml --store s.db --quiet").text.find("5 were done, 0 run"),
             std::string::npos);
   EXPECT_NE(w.lpc("--plugin " + kPlugin + " sweep bad.toml --store s.db --quiet --retry --only planted_crash,naive")
@@ -165,7 +165,7 @@ TEST(SweepRun, failuresAreRows) {
             std::string::npos);
 }
 
-// A kind of force that a plugin registers, by its name in a scene.
+// A force kind that a plugin registers, named in a scene.
 TEST(SweepRun, scenesNameForcesOfPlugins) {
   Workspace w;
   w.write(
@@ -183,7 +183,7 @@ TEST(SweepRun, scenesNameForcesOfPlugins) {
   EXPECT_NE(without.text.find("no force 'planted_push' in 2D"), without.text.npos) << without.text;
 }
 
-// What plays in a scene is an axis, found as scenes are; its parameters are the scene's.
+// A script is an axis, found as scenes are; its parameters belong to the scene.
 TEST(SweepRun, aScriptIsAnAxis) {
   Workspace w;
   w.write("room.toml",
@@ -236,7 +236,7 @@ TEST(SweepRun, aScriptIsAnAxis) {
   EXPECT_EQ(planSweeps(sweep("script = [\"hit\", \"other/../hit.toml\"]\n"), {})[0].trials.size(), 1u) << "one file";
 }
 
-// The last line tells what became of all trials, each once: done before, run now by outcome, shared, and left.
+// The last line counts every trial once: finished before, run now by outcome, shared, and left.
 TEST(SweepRun, theLastLineAddsUp) {
   Workspace w;
   w.write("a.toml", boxes("n = [8, 16]\nbroadphase = [\"naive\", \"planted_forget\", \"region_tree\"]\n"));
@@ -251,7 +251,7 @@ TEST(SweepRun, theLastLineAddsUp) {
   EXPECT_EQ(w.lpc(run).text, "s.db: 10 trials planned, 8 were done, 0 run, 0 of these not ok, 2 shared\n");
 }
 
-// A line says how many trials run again since something in their keys has changed.
+// A line says how many trials run again because something in their keys has changed.
 TEST(SweepRun, OneLineSaysWhatRunsAgain) {
   Workspace w;
   const std::string scene = readFile(LPC_SOURCE_DIR "/experiments/scenes/box_drop.toml");
@@ -266,7 +266,7 @@ TEST(SweepRun, OneLineSaysWhatRunsAgain) {
       0u);
 }
 
-// A program in the place of all workers, in the folder "workers".
+// Replaces all workers with a program in the folder "workers".
 std::string workers(const Workspace& w, const std::string& text, bool executable = true) {
   std::filesystem::create_directory(w.path("workers"));
   for (const char* name : {"workers/lpc-worker-f64", "workers/lpc-worker-f32"}) {
@@ -276,8 +276,8 @@ std::string workers(const Workspace& w, const std::string& text, bool executable
   return "LPC_WORKERS=" + w.path("workers");
 }
 
-// Whatever a worker does, the sweep goes on; what it was killed for, it was killed for.
-TEST(SweepRun, aWorkerOfAnyKindIsARow) {
+// The sweep continues whatever a worker does, and the row gives the true reason why the worker ended.
+TEST(SweepRun, everyEndOfAWorkerIsARow) {
   Workspace w;
   w.write("s.toml", boxes("n = [8, 16, 24]\nbroadphase = \"naive\"\n", "wall_limit = 5\nmemory_limit = 0.02\n"));
   const std::pair<const char*, const char*> kinds[] = {
@@ -299,8 +299,8 @@ TEST(SweepRun, aWorkerOfAnyKindIsARow) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "3");
 }
 
-// A worker that cannot be started is one line, and no store is made.
-TEST(SweepRun, noWorkerEndsIt) {
+// A worker that cannot be started gives a one-line message, and no store is made.
+TEST(SweepRun, aMissingWorkerEndsIt) {
   Workspace w;
   w.write("s.toml", boxes("n = [8, 16]\nbroadphase = \"naive\"\n"));
   for (const bool executable : {false, true}) {
@@ -315,7 +315,7 @@ TEST(SweepRun, noWorkerEndsIt) {
           << command;
     }
   }
-  // With all done nobody is started.
+  // If all trials are done, no worker is started.
   ASSERT_EQ(w.lpc("sweep s.toml --store s.db --quiet").code, 0);
   EXPECT_EQ(w.lpc("sweep s.toml --store s.db --quiet", workers(w, "no program")).code, 0);
   EXPECT_EQ(w.lpc("sweep s.toml --store s.db --quiet --set n=9", workers(w, "no program")).code, 2);
@@ -330,7 +330,7 @@ TEST(SweepRun, aRepeatWithAnotherHashIsNondeterministic) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial" + where + "'%broadphase/naive%'"), "0");
 }
 
-TEST(SweepRun, whatCannotRunIsARowToo) {
+TEST(SweepRun, unsupportedTrialsAreRows) {
   Workspace w;
   w.write("holes.toml",
           "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = [2, 3]\ndistribution = \"uniform\"\n"
@@ -345,12 +345,12 @@ TEST(SweepRun, whatCannotRunIsARowToo) {
 TEST(SweepRun, interruptKeepsWhatWasFinished) {
   Workspace w;
   w.write("s.toml", boxes("n = [8, 16, 24, 32, 40, 48]\nframes = 100\nbroadphase = \"planted_slow\"\n"));
-  // `frames` twice is a mistake of TOML; the sweep below has it once.
+  // A repeated key `frames` is a TOML error; the sweep below has it once.
   EXPECT_EQ(w.lpc("--plugin " + kPlugin + " sweep s.toml --store s.db").code, 2);
   w.write("s.toml",
           "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\ndistribution = \"uniform\"\n"
           "frames = 250\nn = [8, 16, 24, 32, 40, 48]\nbroadphase = \"planted_slow\"\n");
-  // Once the first trial is in the store there are five left, of which each sleeps for half a second.
+  // Once the first trial is in the store, five are left, each of which sleeps for half a second.
   test::Process run(w, "--plugin " + kPlugin + " sweep s.toml --quiet --jobs 1 --store s.db");
   ASSERT_TRUE(run.isBusy(w.path("s.db"))) << run.said();
   while (!run.ended() && ask(w.path("s.db"), "SELECT count(*) FROM trial") == "0") usleep(1000);
@@ -363,7 +363,7 @@ TEST(SweepRun, interruptKeepsWhatWasFinished) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "6");
 }
 
-// Of two on one store, the second is told who has it, and leaves it alone; readers do not wait.
+// A second runner on a store is told which process holds it and changes nothing; readers do not wait.
 TEST(SweepRun, oneRunnerAtATime) {
   Workspace w;
   w.write("s.toml", boxes("n = 8\nbroadphase = [\"naive\", \"planted_hang\"]\n", "wall_limit = 1000\n"));
@@ -383,7 +383,7 @@ TEST(SweepRun, oneRunnerAtATime) {
   EXPECT_EQ(timeless(w.path("s.db")), before);
   EXPECT_EQ(w.lpc(sweep + " --dry-run").code, 0);
   EXPECT_EQ(w.lpc("merge other.db s.db").text, "s.db: 1 trials taken over\n");
-  // It goes with its holder, however that ends, and no worker has it.
+  // The lock ends with its holder, however that ends; workers do not hold it.
   first.signal(SIGKILL);
   first.wait();
   EXPECT_EQ(w.lpc("--plugin " + kPlugin + " sweep s.toml --quiet --store s.db --only naive").code, 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Who has passed through what is fixed: along paths whose answer is plain, and in trials of our worlds and of engines.
+// Bodies that pass through static bodies: on paths with an obvious answer, and in trials of LPC's worlds and of
+// engines.
 #include "experiments/trial/measure/tunnelling.h"
 
 #include <algorithm>
@@ -35,7 +36,7 @@ Shape<D> boxOf(double x, double y) {
   return Shape<D>::box(half);
 }
 
-// A world in which nobody steps: `mover` is led along a path past a wall of thickness 2 `half` and height 10 at x = 0.
+// Without stepping, `mover` follows a path past a static body of thickness 2 `half` and height 10 at x = 0.
 template <int D, class Counter = Tunnelling<D>>
 int led(const Path& path, BodyDef<D> mover, double half, std::uint32_t maskOfWall = ~0u, bool jointed = false) {
   World<D> world;
@@ -65,7 +66,7 @@ const Path kPressed = {{-1, 0}, {-0.5, 0}, {-0.15, 0}, {-0.05, 0}, {0, 0}, {0.05
 const Path kSunk = {{-1, 0}, {-0.15, 0}, {-0.05, 0}, {0.05, 0}, {-0.05, 0}, {-0.15, 0}, {-1, 0}};
 const Path kBounced = {{-9, 0}, {-5, 0}, {-0.5, 0}, {-4, 0}};
 
-TEST(Tunnelling, IsToComeOutBehind) {
+TEST(Tunnelling, MeansLeavingOnTheFarSide) {
   inBoth([]<int D>() {
     EXPECT_EQ(led<D>(kShot, ball<D>(), 0.1), 1);
     EXPECT_EQ(led<D>(kShot, ball<D>(), 1e-6), 1);
@@ -77,8 +78,9 @@ TEST(Tunnelling, IsToComeOutBehind) {
   });
 }
 
-// Half a circle around the wall's end, three eighths of a radius away from it, in steps that a chord would cut short.
-TEST(Tunnelling, IsNotToGoAround) {
+// Half a circle around the static body's end, three eighths of a radius away, in steps so long that their chords would
+// cut through it.
+TEST(Tunnelling, DoesNotIncludeGoingAround) {
   inBoth([]<int D>() {
     for (const int steps : {4, 7, 12, 40}) {
       Path around = {{-0.6, 4}};
@@ -92,7 +94,7 @@ TEST(Tunnelling, IsNotToGoAround) {
   });
 }
 
-TEST(Tunnelling, IsOfWhoeverMayNotPass) {
+TEST(Tunnelling, CountsOnlyBodiesThatCollide) {
   inBoth([]<int D>() {
     EXPECT_EQ(led<D>(kShot, ball<D>(), 0.1, 2), 0) << "the two do not collide";
     EXPECT_EQ(led<D>(kShot, ball<D>(), 0.1, ~0u, true), 0) << "nor do these";
@@ -104,7 +106,7 @@ TEST(Tunnelling, IsOfWhoeverMayNotPass) {
   });
 }
 
-TEST(Tunnelling, WhoIsPutElsewhereStartsAnew) {
+TEST(Tunnelling, AMovedBodyStartsAgain) {
   inBoth([]<int D>() {
     World<D> world;
     const Handle wall = world.add(body<D>(boxOf<D>(0.1, 5), at<D>(0, 0), BodyType::fixed));
@@ -116,10 +118,10 @@ TEST(Tunnelling, WhoIsPutElsewhereStartsAnew) {
       world.setPose(h, {at<D>(moved, 0), {}});
       seen.observe(world);
     };
-    step(-3, -2), step(2, 3);  // a script carries it through
+    step(-3, -2), step(2, 3);  // a script moves it through
     EXPECT_EQ(seen.count(), 0);
     world.setPose(wall, {at<D>(6, 0), {}});
-    step(3, 5), step(5, 4);  // and the wall out of its way
+    step(3, 5), step(5, 4);  // and moves the static body away
     EXPECT_EQ(seen.count(), 0);
     step(4, 8);
     EXPECT_EQ(seen.count(), 1);
@@ -131,7 +133,7 @@ TEST(Tunnelling, WhoIsPutElsewhereStartsAnew) {
   });
 }
 
-// Planted bugs: what a ray along each step alone would say.
+// Planted bugs: the result of a ray along each step alone.
 template <int D, bool kEnds>
 struct RayPerStep {
   void place(const World<D>& world) { before = world.bodies().pose[1].p; }
@@ -162,7 +164,7 @@ TEST(Tunnelling, ARayPerStepIsNotEnough) {
   });
 }
 
-// --- in trials -------------------------------------------------------------------------------------------------------
+// --- in trials ------------------------------------------------------------------------------------------------------
 
 std::string scene(const std::string& bodies) {
   return R"(
@@ -214,7 +216,7 @@ TEST(Tunnelling, IsCountedInTrials) {
   }
 }
 
-// Bullet sweeps nobody unless it is told, and of Box2D the adapter asks for steps without continuous collision.
+// Bullet applies no continuous collision unless told to, and the adapter asks Box2D for steps without it.
 TEST(Tunnelling, IsMeasuredAlikeForEngines) {
   const Workspace w;
   const std::string file = w.write("scene.toml", scene(kWall + ballOf(400)));

@@ -35,7 +35,7 @@ std::string ledgerText(const std::string& path) {
   return out;
 }
 
-TEST(Verification, BooksOnceAndGoesOn) {
+TEST(Verification, RecordsOnceAndContinues) {
   Workspace w;
   const std::string command = "verify --stage pair_query,broadphase --dimension 2 --methods closed_form naive --quiet";
   const Outcome first = w.lpc(command);
@@ -60,8 +60,8 @@ TEST(Verification, BooksOnceAndGoesOn) {
   }
 }
 
-// What must not matter is asked beside the answers, and booked once, too.
-TEST(Verification, MetamorphicIsBookedOnce) {
+// Changes that must not affect the answer are tested together with the answers, and recorded once.
+TEST(Verification, MetamorphicIsRecordedOnce) {
   Workspace w;
   const std::string plain = "verify --stage pair_query --dimension 2 --methods closed_form --quiet";
   const std::string command = plain + " --metamorphic";
@@ -76,8 +76,8 @@ TEST(Verification, MetamorphicIsBookedOnce) {
   EXPECT_EQ(w.lpc("verify --metamorphic --stage contacts").code, 2);
 }
 
-// Other code, other numbers: what was booked for a method with other code does not stay in its sums.
-TEST(Verification, ChangedCodeStartsAnew) {
+// If a method's code changes, the numbers recorded with the old code leave its sums.
+TEST(Verification, ChangedCodeStartsAgain) {
   Workspace w;
   const std::string command = "verify --stage broadphase --dimension 2 --methods naive sort_and_sweep --quiet";
   ASSERT_EQ(w.lpc(command).code, 0);
@@ -92,7 +92,7 @@ TEST(Verification, ChangedCodeStartsAnew) {
   EXPECT_EQ(ledgerText(store), before);
 }
 
-// Killed at random moments, its workers too, and started again, it ends with what an uninterrupted one has.
+// Killed at random moments, with its workers, and restarted, it ends with the result of an uninterrupted run.
 TEST(Verification, ResumesAfterSigkill) {
   Workspace w;
   const std::string arguments =
@@ -112,7 +112,7 @@ TEST(Verification, ResumesAfterSigkill) {
     }
     if (verify.wait() == 128 + SIGKILL) {
       ++kills;
-    } else {  // it was done
+    } else {  // it had finished
       EXPECT_EQ(ledgerText(w.path("pieces.db")), ledgerText(w.path("whole.db")));
       std::filesystem::remove(w.path("pieces.db"));
     }
@@ -124,8 +124,8 @@ TEST(Verification, ResumesAfterSigkill) {
   EXPECT_EQ(ledgerText(w.path("pieces.db")), ledgerText(w.path("whole.db")));
 }
 
-// A method that takes its worker with it is found out pair by pair; the others keep their answers.
-TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
+// A method that crashes its worker is isolated pair by pair; the others keep their answers.
+TEST(Verification, CrashesAndWrongAnswersAreRecordedAndKept) {
   Workspace w;
   const std::string command = "--plugin " + kPlugin +
                               " verify --stage pair_query --dimension 2 --quiet --store v/s.db --methods planted_abort "
@@ -144,9 +144,9 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
   EXPECT_GT(tally("wrong", "planted_half"), 0);
   EXPECT_EQ(tally("crashed + refused + not_finite", "planted_half"), 0);
   EXPECT_EQ(tally("agree + tie", "closed_form"), kVerifyBlock);
-  // The simplest pair of each failure is a file that can be replayed before all methods.
+  // The simplest pair of each failure is saved in a file that can be replayed with all methods.
   EXPECT_TRUE(std::filesystem::exists(w.path("v/s.db.found/planted_abort-crashed-2d-f64.json")));
-  // Without the plugin it is not taken for mended.
+  // Without the plugin it does not count as fixed.
   const Outcome gone = w.lpc("verify --cases v/s.db.found/planted_half-wrong_distance-2d-f64.json");
   EXPECT_EQ(gone.code, 2);
   EXPECT_TRUE(
@@ -160,7 +160,7 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
       w.lpc("--plugin " + kPlugin + " verify --cases v/s.db.found/planted_half-wrong_distance-2d-f64.json");
   EXPECT_EQ(replay.code, 1);
   EXPECT_NE(replay.text.find("planted_half"), std::string::npos) << replay.text;
-  // And the one with the largest error, of the methods that were wrong.
+  // The pair with the largest error of each method that was wrong is saved, too.
   const std::string worst = "v/s.db.found/planted_half-worst-2d-f64.json", largest = ask(w.path("v/s.db"), R"(
       SELECT max(max_error) FROM ledger WHERE method='planted_half' AND axis='all')");
   std::ifstream in(w.path(worst));
@@ -169,7 +169,7 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
   EXPECT_EQ(w.lpc("--plugin " + kPlugin + " verify --cases " + worst).code, 1);
   EXPECT_FALSE(std::filesystem::exists(w.path("v/s.db.found/closed_form-worst-2d-f64.json")));
   EXPECT_NE(run.text.find("worst pair of this method: v/s.db.found/planted_half-worst-2d-f64.json"), std::string::npos);
-  // Another store of this name has none of these failures; what is not ours stays.
+  // A new store of this name removes the failures of the old one, and keeps other files.
   w.write("v/s.db.found/notes.json", readFile(w.path(worst)));
   std::filesystem::remove(w.path("v/s.db"));
   ASSERT_EQ(w.lpc("verify --stage pair_query --dimension 2 --quiet --store v/s.db --methods closed_form").code, 0);
@@ -180,8 +180,8 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
   EXPECT_EQ(left, std::vector<std::string>{"notes.json"});
 }
 
-// Whatever a run keeps, of each stage and precision, ours or not, wrong or crashed: its file is asked again in the
-// precision in which it was found, with the parameters that the method had, and fails again by the same error.
+// Each kept failure, of any stage and precision, wrong or crashed, is queried again in the precision in which it was
+// found and with the method's parameters. It fails again with the same error.
 TEST(Verification, EveryKeptFailureFailsAgain) {
   Workspace w;
   const std::string plugin = "--plugin " + kPlugin + " ";
@@ -191,7 +191,7 @@ TEST(Verification, EveryKeptFailureFailsAgain) {
         "planted_half planted_forget");
   w.lpc("verify --stage pair_query --dimension 2 --quiet --store s.db --precision " + precisions +
         " --methods bullet_gjk_epa libccd_mpr{tolerance=1e-14}");
-  // Each case in a file of its own, and all of them in one.
+  // Each case is in its own file; here all are in one.
   nlohmann::json all = {{"cases", nlohmann::json::array()}};
   for (const auto& file : std::filesystem::directory_iterator(w.path("s.db.found"))) {
     std::ifstream in(file.path());
@@ -200,13 +200,13 @@ TEST(Verification, EveryKeptFailureFailsAgain) {
   w.write("all.json", all.dump());
   EXPECT_GE(all["cases"].size(), test::kSingle ? 10u : 7u);
   const Outcome run = w.lpc(plugin + "verify --cases all.json");
-  EXPECT_EQ(run.code, 1) << run.text;  // the planted ones are ours
+  EXPECT_EQ(run.code, 1) << run.text;  // the planted ones are LPC's
   const std::string n = std::to_string(all["cases"].size());
   EXPECT_NE(run.text.find("found failures: " + n + ", of which fail again " + n + "\n"), std::string::npos) << run.text;
   for (const nlohmann::json& c : all["cases"]) {
     const auto& found = c.at("found");
     const std::string id = c.at("id"), method = found.at("method"), failure = found.at("failure");
-    // The line of the method, whose error has two digits in print.
+    // The method's line; its error is printed with two digits.
     std::string line;
     std::istringstream lines(run.text);
     while (std::getline(lines, line)) {
@@ -221,14 +221,14 @@ TEST(Verification, EveryKeptFailureFailsAgain) {
   EXPECT_NE(all.dump().find("libccd_mpr{tolerance=1e-14}"), std::string::npos);
 }
 
-TEST(Verification, FoundCasesAreAskedInTheirOwnPrecision) {
+TEST(Verification, FoundCasesRunInTheirOwnPrecision) {
   if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   Workspace w;
   const std::string found = LPC_SOURCE_DIR "/tests/regressions/found_cases.json";
   const Outcome run = w.lpc("verify --cases " + found);
   EXPECT_EQ(run.code, 0) << run.text;
   EXPECT_NE(run.text.find(", of which fail again 0\n"), std::string::npos) << run.text;
-  // And in that precision the file is read: one line when it cannot be.
+  // The file is read in that precision; if it cannot be, the error is one line.
   const Outcome large = w.lpc("verify --cases " + w.write("large.json", R"({"cases": [{"id": "x", "dim": 2,
     "query": "broadphase", "slots": 1, "steps": [[{"added": 0, "lo": [0, 0], "hi": [1e300, 1], "body": 0,
     "active": true, "category": 1, "mask": 1}]], "expected": {}, "found": {"stage": "broadphase", "precision": "f32",
@@ -243,8 +243,8 @@ TEST(Verification, FoundCasesAreAskedInTheirOwnPrecision) {
   EXPECT_NE(half.text.find("field 'precision' holds 'f16'; valid: f64, f32"), std::string::npos) << half.text;
 }
 
-// Whose worker ends is nobody's fault but ours, where the method is.
-TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
+// If a method crashes its worker, only methods of LPC count as faults.
+TEST(Verification, LostWorkersAreFaultsOnlyOfOurMethods) {
   Workspace w;
   std::filesystem::create_directory(w.path("bin"));
   const auto worker = [&](const std::string& ofMethods, const std::string& ofReferee) {
@@ -265,7 +265,7 @@ TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
   EXPECT_NE(run.text.find("referee"), std::string::npos) << run.text;
   EXPECT_NE(run.text.find("found failures: 1, of which fail again 1\nour faults: 6\n"), std::string::npos)
       << "by_kind, closed_form, core_margin, gjk_epa, mpr, sat\n" + run.text;
-  // Any other end is none of the method's, and one of the referee is no verdict.
+  // Any other end of a worker is not the method's fault, and without the referee there is no verdict.
   for (const auto& [ofMethods, ofReferee] : {std::pair<std::string, std::string>("exit 1", right),
                                              {"kill -KILL $$", right},
                                              {"echo none", right},
@@ -279,9 +279,9 @@ TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
   }
 }
 
-// A witness that is judged at one tolerance must have been allowed it: FCL's own is 1e-6 unless told. All are asked
-// where an engine would ask, too.
-TEST(Verification, WitnessesAreAlsoAskedAtTheTightestToleranceOfTheirLibraryAndAwayFromTheOrigin) {
+// A witness that is judged at one tolerance must be allowed that tolerance: FCL's default is 1e-6. All are also queried
+// away from the origin, as an engine would.
+TEST(Verification, WitnessesAlsoRunAtTheirTightestToleranceAndAwayFromTheOrigin) {
   int tight = 0;
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 3)) {
     const std::vector<Spec> specs = specsToVerify(*r);

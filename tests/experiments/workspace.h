@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A folder of its own for a test, and programs run in it.
+// A separate folder for each test, and programs that run in it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -78,7 +78,7 @@ inline std::string timeless(const std::string& store) {
   return out;
 }
 
-/// Whether this build has f32, by its configuration: where a worker is lost, tests of it fail and are not skipped.
+/// Whether this build has f32, from its configuration: if the worker is missing, its tests fail and are not skipped.
 inline const bool kSingle = readFile(LPC_BINARY_DIR "/precisions.txt").find("f32") != std::string::npos;
 
 /// The first column of the first row of a query.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// World trials: what is measured is right where it is known, and a broken run ends with the outcome of its kind.
+// World trials: measurements agree with known values, and a failed run ends with the right outcome.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -18,7 +18,7 @@ using nlohmann::json;
 using test::ask;
 using test::Workspace;
 
-// Bodies fly free: no contacts, no forces but gravity.
+// Bodies fly freely: no contacts, no forces except gravity.
 const std::string kThrow = R"(
 name = "throw"
 summary = "two balls in free flight"
@@ -52,7 +52,7 @@ TrialResult run(const Workspace& w, const std::string& scene, const ParameterVal
   return runTrial(t.request);
 }
 
-// A box that starts in the floor by 2 cm and is pushed out, and one that starts above it and falls.
+// A box that starts 2 cm inside the floor and is pushed out, and a box that starts above it and falls.
 const std::string kDrop = R"(
 name = "drop"
 summary = "a box that starts near the floor"
@@ -73,7 +73,7 @@ position = [0, "0.5 + height", 0]
 shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
 )";
 
-TEST(WorldTrial, whatABoxStartsWithAndFallsIntoIsNotWhatItIsLeftWith) {
+TEST(WorldTrial, initialAndSettledPenetrationAreSeparate) {
   Workspace w;
   const TrialResult inside = run(w, kDrop, {{"height", -0.02}}), above = run(w, kDrop, {{"height", 1}});
   ASSERT_EQ(inside.outcome + above.outcome, "okok") << inside.reason << above.reason;
@@ -95,7 +95,7 @@ TEST(WorldTrial, whatABoxStartsWithAndFallsIntoIsNotWhatItIsLeftWith) {
   EXPECT_TRUE(std::isnan(run(w, kThrow).metrics.at("penetration_settled"))) << "nothing there should rest";
 }
 
-// The shipped ensembles rank what methods do: no seed puts one body into another.
+// In the shipped ensembles, which rank methods, no seed makes two bodies overlap.
 TEST(WorldTrial, noSeedOfARankedSweepStartsWithAnOverlap) {
   const auto deepest = [](const std::string& name, bool air) {
     double found = 0;
@@ -154,7 +154,7 @@ TEST(WorldTrial, metricsOfFreeFlight) {
   EXPECT_EQ(r.poses.at(100).size(), 2u * 4);
 }
 
-// Not called a slope, not earth's gravity, and the body that slides is not the last one.
+// A slope with another name and gravity, on which the sliding body is not the last one.
 const std::string kHill = R"toml(
 name = "my_hill"
 summary = "a block slides down a hill"
@@ -186,13 +186,13 @@ position = [0, 500, 0]
 shapes = [{ kind = "circle", radius = 0.5 }]
 )toml";
 
-// `way` is what a trial says was slid: within a step's way of g (sin a - mu cos a) t^2 / 2?
+// Whether the measured distance `way` agrees with g (sin a - mu cos a) t^2 / 2 within one step's motion.
 bool slidRight(double way, double g, double mu) {
   const double right = g * (std::sin(0.5) - mu * std::cos(0.5)) * 0.5;
   return std::abs(way - std::max(0.0, right)) < 0.03 * std::max(0.1, right);
 }
 
-TEST(WorldTrial, whatSlidesIsMeasuredAgainstItsOwnClosedForm) {
+TEST(WorldTrial, slidingIsComparedWithItsClosedForm) {
   Workspace w;
   for (const double g : {4.0, 10.0}) {
     const TrialResult r = run(w, kHill, {{"g", g}});
@@ -204,13 +204,13 @@ TEST(WorldTrial, whatSlidesIsMeasuredAgainstItsOwnClosedForm) {
   const TrialResult held = run(w, kHill, {{"mu", 1}});
   EXPECT_LT(held.metrics.at("slope_error"), 0.01);
   EXPECT_EQ(held.metrics.at("slope_error"), held.metrics.at("slope_distance"));
-  // Planted bugs: the gravity of other scenes, and the last body in place of the one that is named.
+  // Planted bugs: the gravity of other scenes, and the last body instead of the named one.
   const TrialResult r = run(w, kHill);
   EXPECT_FALSE(slidRight(r.metrics.at("slope_distance"), 10, 0.2)) << "gravity of 10 for any scene was not seen";
   EXPECT_FALSE(slidRight(500 - r.poses.at(60).at(2 * 4 + 2), 4, 0.2)) << "the last body was not seen";
 }
 
-// Every name that trials of any kind write has its entry.
+// Every name that trials of any kind write has a description.
 bool isDescribed(std::string_view what, std::string_view kind, const std::string& name) {
   for (const DescribedMetric& m : describeMetrics()) {
     if (m.what != what || m.kind != kind) continue;
@@ -220,7 +220,7 @@ bool isDescribed(std::string_view what, std::string_view kind, const std::string
   return false;
 }
 
-TEST(Metrics, allThatTrialsWriteIsDescribed) {
+TEST(Metrics, everyMetricIsDescribed) {
   Workspace w;
   for (const bool timed : {false, true}) {
     const TrialResult r = run(w, kHill, {}, timed);
@@ -275,7 +275,7 @@ TEST(WorldTrial, timedTrialsHoldTimesAndTheSameHistory) {
   EXPECT_TRUE(std::isnan(back.metrics.at("momentum_error"))) << "NaN is kept, not dropped";
 }
 
-/// The default solver, which in its third step has not pushed with any number, and moves all as it should.
+/// The default solver, which reports NaN impulses in its third step but moves all bodies correctly.
 template <int D>
 class PushesNaN final : public Solver<D> {
  public:
@@ -306,7 +306,7 @@ class PushesNaN final : public Solver<D> {
 };
 LPC_REGISTER(Solver, PushesNaN, 2);
 
-TEST(WorldTrial, anImpulseThatIsNoNumberEndsTheRun) {
+TEST(WorldTrial, aNaNImpulseEndsTheRun) {
   Workspace w;
   std::string scene = kHill + "[[joint]]\nkind = \"pivot\"\na = \"world\"\nb = \"block\"\nanchor = [0, 0]\n";
   scene.replace(scene.find("[\"cache\", "), 10, "[\"joints\", \"cache\", ");
@@ -352,7 +352,7 @@ TEST(WorldTrial, unsupportedIsAnOutcome) {
   EXPECT_NE(planner.world(w.write("flat.toml", flat), cell).unsupported.find("3D"), std::string::npos);
 }
 
-// Poses at the same moments whatever the step; a trial that asks for nothing has the key that it always had.
+// Poses at the same times whatever the step; a trial that asks for nothing keeps its old key.
 TEST(WorldTrial, keepsPosesAndSeriesAsAsked) {
   Workspace w;
   Planner planner;
@@ -423,7 +423,7 @@ sleep = "none"
   EXPECT_EQ(sweeps[0].roles, roles) << "what each axis is";
 }
 
-TEST(WorldSweep, aPartOfAStageIsAMethodToo) {
+TEST(WorldSweep, partsOfAStageAreMethods) {
   Workspace w;
   w.write("throw.toml", kThrow);
   const auto sweeps = planSweeps(w.write("s.toml", R"(
@@ -459,7 +459,7 @@ TEST(WorldSweep, aBaselineIsAValueOfAnAxis) {
   }
 }
 
-// Both precisions are one sweep: f32 runs in a worker of its own, if this build has one.
+// One sweep covers both precisions: f32 runs in its own worker, if this build has one.
 TEST(WorldSweep, runsInTheWorkerOfItsPrecision) {
   Workspace w;
   w.write("throw.toml", kThrow);
@@ -472,7 +472,7 @@ TEST(WorldSweep, runsInTheWorkerOfItsPrecision) {
             test::kSingle ? "4" : "2");
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(DISTINCT hash) FROM trial"), test::kSingle ? "2" : "1");
   EXPECT_EQ(ask(w.path("s.db"), "SELECT length(data) FROM series WHERE name = 'kinetic'"), "800");
-  // What a report must know travels with the store.
+  // The store contains what a report must know.
   EXPECT_EQ(
       ask(w.path("s.db"), "SELECT unit || '|' || role FROM metrics WHERE what='metric' AND name='max_penetration'"),
       "m|error");

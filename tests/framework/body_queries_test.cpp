@@ -9,7 +9,7 @@ template <class T>
 struct BodyQueriesTest : testing::Test {};
 TYPED_TEST_SUITE(BodyQueriesTest, BothDimensions);
 
-// A ball at the origin, and a body of two balls at 4 and 8 along x, the second of category 2.
+// A ball at the origin, and a body of two balls at x = 4 and x = 8, the second of category 2.
 template <int D>
 struct Gallery : Inhabitants<D> {
   BodyQueries<D> queries{this->table};
@@ -28,7 +28,7 @@ TYPED_TEST(BodyQueriesTest, PointsAndBoxesMeetExactShapesOncePerBody) {
   constexpr int D = TypeParam::D;
   Gallery<D> g;
   EXPECT_EQ(g.queries.at(at<D>(0.5, 0.5)), std::vector<Handle>{g.one});
-  EXPECT_TRUE(g.queries.at(at<D>(0.9, 0.9)).empty());  // in its box alone
+  EXPECT_TRUE(g.queries.at(at<D>(0.9, 0.9)).empty());  // inside its bounding box only
   EXPECT_EQ(g.queries.at(at<D>(8, 0)), std::vector<Handle>{g.two});
   const auto boxed = [&](double x, double y) { return Aabb<D>{at<D>(x, -0.1, -0.1), at<D>(y, 0.1, 0.1)}; };
   EXPECT_EQ(g.queries.overlap(boxed(0, 9)), (std::vector<Handle>{g.one, g.two}));

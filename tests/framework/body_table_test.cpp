@@ -9,7 +9,7 @@ template <class T>
 struct BodyTableTest : testing::Test {};
 TYPED_TEST_SUITE(BodyTableTest, BothDimensions);
 
-// A box with a ball beside it, all its fields another than by themselves.
+// A box with a ball beside it; every field differs from its default.
 template <int D>
 BodyDef<D> odd() {
   BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(1)), at<D>(3, 4));
@@ -21,7 +21,7 @@ BodyDef<D> odd() {
   return def;
 }
 
-TYPED_TEST(BodyTableTest, TheLowestFreeSlotIsTakenAndOldHandlesAreOfNoBody) {
+TYPED_TEST(BodyTableTest, AddTakesTheLowestFreeSlotAndOldHandlesStayInvalid) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   for (int i = 0; i < 3; ++i) in.ball(at<D>(3 * i, 0));
@@ -38,7 +38,7 @@ TYPED_TEST(BodyTableTest, TheLowestFreeSlotIsTakenAndOldHandlesAreOfNoBody) {
   EXPECT_EQ(in.ball(at<D>(0, 0)), 0u);
 }
 
-TYPED_TEST(BodyTableTest, ADefinitionComesBack) {
+TYPED_TEST(BodyTableTest, DefinitionsRoundTrip) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   in.ball(at<D>(9, 9));
@@ -62,8 +62,8 @@ TYPED_TEST(BodyTableTest, ADefinitionComesBack) {
   }
 }
 
-// One shape goes, one stays, one comes: the body moves on about its new centre of mass, and the shape that stays is
-// where it was.
+// One shape is removed, one stays, one is added. The body's motion continues about its new centre of mass, and the kept
+// shape stays in place.
 TYPED_TEST(BodyTableTest, ARewrittenBodyKeepsSlotMotionAndShapes) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
@@ -86,7 +86,7 @@ TYPED_TEST(BodyTableTest, ARewrittenBodyKeepsSlotMotionAndShapes) {
               1e-5);
   EXPECT_EQ(in.table.shapes[static_cast<std::size_t>(kept)].index, 1);
   EXPECT_EQ(in.table.shapesOf(i).size(), 2u);
-  // At the old centre it moves as before.
+  // The velocity at the old centre is unchanged.
   const Vec<D> v = in.table.bodies.motion[i].v - cross(in.table.bodies.motion[i].w, Vec<D>(X_WB.q * by));
   EXPECT_NEAR((v - at<D>(1, 2)).norm(), 0, 1e-5);
 }
@@ -107,7 +107,7 @@ TYPED_TEST(BodyTableTest, KindsAreCountedByTheirParts) {
   EXPECT_FALSE(in.table.kinds()[sphere]);
 }
 
-TYPED_TEST(BodyTableTest, WhatIsTouchedWakesAndHasAFreshBox) {
+TYPED_TEST(BodyTableTest, ChangedBodiesWakeAndGetANewBox) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
@@ -133,7 +133,7 @@ TYPED_TEST(BodyTableTest, WhatIsTouchedWakesAndHasAFreshBox) {
   EXPECT_EQ(in.table.bodies.motion[i].v, at<D>(0, 0));
 }
 
-TYPED_TEST(BodyTableTest, MassesAreThoseOfWhatMovesByForces) {
+TYPED_TEST(BodyTableTest, InverseMassesAreZeroForBodiesThatForcesDoNotMove) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   const std::size_t free = in.ball(at<D>(0, 0)), fixed = in.ball(at<D>(3, 0), BodyType::fixed);
@@ -156,8 +156,8 @@ TYPED_TEST(BodyTableTest, MassesAreThoseOfWhatMovesByForces) {
   }
 }
 
-// What is derived follows from the arrays alone, as after a load.
-TYPED_TEST(BodyTableTest, ArraysFromElsewhereGoOnAsTheirOwn) {
+// All derived data follow from the arrays alone, as after loading.
+TYPED_TEST(BodyTableTest, DerivedDataFollowFromTheArrays) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in, copy;
   for (int i = 0; i < 4; ++i) in.add(odd<D>());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The tool that finds counterexamples, keeps them and runs them first, and the list of planted bugs.
+// The search that finds counterexamples, keeps them and runs them first, and the list of planted bugs.
 #include "tests/check_property.h"
 
 #include <gtest/gtest-spi.h>
@@ -16,7 +16,7 @@ std::string read(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// With the numbers and seeds of the source, whatever the environment asks of the others.
+/// Uses the case numbers and seeds of the source, whatever the environment sets.
 class CheckProperty : public ::testing::Test {
  protected:
   static constexpr std::array<const char*, 2> kVariables = {"LPC_TEST_CASES", "LPC_TEST_SEED"};
@@ -56,7 +56,7 @@ TEST_F(CheckProperty, FailsWithTheCounterexample) {
   });
 }
 
-// An input that failed is run first next time, as it was shrunk, and leaves when it passes.
+// A failing input, as shrunk, runs first next time; it is deleted once it passes.
 TEST_F(CheckProperty, RunsKeptFailuresFirst) {
   const std::filesystem::path folder = ::testing::TempDir() + fileNameOf(currentTest());
   std::filesystem::remove_all(folder);
@@ -81,9 +81,9 @@ TEST_F(CheckProperty, RunsKeptFailuresFirst) {
   EXPECT_NE(again.find("kept from an earlier run"), std::string::npos) << again;
   EXPECT_EQ(drawn.back(), 50);
   EXPECT_LT(drawn.size(), steps);
-  limit = 100;  // the bug is mended
+  limit = 100;  // the bug is fixed
   EXPECT_EQ(run(), "");
-  EXPECT_GT(drawn.size(), 100u);  // the kept one and a hundred
+  EXPECT_GT(drawn.size(), 100u);  // the kept input and a hundred drawn ones
   EXPECT_FALSE(std::filesystem::exists(kept.file(id)));
   EXPECT_EQ(run(), "");
   EXPECT_EQ(drawn.size(), 100u);
@@ -95,8 +95,8 @@ TEST_F(CheckProperty, RunsKeptFailuresFirst) {
   std::filesystem::remove_all(folder);
 }
 
-// What fills the screen is kept in a file, and goes with the failure.
-TEST_F(CheckProperty, KeepsTheRestOfALongStory) {
+// A long message is kept in a file, which is deleted once the property passes.
+TEST_F(CheckProperty, KeepsLongMessagesInAFile) {
   const std::filesystem::path folder = ::testing::TempDir() + fileNameOf(currentTest());
   std::filesystem::remove_all(folder);
   const KeptFailures kept(folder);

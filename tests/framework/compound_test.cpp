@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Shapes of several convex parts: what is refused, and what parts say together.
+// Shapes of several convex parts: what is rejected, and the mass and near parts of the whole.
 #include <gtest/gtest.h>
 
 #include "framework/shape/mass.h"
@@ -56,17 +56,17 @@ bool boxesOverlap(const std::vector<ShapePart<D>>& parts) {
   return boundingBox(parts[0].shape, parts[0].X_SP).overlaps(boundingBox(parts[1].shape, parts[1].X_SP));
 }
 
-// Two that share a face, or a point, at any pose: neither is inside the other. Pushed into each other by twice what is
-// let pass, they are.
+// Two parts that share a face or a point, in any pose, do not overlap. Moved into each other by twice the tolerance,
+// they do.
 template <int D, class Refuses>
 void facesMayBeShared(const Refuses& refuses) {
   RapidCheckDraw draw;
   Vec<D> a, b;
   for (int k = 0; k < D; ++k) a[k] = draw.real(0.1, 2), b[k] = draw.real(0.1, 2);
-  const bool round = draw.coin();  // a ball or an ellipsoid stands on the box's face
+  const bool round = draw.coin();  // a ball or an ellipsoid touches the box's face
   const std::vector<Real> half(b.data(), b.data() + D);
   const ShapePart<D> box{Shape<D>::box(a), *poses<D>(3)};
-  // A box, as a hull whose frame lies beside it, too: it shrinks about its own centre.
+  // A box, sometimes as a hull with its frame beside it: the overlap test shrinks it about its own centre.
   Vec<D> aside = Vec<D>::Zero();
   aside[0] = draw.real(0, 5);
   std::vector<Vec<D>> corners;
@@ -99,7 +99,7 @@ void overlaps() {
 }
 TEST(Compound, OverlapIsRefusedWhenAsked) { overlaps<2>(), overlaps<3>(); }
 
-// An L of two boxes against the box around it less the box that is missing; and of a part that is there twice.
+// An L of two boxes equals its bounding box minus the missing box. Two identical parts count twice.
 template <int D>
 void masses() {
   Vec<D> upright = Vec<D>::Constant(1), foot = Vec<D>::Constant(1);
@@ -112,7 +112,7 @@ void masses() {
   const auto placed = [](const Vec<D>& half, const Vec<D>& p) {
     return transformed(massProperties(Shape<D>::box(half).view(), Real(2)), Pose<D>{p, {}});
   };
-  // The L and the missing box make the whole one.
+  // The L plus the missing box is the bounding box.
   const MassProperties<D> made = combined(m, placed(missing, at<D>(1.5, 1))), box = placed(whole, at<D>(0.5, 0));
   EXPECT_NEAR(made.mass, box.mass, 64 * kEps * box.mass);
   EXPECT_LE((made.center - box.center).norm(), 64 * kEps);
@@ -124,7 +124,7 @@ void masses() {
 }
 TEST(Compound, MassIsThatOfItsParts) { masses<2>(), masses<3>(); }
 
-// The numbers of the pairs of parts of the two shapes that are near each other.
+// Indices of the pairs of parts of two shapes that are near each other.
 template <int D>
 std::vector<std::pair<int, int>> nearParts(const std::vector<ShapeRecord<D>>& shapes,
                                            const std::vector<Pose<D>>& pose) {
@@ -143,14 +143,13 @@ void culled() {
   using Numbers = std::vector<std::pair<int, int>>;
   std::vector<ShapePart<D>> teeth;
   for (int i = 0; i < 10; ++i) teeth.push_back({Shape<D>::box(Vec<D>::Constant(Real(0.4))), {at<D>(i, 0), {}}});
-  // Two combs, one above the other by half and by one and a half of the margin, and moved along by five and a half
-  // teeth.
+  // Two combs, one above the other at half and at 1.5 times the margin, shifted by five and a half teeth.
   const ShapeRecord<D> comb{.shape = Shape<D>::compound(teeth), .body = 0}, other{.shape = comb.shape, .body = 1};
   const auto above = [](double gap) { return std::vector<Pose<D>>{{}, {at<D>(5.5, 0.8 + gap), {}}}; };
   EXPECT_EQ(nearParts<D>({comb, other}, above(0.5 * kContactMargin)),
             (Numbers{{5, 0}, {6, 0}, {6, 1}, {7, 1}, {7, 2}, {8, 2}, {8, 3}, {9, 3}, {9, 4}}));
   EXPECT_EQ(nearParts<D>({comb, other}, above(1.5 * kContactMargin)), Numbers{});
-  // Stairs of a tenth of a metre, of which three steps are near a plane, whichever comes first.
+  // Stairs with steps of 0.1 m, three of which are near a plane, in either order of the bodies.
   for (std::size_t i = 0; i < teeth.size(); ++i) teeth[i].X_SP.p[1] = Real(0.1) * static_cast<Real>(i);
   ShapeRecord<D> stairs{.shape = Shape<D>::compound(teeth), .body = 0}, plane{.shape = Shape<D>::plane(), .body = 1};
   const Pose<D> low{at<D>(0, 0.21), {}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Who is connected, who stands how high, and who may be solved at the same time, on any graph.
+// Islands, support levels and colours of contacts, on any graph.
 #include "framework/problem/contact_graph.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ void colourAll(GraphInput& in) {
   for (std::size_t k = 0; k < in.manifolds.size(); ++k) in.contacts.push_back(static_cast<int>(k));
 }
 
-// Any small graph, or one in which some bodies have more contacts than there are greedy colours.
+// A small graph, or one in which some bodies have more contacts than there are greedy colours.
 GraphInput drawGraph(Draw& draw) {
   GraphInput in;
   const bool hubs = draw.below(4) == 3;
@@ -49,7 +49,7 @@ GraphInput drawGraph(Draw& draw) {
     in.bodies.used[at(i)] = draw.below(8) != 1;
     in.bodies.type[at(i)] = draw.pick({BodyType::dynamic, BodyType::dynamic, BodyType::fixed, BodyType::kinematic});
   }
-  in.joints.resize(1);  // a free one
+  in.joints.resize(1);  // a free slot
   for (int k = draw.below(hubs ? 200 : 15); k > 0; --k) {
     const int a = hubs ? draw.below(std::min(n, 3)) : draw.below(n), b = draw.below(n);
     if (a == b || !in.bodies.used[at(a)] || !in.bodies.used[at(b)]) continue;
@@ -70,7 +70,7 @@ GraphInput drawGraph(Draw& draw) {
 
 // --- islands --------------------------------------------------------------------------------------------------------
 
-// By walking from body to body until nothing changes; numbers follow the lowest slot.
+// Walks from body to body until nothing changes; islands are numbered by their lowest slot.
 std::vector<std::int32_t> walked(const GraphInput& in, bool alsoTouching) {
   std::vector<std::pair<int, int>> links;
   for (const JointRecord<2>& j : in.joints) {
@@ -104,7 +104,7 @@ void islandsAreWhatIsConnected(Answer answer) {
   RC_ASSERT(found.groups == walked(in, false));
 }
 
-TEST(ContactGraph, IslandsAreWhatIsConnected) {
+TEST(ContactGraph, IslandsAreConnectedBodies) {
   check(
       "islands of any graph", [] { islandsAreWhatIsConnected([](const GraphInput& in) { return answersOf(in); }); },
       500);
@@ -121,7 +121,8 @@ TEST(ContactGraph, IslandsAreWhatIsConnected) {
 
 // --- levels ---------------------------------------------------------------------------------------------------------
 
-// 0 for what no contact moves; else one more than the lowest that it touches; none where there is no such way.
+// 0 for bodies that no contact moves; otherwise one more than the lowest level that the body touches; none if there is
+// no path.
 void levelsAreDistances(Answer answer) {
   RapidCheckDraw draw;
   const GraphInput in = drawGraph(draw);
@@ -158,7 +159,7 @@ void coloursAreGreedyAndApart(Answer answer) {
   const GraphAnswers found = answer(in);
   const auto& offsets = found.offsets;
   RC_ASSERT(!offsets.empty() && offsets.front() == 0 && offsets.back() == static_cast<int>(in.contacts.size()));
-  std::vector<int> place(in.manifolds.size(), -1);  // in the order given
+  std::vector<int> place(in.manifolds.size(), -1);  // index in the given order
   for (std::size_t k = 0; k < in.contacts.size(); ++k) place[at(in.contacts[k])] = static_cast<int>(k);
   std::vector<int> sorted = found.order, given = in.contacts;
   std::sort(sorted.begin(), sorted.end()), std::sort(given.begin(), given.end());
@@ -173,12 +174,12 @@ void coloursAreGreedyAndApart(Answer answer) {
       if (k > offsets[c]) RC_ASSERT(place[at(found.order[at(k - 1)])] < place[at(found.order[at(k)])]);
       for (const int body : {m.bodyA, m.bodyB}) {
         if (!in.node(body)) continue;
-        RC_ASSERT(busy.insert(body).second);  // two contacts of a body would be solved at the same time
+        RC_ASSERT(busy.insert(body).second);  // otherwise two contacts of a body are solved at the same time
         placesOf[at(body)][static_cast<int>(c)].insert(place[at(found.order[at(k)])]);
       }
     }
   }
-  // No lower colour was free when a contact had its turn, up to the last of the greedy ones.
+  // When a contact was coloured, none of the lower greedy colours was free.
   for (std::size_t c = 0; c + 1 < offsets.size(); ++c) {
     for (int k = offsets[c]; k < offsets[c + 1]; ++k) {
       const int contact = found.order[at(k)];
@@ -209,7 +210,7 @@ TEST(ContactGraph, ColoursAreGreedyAndApart) {
   }
 }
 
-// --- all of it ------------------------------------------------------------------------------------------------------
+// --- the whole graph ------------------------------------------------------------------------------------------------
 
 template <class Ask>
 void isIndependentOfTheQuestions(const Ask& ask) {
@@ -223,7 +224,7 @@ void isIndependentOfTheQuestions(const Ask& ask) {
   RC_ASSERT(ask(in, questions) == answersOf(in));
 }
 
-TEST(ContactGraph, AnswersDoNotDependOnWhatWasAskedBefore) {
+TEST(ContactGraph, AnswersDoNotDependOnEarlierQueries) {
   check("answers in any order",
         [] { isIndependentOfTheQuestions([](const auto& in, const auto& q) { return answersOf(in, q); }); });
   expectFalsified("islands are what was grouped first", [] {
@@ -251,7 +252,7 @@ TEST(ContactGraph, KnowsTheEdgesOfEachBody) {
   EXPECT_TRUE(graph.jointsOf(2).empty());
 }
 
-// A tower, many on one plate, a grid: what is looked at grows with bodies, contacts and joints and no faster.
+// A tower, many boxes on one plate, a grid: the work grows no faster than bodies, contacts and joints.
 GraphInput drawLarge(int kind, int n) {
   GraphInput in;
   addBodies(in, 1, BodyType::fixed), addBodies(in, n, BodyType::dynamic);
@@ -274,7 +275,7 @@ std::uint64_t visits(const GraphInput& in) {
   graph.colour(in.contacts, out.order, out.offsets);
   return work[WorkCount::graphVisits];
 }
-// Of a colouring that asks all neighbours of both bodies for each contact.
+// Planted bug: a colouring that visits all neighbours of both bodies for each contact.
 std::uint64_t visitsOfNeighbours(const GraphInput& in) {
   std::vector<std::uint64_t> contacts(in.bodies.pose.size(), 0);
   for (const Manifold<2>& m : in.manifolds) ++contacts[at(m.bodyA)], ++contacts[at(m.bodyB)];
@@ -303,7 +304,7 @@ TEST(ContactGraph, WorkIsLinear) {
 
 // --- in a world -----------------------------------------------------------------------------------------------------
 
-// A resolver that looks at what it is given, and leaves the work to catto.
+// A resolver that checks its input and delegates to catto.
 struct Seen {
   long contacts = 0, coloured = 0, shared = 0, unequal = 0;
 } seen;

@@ -10,7 +10,7 @@ template <class T>
 struct ContactMakerTest : testing::Test {};
 TYPED_TEST_SUITE(ContactMakerTest, BothDimensions);
 
-// One point for each pair, latest first; counts in each pair's memory how often it was asked.
+// One point per pair, in reverse order. Counts the queries of each pair in its memory.
 template <int D>
 struct OnePoint final : ContactGenerator<D> {
   std::vector<Real> margins;  // of the pairs, in order
@@ -26,7 +26,7 @@ struct OnePoint final : ContactGenerator<D> {
   }
 };
 
-// Makes every contact anew, or keeps every one that there was.
+// Generates every contact again, or keeps every old one.
 template <int D>
 struct Keeper final : ContactCache<D> {
   bool keeps = false;
@@ -63,7 +63,7 @@ struct Maker : Inhabitants<D> {
 };
 using Bodies2 = std::vector<std::pair<int, int>>;
 
-TYPED_TEST(ContactMakerTest, PairsAreThoseOfBodiesThatMayMeetInTheOrderOfTheirBodies) {
+TYPED_TEST(ContactMakerTest, PairsMayCollideAndAreSortedByBodies) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   m.ball(at<D>(0, 0));                                    // body 0
@@ -86,7 +86,7 @@ TYPED_TEST(ContactMakerTest, PairsAreThoseOfBodiesThatMayMeetInTheOrderOfTheirBo
   EXPECT_EQ(m.touching(), (Bodies2{{0, 1}, {0, 4}, {2, 3}}));
 }
 
-TYPED_TEST(ContactMakerTest, OrderIsByBodiesWhateverTheSlotsOfShapes) {
+TYPED_TEST(ContactMakerTest, OrderIsByBodiesNotByShapeSlots) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
@@ -95,7 +95,7 @@ TYPED_TEST(ContactMakerTest, OrderIsByBodiesWhateverTheSlotsOfShapes) {
   m.ball(at<D>(1.5, 0));  // body 1: shape 2
   m.table.remove(0);
   m.ball(at<D>(30, 0));  // body 0: shape 0
-  m.ball(at<D>(3, 0));   // body 2: shape 1, behind body 1
+  m.ball(at<D>(3, 0));   // body 2: shape 1, after body 1
   m.run();
   ASSERT_EQ(m.touching(), (Bodies2{{1, 2}}));
   EXPECT_EQ(m.maker.pairs()[0], (ShapePair{2, 1}));
@@ -115,13 +115,13 @@ TYPED_TEST(ContactMakerTest, PairsAheadHaveTheirOwnMarginAndComeOnce) {
   EXPECT_EQ(m.generator.margins, std::vector<Real>{m.settings.margin});
 }
 
-TYPED_TEST(ContactMakerTest, WhatACacheKeepsIsNotMadeAndHasTheMaterialOfItsShapes) {
+TYPED_TEST(ContactMakerTest, CachedContactsAreNotGeneratedAndHaveTheirShapesMaterial) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   m.ball(at<D>(0, 0)), m.ball(at<D>(1.5, 0));
   m.run();
   ASSERT_EQ(m.generator.margins.size(), 1u);
-  m.maker.manifolds[0].friction = 9;  // by a listener
+  m.maker.manifolds[0].friction = 9;  // as by a listener
   m.maker.manifolds[0].points[0].impulse[0] = 3;
   m.cache.keeps = true;
   m.run();
@@ -130,7 +130,7 @@ TYPED_TEST(ContactMakerTest, WhatACacheKeepsIsNotMadeAndHasTheMaterialOfItsShape
   EXPECT_EQ(m.maker.manifolds[0].points[0].impulse[0], 3);
   EXPECT_NEAR(m.maker.manifolds[0].friction, m.table.shapes[0].friction, 1e-6);
   EXPECT_EQ(m.maker.before().size(), 1u);
-  m.settings.features.cache = false;  // all anew, and nothing is carried
+  m.settings.features.cache = false;  // regenerates all, carries nothing over
   m.run();
   EXPECT_EQ(m.maker.manifolds[0].points[0].impulse[0], 0);
 }
@@ -146,7 +146,7 @@ TYPED_TEST(ContactMakerTest, RecordsLastAsLongAsTheirPairs) {
   };
   m.run(), m.run();
   EXPECT_EQ(asked(), (std::vector<int>{2, 2}));
-  m.cache.keeps = true;  // nothing is asked, all stays
+  m.cache.keeps = true;  // no query, all stays
   m.run();
   EXPECT_EQ(asked(), (std::vector<int>{2, 2}));
   m.cache.keeps = false;
@@ -161,8 +161,8 @@ TYPED_TEST(ContactMakerTest, RecordsLastAsLongAsTheirPairs) {
   EXPECT_TRUE(asked().empty());
 }
 
-// Contacts and records of pairs that rest are not looked at, and those of others are.
-TYPED_TEST(ContactMakerTest, WhatRestsStays) {
+// Contacts and records of sleeping pairs are skipped; those of others are updated.
+TYPED_TEST(ContactMakerTest, ContactsOfSleepersStay) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   m.ball(at<D>(0, 0)), m.ball(at<D>(1.5, 0)), m.ball(at<D>(30, 0)), m.ball(at<D>(31.5, 0));
@@ -184,7 +184,7 @@ TYPED_TEST(ContactMakerTest, WhatRestsStays) {
   EXPECT_TRUE(m.maker.before().empty());
 }
 
-TYPED_TEST(ContactMakerTest, ContactsOfAShapeThatGoesEndOncePerPair) {
+TYPED_TEST(ContactMakerTest, ContactsOfARemovedShapeEndOncePerPair) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   std::vector<ShapePart<D>> parts = {{Shape<D>::sphere(1), {at<D>(0, 0), {}}},

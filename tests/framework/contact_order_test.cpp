@@ -10,7 +10,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_order_test { namespace {
 
-// Few bodies with many manifolds each, many bodies, and numbers that differ in their highest bytes only.
+// Few bodies with many manifolds each, many bodies, and numbers that differ only in their highest bytes.
 template <int D>
 std::vector<Manifold<D>> drawManifolds(Random& random) {
   const std::uint64_t limits[] = {1, 5, 300, 70'000, 0x7fffffff};
@@ -21,7 +21,7 @@ std::vector<Manifold<D>> drawManifolds(Random& random) {
     Manifold<D>& m = manifolds[i];
     m.bodyA = number(), m.bodyB = number(), m.shapeA = number(), m.shapeB = number();
     m.childA = number(), m.childB = number();
-    m.count = static_cast<std::int32_t>(i);  // to tell equal keys apart
+    m.count = static_cast<std::int32_t>(i);  // distinguishes equal keys
   }
   return manifolds;
 }
@@ -39,7 +39,7 @@ bool sortsAsStdDoes(Sort& sort) {
   return true;
 }
 
-// Takes body numbers for bytes.
+// Planted bug: sorts by the low byte of body numbers.
 template <int D>
 struct SortsByLowBytes {
   void operator()(std::vector<Manifold<D>>& manifolds) {
@@ -65,7 +65,7 @@ void sortsInBoth() {
   SortsByLowBytes<D> bug;
   expectCaught("manifolds sorted by low bytes", sortsAsStdDoes<D>(bug));
 }
-TEST(ContactOrder, IsThatOfTheStandardLibrary) { sortsInBoth<2>(), sortsInBoth<3>(); }
+TEST(ContactOrder, SortsAsStableSort) { sortsInBoth<2>(), sortsInBoth<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::contact_order_test

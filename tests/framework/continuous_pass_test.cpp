@@ -10,7 +10,7 @@ template <class T>
 struct ContinuousPassTest : testing::Test {};
 TYPED_TEST_SUITE(ContinuousPassTest, BothDimensions);
 
-// Balls fly along x for one second. There is no solver: each is moved by its velocity.
+// Balls fly along x for one second, without a solver: each moves by its velocity.
 template <int D>
 struct Flight : Inhabitants<D> {
   std::unique_ptr<ContinuousCollision<D>> method;
@@ -47,7 +47,7 @@ struct Flight : Inhabitants<D> {
   double work(WorkCount what) { return double(this->profiler.frame().work[what]); }
 };
 
-constexpr double kClose = 0.02;  // m, that a stopped body may stand before or in what it met
+constexpr double kClose = 0.02;  // m: largest distance or depth of a stopped body at the body that it met
 
 TYPED_TEST(ContinuousPassTest, AFastBallStopsAtAWallAndASlowOneGoesOn) {
   constexpr int D = TypeParam::D;
@@ -63,7 +63,7 @@ TYPED_TEST(ContinuousPassTest, AFastBallStopsAtAWallAndASlowOneGoesOn) {
   EXPECT_NEAR(f.profiler.frame().lostTime, 1 - 9. / 40, 1e-3);
 }
 
-TYPED_TEST(ContinuousPassTest, NothingIsStoppedWhereTheSceneOrTheMethodDoesNotLook) {
+TYPED_TEST(ContinuousPassTest, NothingIsStoppedWithoutContinuousCollision) {
   constexpr int D = TypeParam::D;
   for (const char* name : {"cast", "none", "speculative"}) {
     Flight<D> f(name);
@@ -96,8 +96,8 @@ TYPED_TEST(ContinuousPassTest, VetoedAndJointedPairsPassThroughEachOther) {
   }
 }
 
-// One behind the other, the first meets the wall: the second then meets the first where that stands.
-TYPED_TEST(ContinuousPassTest, MeetingsComeInTheOrderOfTheirTimes) {
+// Of two balls in a row the first hits the static body. The second then stops at the first one's final position.
+TYPED_TEST(ContinuousPassTest, ImpactsHappenInTimeOrder) {
   constexpr int D = TypeParam::D;
   Flight<D> f("cast");
   const std::size_t second = f.fly(-4, 40);
@@ -109,8 +109,8 @@ TYPED_TEST(ContinuousPassTest, MeetingsComeInTheOrderOfTheirTimes) {
   EXPECT_EQ(f.work(WorkCount::stops), 2);
 }
 
-// Far from the wall, it is held by the joint to the one that is stopped.
-TYPED_TEST(ContinuousPassTest, WhatIsJointedStopsTogether) {
+// A body far from the static body is stopped with the body that it is jointed to.
+TYPED_TEST(ContinuousPassTest, JointedBodiesStopTogether) {
   constexpr int D = TypeParam::D;
   Flight<D> f("cast");
   f.wall(10);
@@ -124,8 +124,8 @@ TYPED_TEST(ContinuousPassTest, WhatIsJointedStopsTogether) {
   EXPECT_NEAR(f.x(alone), 40, 1e-4);
 }
 
-// Two fly at each other, and a joint stops one of them early: they meet where that stands, and not halfway.
-TYPED_TEST(ContinuousPassTest, AMeetingIsAskedAnewWhenOneOfTheTwoHasStopped) {
+// Two balls fly at each other, and a joint stops one early. They touch at its final position, not halfway.
+TYPED_TEST(ContinuousPassTest, ImpactsAreRecomputedAfterAStop) {
   constexpr int D = TypeParam::D;
   Flight<D> f("cast");
   const std::size_t first = f.fly(0, 40), second = f.fly(30, -40), mate = f.ball(at<D>(30, 20));
@@ -139,7 +139,7 @@ TYPED_TEST(ContinuousPassTest, AMeetingIsAskedAnewWhenOneOfTheTwoHasStopped) {
   EXPECT_NEAR(f.x(first), 25, 2 * kClose);
 }
 
-TYPED_TEST(ContinuousPassTest, PairsAheadReachAsFarAsBothGo) {
+TYPED_TEST(ContinuousPassTest, MarginsAheadCoverTheMotionOfBoth) {
   constexpr int D = TypeParam::D;
   Flight<D> f("speculative");
   f.wall(10);
@@ -157,14 +157,14 @@ TYPED_TEST(ContinuousPassTest, PairsAheadReachAsFarAsBothGo) {
   EXPECT_TRUE(f.pass.ahead().empty());
 }
 
-// The slot of a small ball is taken by a large one, for which the same way is short.
-TYPED_TEST(ContinuousPassTest, AShapeThatIsForgottenIsMeasuredAnew) {
+// A large ball takes the slot of a small one; the same motion is short for it.
+TYPED_TEST(ContinuousPassTest, AForgottenShapeIsMeasuredAgain) {
   constexpr int D = TypeParam::D;
   Flight<D> f("speculative");
   f.wall(20);
   const std::size_t small = f.fly(10, 4);
   f.table.sync(false);
-  f.pass.lookAhead(f.input());  // measures it; its way ends short of the wall
+  f.pass.lookAhead(f.input());  // measures it; its path ends short of the static body
   f.table.remove(small);
   const std::size_t large = f.add(body<D>(Shape<D>::sphere(10), at<D>(10, 0)));
   f.table.bodies.motion[large].v = at<D>(4, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Cores that are known by their support functions: the support point, the support face, the mass, and points, boxes and
-// rays against them. Each is held to the formula of its surface, which none of them uses.
+// Cores defined by support functions: the support point, the support face, the mass, and queries with points, boxes and
+// rays. Each is compared with the implicit formula of its surface, which none of them uses.
 #include "framework/shape/curved_core.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ Shape<D> draw(ShapeKind kind, Random& random, Real rounding = 0) {
   return Shape<D>::curved(kind, sizes, rounding);
 }
 
-// Below 1 inside, 1 on the surface.
+// Less than 1 inside, 1 on the surface.
 template <int D>
 Real level(const ShapeView<D>& s, const Vec<D>& p) {
   if (s.kind == ShapeKind::ellipsoid) return p.cwiseQuotient(s.half).squaredNorm();
@@ -42,7 +42,8 @@ Vec<D> onSurface(const ShapeView<D>& s, Random& random) {
   return s.kind == ShapeKind::ellipsoid ? Vec<D>(d / std::sqrt(level(s, d))) : Vec<D>(d / level(s, d));
 }
 
-// f(kind) for each curved kind of this dimension: a new one is tested as soon as it is there and `level` knows it.
+// Calls f(kind) for each curved kind of this dimension. A new kind is tested once it is registered and `level` supports
+// it.
 template <int D, class F>
 void forKinds(F&& f) {
   for (const auto& [kind, unused] : curvedKinds<D>()) {
@@ -51,7 +52,7 @@ void forKinds(F&& f) {
   }
 }
 
-// The number of draws in which a support function is wrong: its point is not on the core, or another lies farther.
+// Number of draws in which a support function is wrong: its point is not on the core, or another point lies farther.
 template <int D, class Support>
 int wrongSupports(ShapeKind kind, const Support& support) {
   Random random(11);
@@ -99,7 +100,7 @@ void lengths() {
     EXPECT_LE(level(shape.view(), coreSupport(shape.view(), Vec<D>(Vec<D>::Zero()))), 1 + 8 * kEps);
   });
 }
-TEST(CurvedCore, LengthOfTheDirectionIsNothing) { lengths<2>(), lengths<3>(); }
+TEST(CurvedCore, LengthOfTheDirectionDoesNotMatter) { lengths<2>(), lengths<3>(); }
 
 TEST(CurvedCore, SupportFaces) {
   const Real sizes[2] = {1, Real(0.5)};
@@ -140,7 +141,7 @@ TEST(CurvedCore, MassByFormulas) {
   EXPECT_NEAR(thin.inertia(0, 0) / thin.mass, 1e-6 / 2, 1e-12);
 }
 
-// A tenth of a million points, or so: mass, centre and inertia of the solid by counting.
+// Mass, centre and inertia by counting about 100,000 random points inside.
 template <int D>
 void massByCounting() {
   forKinds<D>([](ShapeKind kind) {
@@ -181,14 +182,14 @@ void questions() {
       const Vec<D> p = onSurface(s, random);
       EXPECT_TRUE(containsPoint(s, X, Vec<D>(Real(0.9999) * p)));
       EXPECT_FALSE(containsPoint(s, X, Vec<D>(Real(1.0001) * p)));
-      // A ray from outside to the middle enters where the surface is.
+      // A ray from outside to the centre enters at the surface.
       const Vec<D> from = 3 * p;
       EXPECT_NEAR(double(rayEntry(s, X, from, Vec<D>(-from), Real(1)).t), 2.0 / 3, 1e-4);
       EXPECT_LT(rayEntry(s, X, from, from, Real(100)).t, 0);
       EXPECT_LT(rayEntry(s, X, from, Vec<D>(-from), Real(0.6)).t, 0);
       const Vec<D> edge = Vec<D>::Constant(Real(0.1));
       EXPECT_TRUE(overlapsBox(s, X, Aabb<D>{p - edge, p + edge}));
-      const Vec<D> beyond = coreSupport(s, p);  // a corner of this box is as near as it gets
+      const Vec<D> beyond = coreSupport(s, p);  // this box touches the support plane only with a corner
       const Vec<D> n = p / p.norm();
       const Vec<D> lo = beyond + Real(0.001) * n;
       Aabb<D> box{lo, lo};

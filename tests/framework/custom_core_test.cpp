@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The one kind that a user's support function gives: registered, it is a shape as others are; unsound, it is refused.
+// The one kind that a user's support function defines: registered, it works like any shape; an unsound one is rejected.
 #include <gtest/gtest.h>
 
 #include "framework/shape/curved_core.h"
@@ -11,7 +11,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace cust
 enum class Bug { none, notFinite, dented, smallBox, largeBox, otherHalf, noMass, noDirection, manyCorners, farCorner };
 Bug g_bug = Bug::none;
 
-// A ball of the radius sizes[0], with a bug.
+// A ball of radius sizes[0], with a bug.
 template <int D>
 class Ball final : public CurvedBase<D, Ball<D>> {
  public:
@@ -32,7 +32,7 @@ class Ball final : public CurvedBase<D, Ball<D>> {
       if (g_bug == Bug::noDirection) p[0] = std::numeric_limits<N>::quiet_NaN();
       return p;
     }
-    // Dented: where all of d is alike the point lies nearer than its neighbours leave room for.
+    // Dented: where all components of d are alike, the point lies closer than convexity allows.
     N least = std::abs(d[0]), length = std::sqrt(square), factor = 1;
     for (const N x : d) least = std::min(least, N(std::abs(x)));
     if (g_bug == Bug::dented && least > N(0.55) * length) factor = N(0.5);
@@ -56,7 +56,7 @@ class Ball final : public CurvedBase<D, Ball<D>> {
   std::array<Real, 1> m_radius;
 };
 
-// There while the test runs: other tests of this program go through all kinds that are there.
+// Registered only while the test runs: other tests in this program iterate over all registered kinds.
 class Registered {
  public:
   Registered() { const CurvedRegistrar<Ball, 2, 3> registrar{ShapeKind::custom, {{"radius"}, {"radius"}}}; }
@@ -107,14 +107,14 @@ TEST(CustomCore, UnsoundOnesAreRefused) {
   }
 }
 
-TEST(CustomCore, TwoOfThemAreNone) {
+TEST(CustomCore, TwoRegistrationsAreRefused) {
   const Registered registered;
   const CurvedRegistrar<Ball, 3> another{ShapeKind::custom, {{"radius"}}};
   EXPECT_EQ(refusal<2>(), "taken");
   EXPECT_EQ(refusal<3>(), "custom: 2 plugins give one; valid: one of them");
 }
 
-// It rests where a ball of its size does, and a loaded world goes on bit for bit.
+// It comes to rest where a sphere of its size does, and a loaded world continues bit for bit.
 template <int D>
 void restsAsABall() {
   const Registered registered;

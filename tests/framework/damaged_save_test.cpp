@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A saved world that has been damaged is refused with one line, or it is still a world: nothing that is read from it
-// may point at nothing. What is refused leaves the world as it was.
+// A damaged saved world is rejected with a one-line message, or it is still valid: no index read from it may be out of
+// range. Rejection leaves the world unchanged.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -26,7 +26,7 @@ std::string filledAndSaved() {
   return saved(world);
 }
 
-// Empty when the bytes were loaded, otherwise what the refusal said.
+// Empty if the bytes were loaded; otherwise the message.
 template <int D>
 std::string refusal(World<D>& world, const std::string& bytes) {
   std::istringstream in(bytes);
@@ -66,10 +66,10 @@ void everyFlipIsTold() {
   }
   ASSERT_EQ(world.bodyCount(), 0);
 }
-TEST(DamagedSave, EveryFlippedByteIsTold) { everyFlipIsTold<2>(), everyFlipIsTold<3>(); }
+TEST(DamagedSave, EveryFlippedByteIsDetected) { everyFlipIsTold<2>(), everyFlipIsTold<3>(); }
 
 #if defined(LPC_SANITIZED)
-constexpr std::size_t kEvery = 5;  // bytes are much alike, and sanitizers slow
+constexpr std::size_t kEvery = 5;  // neighbouring bytes behave alike, and sanitizers are slow
 #else
 constexpr std::size_t kEvery = 1;
 #endif
@@ -104,7 +104,7 @@ void flip() {
 TEST(DamagedSave, EveryFlippedByteIsRefusedOrHarmless2) { flip<2>(); }
 TEST(DamagedSave, EveryFlippedByteIsRefusedOrHarmless3) { flip<3>(); }
 
-// Numbers at the edges in the place of one or a few that are there, in every pipeline that keeps something.
+// Extreme values replace one or a few numbers, in every pipeline that keeps data.
 template <int D>
 void edges() {
   Random random(seedOf("edges in a saved world"));
@@ -121,7 +121,7 @@ void edges() {
       do putEdge(payload, random);
       while (random.below(3) == 0);
       const std::string kept = LPC_BINARY_DIR "/failures/saved_world_" + std::to_string(D);
-      std::ofstream(kept) << payload;  // what ends the program is there afterwards
+      std::ofstream(kept) << payload;  // stays if the program crashes
       const Life life = livesOn<D>(payload, kDamagedPipelines[k], true);
       ASSERT_EQ(life.fault, "") << kDamagedPipelines[k] << ", " << kept;
       std::filesystem::remove(kept);
@@ -134,7 +134,7 @@ void edges() {
 TEST(DamagedSave, NumbersAtTheEdgesAreRefusedOrHarmless2) { edges<2>(); }
 TEST(DamagedSave, NumbersAtTheEdgesAreRefusedOrHarmless3) { edges<3>(); }
 
-// What a save holds, to be damaged in one place.
+// The contents of a saved world, to be damaged in one place.
 template <int D>
 struct Damaged : SavedState<D> {
   std::string contacts = "query_clip";
@@ -161,7 +161,7 @@ struct Damaged : SavedState<D> {
     }
     return "";
   }
-  // The shape of this kind, with a hull or sizes of its own.
+  // The first shape of this kind, with its own hull or sizes.
   ShapeRecord<D>& shape(ShapeKind kind) {
     for (ShapeRecord<D>& s : this->shapes) {
       if (s.body >= 0 && s.shape.convex() && s.shape.kind() == kind) return s;
@@ -183,7 +183,7 @@ struct Damage {
   std::function<void(Damaged<D>&)> spoil;
 };
 
-constexpr std::int32_t kFreeSlot = 1;  // of the body that was removed
+constexpr std::int32_t kFreeSlot = 1;  // of the removed body
 
 template <int D>
 std::vector<Damage<D>> damages() {
@@ -287,7 +287,7 @@ void name() {
 }
 TEST(DamagedSave, EachDamageIsNamed) { name<2>(), name<3>(); }
 
-// A kind that this program lacks is no damage: the save is whole, and says what it needs.
+// A kind that is not registered is no damage: the message says what the saved world needs.
 template <int D>
 void lacksAKind() {
   const std::string bytes = filledAndSaved<D>();
@@ -306,7 +306,7 @@ void lacksAKind() {
 }
 TEST(DamagedSave, AKindThatIsNotRegisteredIsNamed) { lacksAKind<2>(), lacksAKind<3>(); }
 
-// A world that has exploded is saved and loaded as it is.
+// A world that has exploded is saved and loaded unchanged.
 template <int D>
 void explode() {
   World<D> world(Pipeline::parse(kPipeline)), copy(Pipeline::parse(kPipeline));
@@ -319,7 +319,7 @@ void explode() {
   world.step(kDt), copy.step(kDt);
   EXPECT_EQ(saved(copy), saved(world));
 }
-TEST(DamagedSave, AnExplodedWorldIsNone) { explode<2>(), explode<3>(); }
+TEST(DamagedSave, AnExplodedWorldIsNotDamaged) { explode<2>(), explode<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::damaged_save_test

@@ -46,7 +46,7 @@ TYPED_TEST(DefinitionsTest, TheWeightIsThatOfAllShapes) {
   EXPECT_EQ(weigh(def).invInertia, Inertia<D>(Inertia<D>::Zero()));
 }
 
-TYPED_TEST(DefinitionsTest, WhatIsNoBodyIsRefusedByName) {
+TYPED_TEST(DefinitionsTest, InvalidBodiesAreRefusedByName) {
   constexpr int D = TypeParam::D;
   const auto refusal = [](const auto& spoil) {
     BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
@@ -81,7 +81,7 @@ TYPED_TEST(DefinitionsTest, TwoMergedHaveTheMomentaOfBoth) {
   EXPECT_NE(refusalOf([&] { merged(a, fixed); }), "");
 }
 
-TYPED_TEST(DefinitionsTest, EachPartGoesOnAsItsPointOfTheWhole) {
+TYPED_TEST(DefinitionsTest, SplitPartsKeepTheMotionOfTheirPoints) {
   constexpr int D = TypeParam::D;
   BodyDef<D> whole = turning<D>(Shape<D>::sphere(1), at<D>(0, 0), at<D>(1, 0), 2);
   whole.shapes.push_back({.shape = Shape<D>::sphere(1), .X_BS = {at<D>(4, 0), {}}});

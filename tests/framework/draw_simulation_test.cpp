@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What is drawn of a simulation is what it has, by content. Each check says whether it holds, so that a drawing with a
-// bug (tests/planted_bugs/draw_twins.h) is seen to break it.
+// The drawing of a simulation equals its content. Each check returns whether it holds, so that drawings with a bug
+// (tests/planted_bugs/draw_twins.h) can be shown to fail.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -50,7 +50,7 @@ Shape<D> cube(double half = 0.5) {
   return Shape<D>::box(Vec<D>::Constant(Real(half)));
 }
 
-// A box that rests on the ground, and one over it, nearer than the margin, in no gravity.
+// A box that rests on the ground.
 template <int D>
 void addResting(World<D>& world) {
   addGround(world);
@@ -58,7 +58,7 @@ void addResting(World<D>& world) {
   for (int i = 0; i < 120; ++i) world.step(kDt);
 }
 
-// The box's corners on the ground bear its weight.
+// The contacts lie at the box's corners on the ground and are loaded.
 template <int D>
 bool restingContactsAreTheCorners(const Drawing<D>& drawing) {
   World<D> world;
@@ -74,7 +74,7 @@ bool restingContactsAreTheCorners(const Drawing<D>& drawing) {
   return true;
 }
 
-// Of all manifolds of a heap each point, where both anchors are, red where it bears.
+// Each contact point of a heap is drawn midway between its two anchors, red if it is loaded.
 template <int D>
 bool contactsAreTheWorlds(const Drawing<D>& drawing) {
   World<D> world;
@@ -102,7 +102,7 @@ bool contactsAreTheWorlds(const Drawing<D>& drawing) {
   return seen > 500 && idle > 10;
 }
 
-// The lengths of the impulses on the resting box are its weight in a step, upwards; friction has none to say.
+// The impulses on the resting box sum to its weight times the step, upwards. Normals have their fixed length.
 template <int D>
 bool impulsesAreTheWeight(const Drawing<D>& drawing) {
   World<D> world;
@@ -120,7 +120,7 @@ bool impulsesAreTheWeight(const Drawing<D>& drawing) {
   return true;
 }
 
-// A box is pushed along the ground: friction on it is against the push, as large as Coulomb says.
+// A box slides on the ground: the drawn friction opposes the motion and has Coulomb's magnitude.
 template <int D>
 bool frictionBrakes(const Drawing<D>& drawing) {
   World<D> world;
@@ -133,7 +133,7 @@ bool frictionBrakes(const Drawing<D>& drawing) {
   return std::abs(sum[0] + 0.5 * weight) < 0.1 * weight && std::abs(sum[1]) < 1e-3 * weight;
 }
 
-// The same box awake and asleep, with the layer and without it.
+// The same box awake and asleep, with and without the layer.
 template <int D>
 bool sleepersArePaler(const Drawing<D>& drawing) {
   DrawLayers asked = only(&DrawLayers::shapes);
@@ -155,7 +155,8 @@ bool sleepersArePaler(const Drawing<D>& drawing) {
          all[3].solids[1].look == awake;
 }
 
-// Shapes where they are, of a body with two and of a compound, whatever the centre of mass; what is fixed is grey.
+// Shapes of a body with two shapes and of a compound are drawn at their poses, whatever the centre of mass. Static
+// bodies are grey.
 template <int D>
 bool shapesAreWhereTheyAre(const Drawing<D>& drawing) {
   World<D> world;
@@ -176,7 +177,7 @@ bool shapesAreWhereTheyAre(const Drawing<D>& drawing) {
   return all.solids[1].look.fill == all.solids[2].look.fill && all.solids[2].look.fill != all.solids[3].look.fill;
 }
 
-// Two stacks of two on one ground, and one ball that is tied to the second: two islands.
+// Two stacks of two boxes on one ground, and a ball jointed to the second stack: two islands.
 template <int D>
 bool islandsHaveOneColour(const Drawing<D>& drawing) {
   World<D> world;
@@ -196,7 +197,7 @@ bool islandsHaveOneColour(const Drawing<D>& drawing) {
          fill(1) != fill(3) && fill(1) != kDrawnFixed;
 }
 
-// Boxes as the broadphase has them, all edges of each.
+// The broadphase's bounding boxes, with all edges.
 template <int D>
 bool boxesAreTheBroadphases(const Drawing<D>& drawing) {
   World<D> world;
@@ -224,7 +225,7 @@ bool boxesAreTheBroadphases(const Drawing<D>& drawing) {
   return near<D>(world.proxies().box(1).center(), at<D>(3, 4), 0.1);
 }
 
-// As many as the step's profile counts, from middle to middle, of a plane from its nearest point.
+// As many lines as the step's profile counts pairs, from centre to centre; for a plane from its nearest point.
 template <int D>
 bool pairsAreTheSteps(const Drawing<D>& drawing) {
   World<D> world;
@@ -239,7 +240,7 @@ bool pairsAreTheSteps(const Drawing<D>& drawing) {
          near<D>(all.strokes[1].a, at<D>(0, 0.5)) && near<D>(all.strokes[1].b, at<D>(0.9, 1.4));
 }
 
-// A ball was torn 0.3 m from its hook.
+// A pivot with anchors pulled 0.3 m apart.
 template <int D>
 bool jointsAndTheirErrorsAreSeen(const Drawing<D>& drawing) {
   World<D> world;
@@ -256,7 +257,7 @@ bool jointsAndTheirErrorsAreSeen(const Drawing<D>& drawing) {
          near<D>(error.strokes[0].b, at<D>(1, 0.3));
 }
 
-// A weld that was turned says by how much.
+// A weld that was turned shows the angle.
 template <int D>
 bool turnsAreSeen(const Drawing<D>& drawing) {
   World<D> world;
@@ -291,7 +292,7 @@ bool motionIsSeen(const Drawing<D>& drawing) {
          near<D>(c.dots[0].p, at<D>(6.5, 7));
 }
 
-// Drawn each step or never: the same state, to the last byte.
+// Drawing in every step changes no byte of the state.
 template <int D>
 bool nothingIsTouched(const Drawing<D>& drawing) {
   const std::string pipeline = "sleep=split_average";
@@ -339,8 +340,8 @@ void everyCheck() {
                  c.holds(c.bug));
   }
 }
-TEST(DrawSimulation, WhatTheWorldHas2) { everyCheck<2>(); }
-TEST(DrawSimulation, WhatTheWorldHas3) { everyCheck<3>(); }
+TEST(DrawSimulation, DrawsTheContentOfTheWorld2) { everyCheck<2>(); }
+TEST(DrawSimulation, DrawsTheContentOfTheWorld3) { everyCheck<3>(); }
 
 template <int D>
 void nothingOfNobody() {
@@ -356,7 +357,7 @@ void nothingOfNobody() {
   world.clear();
   EXPECT_EQ(heard<D>(drawSimulation<D>, world, allLayers()).size(), 0u);
   EXPECT_TRUE(world.pairs().empty());
-  // Loaded into a world that had pairs of more shapes: none of these is left.
+  // A world is loaded into one that had pairs of more shapes: none of those remain.
   addHeap(world, 20, 2);
   for (int i = 0; i < 60; ++i) world.step(kDt);
   std::istringstream in(bytes);
@@ -364,10 +365,10 @@ void nothingOfNobody() {
   EXPECT_TRUE(world.pairs().empty());
   EXPECT_GT(heard<D>(drawSimulation<D>, world, allLayers()).size(), 0u);
 }
-TEST(DrawSimulation, NothingOfNobody2) { nothingOfNobody<2>(); }
-TEST(DrawSimulation, NothingOfNobody3) { nothingOfNobody<3>(); }
+TEST(DrawSimulation, AnEmptyWorldDrawsNothing2) { nothingOfNobody<2>(); }
+TEST(DrawSimulation, AnEmptyWorldDrawsNothing3) { nothingOfNobody<3>(); }
 
-// Bodies, shapes and stages come and go between a step and its drawing.
+// Bodies, shapes and stages change between a step and its drawing.
 template <int D>
 void betweenSteps() {
   World<D> world;
@@ -380,7 +381,7 @@ void betweenSteps() {
   heard<D>(drawSimulation<D>, world, allLayers());
   world.exchange(Pipeline::parse("broadphase=naive"));
   heard<D>(drawSimulation<D>, world, allLayers());
-  // Who is lost to NaN is left out, and the others are not.
+  // A body with NaN is omitted; the others are drawn.
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
   std::vector<Pose<D>> poses = world.bodies().pose;
   poses[1].p[0] = nan;
@@ -393,7 +394,7 @@ void betweenSteps() {
 TEST(DrawSimulation, BetweenSteps2) { betweenSteps<2>(); }
 TEST(DrawSimulation, BetweenSteps3) { betweenSteps<3>(); }
 
-// A veto is kept and not solved: it bears nothing, whatever it bore before.
+// A vetoed contact is kept but not solved: it shows no load, whatever it carried before.
 template <int D>
 void vetoedBearNothing() {
   struct Veto final : ContactListener<D> {
@@ -410,10 +411,10 @@ void vetoedBearNothing() {
   impulses.friction = true;
   EXPECT_EQ(heard<D>(drawSimulation<D>, world, impulses).size(), 0u);
 }
-TEST(DrawSimulation, VetoedBearNothing2) { vetoedBearNothing<2>(); }
-TEST(DrawSimulation, VetoedBearNothing3) { vetoedBearNothing<3>(); }
+TEST(DrawSimulation, VetoedContactsShowNoLoad2) { vetoedBearNothing<2>(); }
+TEST(DrawSimulation, VetoedContactsShowNoLoad3) { vetoedBearNothing<3>(); }
 
-// Overlaid on another one: one colour, and who is behind is seen.
+// Drawn over another world: one colour, and bodies behind others are visible.
 template <int D>
 void tintIsAll() {
   World<D> world;
@@ -432,11 +433,11 @@ void tintIsAll() {
     EXPECT_TRUE(s.look.fill == *layers.tint && s.look.edge == *layers.tint);
   }
 }
-TEST(DrawSimulation, TintIsAll2) { tintIsAll<2>(); }
-TEST(DrawSimulation, TintIsAll3) { tintIsAll<3>(); }
+TEST(DrawSimulation, TintColoursEverything2) { tintIsAll<2>(); }
+TEST(DrawSimulation, TintColoursEverything3) { tintIsAll<3>(); }
 
-// The table is all there is to switch, and each layer by itself draws something where a world has everything; two of
-// them change how shapes look.
+// The table lists every switch. Each layer alone draws something in a world that has everything, except two that only
+// change how shapes look.
 template <int D>
 void everyLayerIsInTheTable() {
   DrawLayers bytes;
@@ -447,7 +448,7 @@ void everyLayerIsInTheTable() {
   addHeap(world, 8, 3);
   addJointed(world, at<D>(30, 5));
   for (int i = 0; i < 70; ++i) world.step(kDt);
-  world.setPose(world.handle(world.bodies().size() - 1), {at<D>(0, 30), {}});  // torn from its joint
+  world.setPose(world.handle(world.bodies().size() - 1), {at<D>(0, 30), {}});  // away from its joint
   std::set<std::string_view> names;
   for (const DrawLayer& layer : kDrawLayers) {
     EXPECT_TRUE(names.insert(layer.name).second && !layer.meaning.empty()) << layer.name;

@@ -26,7 +26,7 @@ struct Lines final : DebugDraw<D> {
 
 Pipeline by(const std::string& broadphase) { return Pipeline::parse("broadphase=" + broadphase); }
 
-// Two balls of a radius of 1 m, 8 m from each other.
+// Two balls of radius 1 m, 8 m apart.
 template <int D>
 Lines<D> drawnOfTwo(const char* broadphase) {
   World<D> world(by(broadphase));
@@ -43,7 +43,7 @@ template <int D>
 void checkTwo() {
   const std::size_t edges = D == 2 ? 4 : 12;
   const auto tree = drawnOfTwo<D>("dynamic_tree").lines;
-  ASSERT_EQ(tree.size(), 3 * edges);  // the root, and what is around each
+  ASSERT_EQ(tree.size(), 3 * edges);  // the root, and a box around each ball
   std::set<std::tuple<std::size_t, std::array<Real, D>, std::array<Real, D>>> each;
   for (std::size_t k = 0; k < tree.size(); ++k) {
     const auto& [a, b, colour] = tree[k];
@@ -59,7 +59,7 @@ void checkTwo() {
   EXPECT_EQ(tree[edges].colour.alpha, 255);
   EXPECT_TRUE(drawnOfTwo<D>("naive").lines.empty());
 
-  // All of space, as far as the boxes are.
+  // The whole space, bounded by the boxes.
   const auto space = drawnOfTwo<D>("bsp").lines;
   ASSERT_EQ(space.size(), edges);
   Aabb<D> all;
@@ -74,7 +74,7 @@ TEST(DrawStructure, LinesAreTheEdges) {
   checkTwo<3>();
 }
 
-/// A heap falls, by the broadphase of this name; `look` after each step.
+/// A heap falls with this broadphase; calls `look` after each step.
 template <int D>
 std::uint64_t hashOfFall(const std::string& broadphase, const std::function<void(World<D>&)>& look) {
   World<D> world(by(broadphase));
@@ -101,7 +101,7 @@ void checkNothingChanges() {
     EXPECT_EQ(hashOfFall<D>(name, look), hashOfFall<D>(name, [](World<D>&) {})) << name;
     EXPECT_EQ(lines > 0, !name.starts_with("naive")) << name;
   }
-  // Planted bug: who looks pushes.
+  // Planted bug: drawing changes gravity.
   const auto push = [](World<D>& world) { world.setGravity(at<D>(0, -9.7)); };
   expectCaught("looking at a structure pushes", hashOfFall<D>("bsp", push) == hashOfFall<D>("bsp", [](World<D>&) {}));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Sums and products of small matrices are plain matrices, to the last bit what Eigen's own operators, still there as
-// members, answer by expressions.
+// Sums and products of small matrices return plain matrices, equal to the last bit to Eigen's own operators. These
+// return expressions and are still available as members.
 #include "framework/math/eager.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ void plain() {
   same<RealMatrix<R, C>>(a * c, a.operator*(c));
   same<RealMatrix<R, C>>(d.transpose() * c, d.transpose().operator*(c));
   same<RealMatrix<R, R>>(a * b.transpose(), a.operator*(b.transpose()));
-  // Nested, against one expression of Eigen's. (It takes s * (A * B) for (s * A) * B: that one may differ.)
+  // Nested expressions, against one expression of Eigen. (Eigen computes s * (A * B) as (s * A) * B, which may differ.)
   same<RealMatrix<R, K>>((a + s * b) / (s + 2) - b, (a.operator+(b.operator*(s))).operator/(s + 2).operator-(b));
   same<RealMatrix<R, C>>(-(a - b) * c, a.operator-(b).operator-().operator*(c));
   same<RealMatrix<R, C>>(a * (s * c), a.operator*(c.operator*(s)));

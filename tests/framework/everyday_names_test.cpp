@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A user's own everyday names beside all of ours. A name of lpc that says nothing of collision or physics by itself
-// would be ambiguous below as soon as it is used: it gets a word more (WorkCount, AlgorithmInfo).
+// A user's everyday names together with all names of lpc. A name of lpc that does not suggest collision or physics
+// would be ambiguous here when used; it then needs a longer name (WorkCount, AlgorithmInfo).
 #include <gtest/gtest.h>
 
 #include "framework/draw/draw_simulation.h"
@@ -13,7 +13,7 @@
 #include "framework/world/stage_engine.h"
 #include "framework/world/world.h"
 
-// What games, tools and exercises have.
+// Names common in games, tools and exercises.
 // clang-format off
 #define EVERYDAY_TYPES(X)                                                                                             \
   X(Action) X(Actor) X(Address) X(Agent) X(Angle) X(Animation) X(Application) X(Argument) X(Array) X(Asset) X(Batch)  \

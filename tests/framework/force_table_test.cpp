@@ -68,7 +68,7 @@ TYPED_TEST(ForceTableTest, BodiesThatAForceActsOnWake) {
   EXPECT_FALSE(forces.records[0].kind);
   EXPECT_TRUE(forces.records[1].kind);
   sleep();
-  forces.add({.kind = dragKind(1, 0)}, in.table);  // on all
+  forces.add({.kind = dragKind(1, 0)}, in.table);  // on all bodies
   EXPECT_EQ(in.table.bodies.awake, (std::vector<std::uint8_t>{1, 1, 1}));
 }
 
@@ -94,7 +94,7 @@ TYPED_TEST(ForceTableTest, EndsStayWhereTheyAreWhenBodiesChange) {
   forces.handOver(1, 2, in.table.bodies);
   EXPECT_EQ(forces.records[0].bodyB, 2);
   EXPECT_NEAR((end(0) - first).norm(), 0, 1e-6);
-  forces.handOver(0, 2, in.table.bodies);  // between the two: it goes with the body
+  forces.handOver(0, 2, in.table.bodies);  // between the two: removed with the body
   EXPECT_EQ(forces.records[0].bodyA, 0);
 }
 

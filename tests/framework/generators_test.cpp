@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The generators are tested, too: a family that is never drawn, or pairs that never touch, would prove nothing.
+// Tests of the generators: a family that is never drawn, or pairs that never touch, would test nothing.
 #include "tests/generators.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace generators_test { namespace {
 
-// The separation along d (unit, from A to B): no direction can show more than the true distance.
+// The separation along d (unit, from A to B). In no direction does it exceed the true distance.
 template <int D>
 Real along(const ShapePairCase<D>& c, const Vec<D>& d) {
   const Pose<D> X = c.X_AB();
@@ -34,7 +34,7 @@ void familiesAndHits() {
     if (distance < 0) ++hit, ++hits[c.family];
     if (c.distance) {
       ++known;
-      // The direction of the construction is not known here, so the lattice may fall short, never exceed.
+      // The search does not know the direction of the construction: it may find less, but never more.
       EXPECT_LE(distance, *c.distance + 64 * kEps * (scale + c.X_WA.p.norm())) << c;
     }
   }
@@ -53,7 +53,7 @@ void familiesAndHits() {
 TEST(Generators, FamiliesAndHits2) { familiesAndHits<2>(); }
 TEST(Generators, FamiliesAndHits3) { familiesAndHits<3>(); }
 
-// Of each kind at least half of what an even draw would give, alone and in pairs.
+// Each kind, alone and in pairs, occurs at least half as often as in a uniform draw.
 template <int D>
 void everyKind() {
   PlainDraw draw(3);
@@ -80,7 +80,7 @@ void everyKind() {
 TEST(Generators, EveryKind2) { everyKind<2>(); }
 TEST(Generators, EveryKind3) { everyKind<3>(); }
 
-// A planted wrong property must end in a small counterexample: no polytopes, no rotation.
+// A wrong property must shrink to a simple counterexample: no polytopes, no rotation.
 TEST(Generators, CounterexamplesShrink) {
   const auto result = runProperty(
       "no pair lies apart along x", [] { RC_ASSERT((*shapePairs<3>()).X_AB().p[0] <= Real(2)); }, 500);

@@ -9,7 +9,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace inde
 
 enum class Colour { red, green, blue };
 
-// What takes the standard container takes ours.
+// Functions that take the standard containers accept these.
 int sumOf(std::span<const int> all) {
   int sum = 0;
   for (const int x : all) sum += x;
@@ -29,7 +29,7 @@ TEST(Indexed, AnyIntegerAndNumberedNameIsAnIndex) {
   EXPECT_EQ(a, (std::array<int, 3>{1, 2, 1}));
 }
 
-TEST(Indexed, IsItsBase) {
+TEST(Indexed, ConvertsToItsBase) {
   IndexedVector<int> v = std::vector<int>{1, 2};
   grow(v);
   EXPECT_EQ(sumOf(v), 11);
@@ -56,7 +56,7 @@ TEST(Indexed, OutOfRangeIsAMistake) {
   }
 }
 
-// Through a conversion it would be a new vector: memory allocated in each step.
+// A conversion would make a new vector: memory allocated in each step.
 TEST(Indexed, TakesAPlainVectorIntoItsOwnMemory) {
   IndexedVector<double> to(100);
   const double* const memory = to.data();
@@ -64,7 +64,7 @@ TEST(Indexed, TakesAPlainVectorIntoItsOwnMemory) {
   to = from;
   EXPECT_EQ(to.data(), memory);
   EXPECT_EQ(to.size(), 50u);
-  to = IndexedVector<double>(from);  // the planted bug: by a conversion
+  to = IndexedVector<double>(from);  // planted bug: by a conversion
   EXPECT_NE(to.data(), memory);
   const double* const moved = from.data();
   to = std::move(from);

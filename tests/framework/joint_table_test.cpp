@@ -10,7 +10,7 @@ template <class T>
 struct JointTableTest : testing::Test {};
 TYPED_TEST_SUITE(JointTableTest, BothDimensions);
 
-// Three balls in a row, the first fixed, jointed one to the next.
+// Three balls in a row, the first static, each jointed to the next.
 template <int D>
 struct Chain : Inhabitants<D> {
   JointTable<D> joints;
@@ -28,14 +28,14 @@ struct Chain : Inhabitants<D> {
     }
     this->table.events.clear();
   }
-  // Where the two frames of a joint are, in the world.
+  // World positions of a joint's two anchors.
   std::array<Vec<D>, 2> anchors(std::size_t joint) const {
     const JointRecord<D>& j = joints.records[joint];
     return {poseOf(this->table.bodies, j.bodyA) * j.X_CaJ.p, poseOf(this->table.bodies, j.bodyB) * j.X_CbJ.p};
   }
 };
 
-TYPED_TEST(JointTableTest, JointsAreListedByTheirBodiesAndTellWhenTheyGo) {
+TYPED_TEST(JointTableTest, JointsAreListedByBodyAndNotifyOnRemoval) {
   constexpr int D = TypeParam::D;
   Chain<D> c;
   EXPECT_EQ(c.joints.of(c.bodies[1]).size(), 2u);
@@ -47,7 +47,7 @@ TYPED_TEST(JointTableTest, JointsAreListedByTheirBodiesAndTellWhenTheyGo) {
   EXPECT_EQ(c.table.events[1].body, 1);
   EXPECT_NE(refusalOf([&] { c.joints.remove(c.links[0], c.table); }), "");
   EXPECT_EQ(c.joints.of(c.bodies[1]).size(), 1u);
-  // The slot is taken again; the old handle is of no joint.
+  // The slot is reused; the old handle stays invalid.
   const JointHandle next = c.joints.add(pivot<D>(c.handle(c.bodies[0]), c.handle(c.bodies[2]), at<D>(1, 0)), c.table);
   EXPECT_EQ(next.slot, c.links[0].slot);
   EXPECT_NE(next.generation, c.links[0].generation);
@@ -73,8 +73,9 @@ TYPED_TEST(JointTableTest, AJointNeedsTwoBodiesOfWhichOneMoves) {
   EXPECT_NE(refusalOf([&] { joints.requireMoving(sleeper, in.table); }), "");
 }
 
-// By the impulse of the step over its length. One that breaks tells its bodies, and is silent when it is removed.
-TYPED_TEST(JointTableTest, WhatBearsTooMuchBreaks) {
+// The load is the impulse of the step over its length. A joint that breaks notifies its bodies; removing it later does
+// not.
+TYPED_TEST(JointTableTest, OverloadedJointsBreak) {
   constexpr int D = TypeParam::D;
   for (const Real dt : {Real(0.5), Real(0.25)}) {
     Chain<D> c;
@@ -90,7 +91,7 @@ TYPED_TEST(JointTableTest, WhatBearsTooMuchBreaks) {
     c.joints.remove(c.links[0], c.table);
     EXPECT_EQ(c.table.events.size(), breaks ? 0u : 2u);
   }
-  // Impulses of a step before they slept.
+  // Impulses from before the bodies fell asleep do not break a joint.
   Chain<D> c;
   for (JointRecord<D>& j : c.joints.records) j.breakForce = 3, j.impulse[0] = 1;
   for (const std::size_t i : c.bodies) c.table.bodies.awake[i] = 0;
@@ -115,7 +116,7 @@ TYPED_TEST(JointTableTest, AnchorsStayWhereTheyAreWhenBodiesChange) {
   constexpr int D = TypeParam::D;
   Chain<D> c;
   const auto first = c.anchors(0), second = c.anchors(1);
-  // Its centre of mass moves within the body.
+  // The centre of mass moves within the body.
   Pose<D>& x = c.table.bodies.pose[c.bodies[1]];
   x.q = integrateRotation(x.q, Ang<D>(Ang<D>::Constant(1)));
   const auto turned = c.anchors(1);
@@ -124,7 +125,7 @@ TYPED_TEST(JointTableTest, AnchorsStayWhereTheyAreWhenBodiesChange) {
   c.joints.moveCenter(c.bodies[1], by, c.table.visits);
   EXPECT_NEAR((c.anchors(1)[0] - turned[0]).norm(), 0, 1e-6);
   EXPECT_NEAR((c.anchors(0)[0] - first[0]).norm(), 0, 1e-6);
-  // Its joints become those of the last body; the one between the two stays, to go with the body.
+  // The joints move to the last body; the joint between the two stays and will be removed with the body.
   const auto before = c.anchors(0);
   c.joints.handOver(c.bodies[1], c.bodies[2], c.table);
   EXPECT_EQ(c.joints.records[0].bodyB, static_cast<std::int32_t>(c.bodies[2]));
@@ -152,7 +153,7 @@ TYPED_TEST(JointTableTest, JointedBodiesAreUnpairedUnlessTheyShallCollide) {
   EXPECT_FALSE(contains(0, 1) || contains(1, 2));
 }
 
-TYPED_TEST(JointTableTest, RecordsFromElsewhereAreListedAnew) {
+TYPED_TEST(JointTableTest, CopiedRecordsAreListed) {
   constexpr int D = TypeParam::D;
   Chain<D> c;
   c.joints.remove(c.links[0], c.table);

@@ -26,7 +26,7 @@ struct Listener final : ContactListener<D> {
 
 template <int D>
 struct Room : Inhabitants<D> {
-  World<D> token;  // what listeners are handed: nothing is in it
+  World<D> token;  // an empty world to pass to listeners
   ListenerTable<D> listeners;
   std::vector<Manifold<D>> now, before;
 
@@ -45,7 +45,7 @@ struct Room : Inhabitants<D> {
   void next() { before = std::exchange(now, {}), this->table.events.clear(); }
 };
 
-TYPED_TEST(ListenerTableTest, EachHearsOfAContactOnce) {
+TYPED_TEST(ListenerTableTest, EachListenerReceivesAContactOnce) {
   constexpr int D = TypeParam::D;
   Room<D> r;
   Listener<D> all, first, last, both;
@@ -96,8 +96,8 @@ TYPED_TEST(ListenerTableTest, PairsBeginPersistAndEndWithAllTheirParts) {
   EXPECT_NE(refusalOf([&] { r.tell(); }), "");
 }
 
-// Made once more within a step, or by a setting for bodies that sleep: listeners are not asked again.
-TYPED_TEST(ListenerTableTest, WhatWasSaidStaysWithinAStepAndForSleepers) {
+// Contacts that are generated again within a step, or again for sleeping bodies: listeners are not called again.
+TYPED_TEST(ListenerTableTest, AnswersStayWithinAStepAndForSleepers) {
   constexpr int D = TypeParam::D;
   for (const bool again : {false, true}) {
     Room<D> r;
@@ -115,7 +115,7 @@ TYPED_TEST(ListenerTableTest, WhatWasSaidStaysWithinAStepAndForSleepers) {
     EXPECT_EQ(r.now[0].friction, l.to.friction);
     r.table.bodies.awake.assign(3, 0), r.table.boxes.outdate(), r.table.sync(false);
     r.next(), r.touch(0, 1);
-    r.tell();  // of shapes that rest nothing is told
+    r.tell();  // no events for sleeping shapes
     EXPECT_EQ(l.told(), "e12 ");
     EXPECT_FALSE(r.now[0].ignored);
   }

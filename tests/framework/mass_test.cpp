@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// M9: mass, centre and inertia against sums over a cut, an independent integration, and hard inputs.
+// M9: mass, centre and inertia, compared with sums over a cut and an independent integration, and tested on hard
+// inputs.
 #include "framework/shape/mass.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +19,8 @@ Real gap(const MassProperties<D>& a, const MassProperties<D>& b, Real length) {
                    (a.inertia - b.inertia).cwiseAbs().maxCoeff() / (mass * length * length)});
 }
 
-// Midpoint sums over a grid of cells: shares nothing with the closed forms but the shape itself. Whole rows of cells
-// are cut by the ray along the first axis, so that the error falls with the square of the cell.
+// Midpoint sums over a grid of cells; shares only the shape with the closed forms. A ray along the first axis cuts
+// whole rows of cells, so that the error falls with the square of the cell size.
 template <int D>
 MassProperties<D> byGrid(const Shape<D>& s, int cells) {
   const Aabb<D> box = boundingBox(s.view(), Pose<D>{});
@@ -53,7 +54,7 @@ MassProperties<D> byGrid(const Shape<D>& s, int cells) {
   const Eigen::Matrix<double, D, 1> center = first / mass;
   second -= mass * center * center.transpose();
   m.mass = static_cast<Real>(mass), m.center = center.template cast<Real>();
-  // I = trace(S) 1 - S in 3D, trace(S) in 2D: written by what it does to each axis.
+  // I = trace(S) 1 - S in 3D, trace(S) in 2D.
   for (int i = 0; i < kAngDim<D>; ++i) {
     for (int j = 0; j < kAngDim<D>; ++j) {
       const double own = kAngDim<D> == 1 ? 0 : second(i, j);
@@ -109,7 +110,7 @@ TEST(Mass, ClosedForms) {
   const auto rod = massProperties(Shape<2>::segment(3).view(), Real(2));
   EXPECT_NEAR(rod.mass, 12, 1e-5);
   EXPECT_NEAR(rod.inertia(0, 0), 12 * 36 / 12.0, 1e-4);
-  // A capsule without length is a ball, and one without thickness nearly a rod.
+  // A capsule of zero length is a ball; one of zero thickness is nearly a rod.
   EXPECT_LT(gap(massProperties(Shape<3>::capsule(0, 1).view(), Real(3)), ball, Real(1)), 8 * kEps);
   const auto needle = massProperties(Shape<3>::capsule(1, Real(1e-3)).view(), Real(1));
   EXPECT_NEAR(needle.inertia(1, 1) / needle.mass, 1 / 3.0, 1e-3);
@@ -156,7 +157,7 @@ TEST(Mass, CombinesWithNothing) {
   EXPECT_EQ(combined(MassProperties<3>{}, MassProperties<3>{}).mass, 0);
 }
 
-// --- a box as a polytope, moved: only the centre changes ------------------------------------------------------------
+// --- a moved box as a polytope: only the centre changes -------------------------------------------------------------
 
 template <int D>
 Shape<D> boxAsPolytope(const Vec<D>& half, const Pose<D>& X) {
@@ -169,7 +170,7 @@ Shape<D> boxAsPolytope(const Vec<D>& half, const Pose<D>& X) {
   return Shape<D>::polytope(points);
 }
 
-// Integrates the simplices from the frame's origin, as the textbooks do.
+// Planted bug: integrates the simplices from the frame's origin, as textbooks do.
 MassProperties<2> fromOrigin(const Polytope<2>& hull) {
   Real mass = 0, inertia = 0;
   Vec<2> first = Vec<2>::Zero();
@@ -214,7 +215,7 @@ TEST(Mass, SmallTriangleFarAway) {
   EXPECT_NEAR((m.center[0] - far) / size, 1 / 3.0, double(far / size * 2 * kEps));
 }
 
-// --- what every inertia is ------------------------------------------------------------------------------------------
+// --- properties of every inertia ------------------------------------------------------------------------------------
 
 template <class Mass>
 void physical(Mass massOf) {
@@ -224,8 +225,8 @@ void physical(Mass massOf) {
   RC_ASSERT(m.mass > 0);
   const Real scale = m.inertia.norm();
   RC_ASSERT((m.inertia - m.inertia.transpose()).norm() <= 32 * kEps * scale);
-  // Positive definite, and no axis has more than the other two together, in any frame: S = trace/2 - I has no negative
-  // eigenvalue.
+  // In any frame the inertia is positive definite, and none of its principal values exceeds the sum of the other two: S
+  // = trace/2 - I has no negative eigenvalue.
   const Mat<3> second = m.inertia.trace() / 2 * Mat<3>::Identity() - m.inertia;
   for (int i = 0; i < 30; ++i) {
     const Vec<3> d = *directions<3>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a message says of a wrong name.
+// Messages about wrong names.
 #include "framework/math/names.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace name
 
 const std::vector<std::string> kNames = {"naive", "naive_sphere", "region_tree", "sort_and_sweep", "uniform_grid"};
 
-TEST(Names, ASlipOfThePenIsUnderstood) {
+TEST(Names, TyposAreRecognised) {
   for (const auto& [given, meant] :
        {std::pair("niave", "naive"), std::pair("naiv", "naive"), std::pair("Naive", "naive"),
         std::pair("naive-sphere", "naive_sphere"), std::pair("sort_and_swep", "sort_and_sweep"),
@@ -19,24 +19,24 @@ TEST(Names, ASlipOfThePenIsUnderstood) {
   }
 }
 
-TEST(Names, WhatBeginsSoIsMeantBeforeWhatHoldsIt) {
+TEST(Names, PrefixesAreSuggestedBeforeInnerParts) {
   EXPECT_EQ(meantName({"bullet_gjk_epa", "gjk_epa", "gjk_old"}, "gjk"), "gjk_epa");
 }
 
-TEST(Names, AnotherWordIsNotTakenForOne) {
+TEST(Names, OtherWordsAreNotSuggested) {
   for (const char* given : {"", "x", "bullet", "zzzzz", "an"}) EXPECT_EQ(meantName(kNames, given), "") << given;
   EXPECT_EQ(meantName(kNames, "naive"), "") << "the name is right";
   EXPECT_EQ(meantName({"n", "x"}, "m"), "") << "one letter is all of such a name";
 }
 
-TEST(Names, TheMessageHasBoth) {
+TEST(Names, TheMessageHasSuggestionAndValidNames) {
   EXPECT_EQ(validNames({"f64", "f32"}, "f46"), "; did you mean 'f64'? valid: f64, f32");
   EXPECT_EQ(validNames({"f64", "f32"}, "double"), "; valid: f64, f32");
   EXPECT_EQ(validNames({}, "double"), "; valid: none");
 }
 
-TEST(Names, NothingLongIsASlip) {
-  const std::string much(1000000, 'x');  // both ways: a table of their product would be the end
+TEST(Names, LongNamesAreNotTypos) {
+  const std::string much(1000000, 'x');  // both names long: a table of lengths' product would exhaust memory
   EXPECT_EQ(meantName({"naive", much}, much + "y"), "");
   EXPECT_EQ(meantName({much, "naive"}, "niave"), "naive");
 }
@@ -44,7 +44,8 @@ TEST(Names, NothingLongIsASlip) {
 TEST(Names, AMessageIsOneLine) {
   EXPECT_EQ(oneLine("file.toml:3: 'naïve' is …; valid: 😀"), "file.toml:3: 'naïve' is …; valid: 😀");
   EXPECT_EQ(oneLine(std::string("a\nb\tc\r\x1b[0m\x7f\0z", 13)), "a\\nb\\tc\\x0d\\x1b[0m\\x7f\\x00z");
-  // No UTF-8: a byte that begins nothing, a cut character, an overlong one, a surrogate, too far; and C1, separators.
+  // Invalid UTF-8: a stray byte, a truncated character, an overlong one, a surrogate, one out of range; and C1 controls
+  // and separators.
   EXPECT_EQ(oneLine("\xff|\xc3|\xc0\x80|\xed\xa0\x80|\xf4\x90\x80\x80"),
             "\\xff|\\xc3|\\xc0\\x80|\\xed\\xa0\\x80|\\xf4\\x90\\x80\\x80");
   EXPECT_EQ(oneLine("\xc2\x85|\xe2\x80\xa8"), "\\xc2\\x85|\\xe2\\x80\\xa8");
@@ -61,7 +62,7 @@ TEST(Names, AMessageIsOneLine) {
   EXPECT_EQ(oneLine(letters).find('\\'), std::string::npos) << "cut within a character";
 }
 
-TEST(Names, APartOfAStageIsPutInItsPlace) {
+TEST(Names, APartOfAStageIsShownInItsPlace) {
   EXPECT_EQ(placeInPipeline(*stageByName("solver"), "soft_step"), "");
   EXPECT_EQ(placeInPipeline(*stageByName("velocity"), "catto"),
             "velocity is a part of solver: solver=split_solver{velocity=catto}");

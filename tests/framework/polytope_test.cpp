@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// M8: what a hull must be, on random clouds and on inputs that broke other engines.
+// M8: properties of every hull, on random clouds and on inputs that broke other engines.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ Hull<D> hullOf(const Points<D>& points) {
   return convexHull(std::span<const Vec<D>>(points));
 }
 
-// The rounding that the coordinates carry.
+// Rounding of the coordinates.
 template <int D>
 Real roundingOf(const Points<D>& points) {
   Real largest = 0;
@@ -44,7 +44,7 @@ std::set<Key<D>> asSet(const Points<D>& points) {
   return out;
 }
 
-// Everything that the header promises; an empty text when it holds.
+// Checks everything that the header promises; an empty text if it holds.
 std::string wrong(const Points<2>& points, const Polytope<2>& hull) {
   const std::size_t n = hull.vertices.size();
   if (n < 3 || hull.normals.size() != n) return "counts";
@@ -126,7 +126,7 @@ std::string wrong(const Points<3>& points, const Polytope<3>& hull) {
   return "";
 }
 
-// Clouds with what is hard in them: lattices (many points in one plane), repeats, slivers, far away, tiny, huge.
+// Point clouds that are hard: lattices (many coplanar points), repeated points, slivers, far away, tiny, huge.
 template <int D>
 Points<D> drawCloud(Draw& draw) {
   Points<D> points = drawPoints<D>(draw);
@@ -140,7 +140,7 @@ Points<D> drawCloud(Draw& draw) {
     points.push_back(p);
   }
   const Rot<D> q = draw.coin() ? drawRotation<D>(draw) : Rot<D>{};
-  // Never thinner than a hundred times the rounding of the coordinates: that is refused, rightly.
+  // Never thinner than a hundred times the rounding of the coordinates: such clouds are rejected, as they must be.
   const bool wide = sizeof(Real) == 8;
   const Real scale = drawScale(draw), thin = draw.pick({Real(1), Real(0.01), wide ? Real(1e-4) : Real(0.1)});
   const Vec<D> offset = scale * draw.pick({Real(0), Real(10), wide ? Real(1000) : Real(1)}) * drawVector<D>(draw);
@@ -163,7 +163,7 @@ void hulls() {
         const auto points = *clouds<D>();
         const auto hull = hullOf<D>(points);
         RC_ASSERT(wrong(points, *hull) == "");
-        // The hull of the hull is the hull.
+        // The hull of a hull is the same hull.
         const auto again = hullOf<D>(hull->vertices);
         RC_ASSERT(asSet<D>(again->vertices) == asSet<D>(hull->vertices));
       },
@@ -177,7 +177,7 @@ Points<D> right(const Points<D>& points) {
   return hullOf<D>(points)->vertices;
 }
 
-// M8: in general position, the order of the points plays no part (at a tie another point may stand for one).
+// M8: in general position the order of the points does not matter. In a tie, another point may be chosen.
 template <int D>
 void orderIsNothing(HullOf<D> verticesOf) {
   RapidCheckDraw draw;
@@ -189,7 +189,7 @@ void orderIsNothing(HullOf<D> verticesOf) {
   RC_ASSERT(asSet<D>(verticesOf(points)) == before);
 }
 
-// Features keep their numbers: vertices come in the order of the points, in 2D counter-clockwise from the first given.
+// Features keep their numbers: vertices have the order of the given points, in 2D counter-clockwise from the first one.
 template <int D>
 void vertexOrder(HullOf<D> verticesOf) {
   RapidCheckDraw draw;
@@ -255,7 +255,8 @@ TEST(Hull, PlantedBugsAreCaught) {
   break3("3D: a vertex has another's neighbour", [](Polytope<3>& h) { std::swap(h.spokes.front(), h.spokes.back()); });
 }
 
-// About as many roundings thick as told: rounding is that of the largest coordinate, which lies between 0.8 and 1.7.
+// A plate about `roundings` times the coordinates' rounding thick. The largest coordinate, which sets the rounding,
+// lies between 0.8 and 1.7.
 Points<3> drawPlate(std::uint64_t seed, Real roundings) {
   PlainDraw draw(seed);
   const Rot<3> q = drawRotation<3>(draw);
@@ -267,7 +268,7 @@ Points<3> drawPlate(std::uint64_t seed, Real roundings) {
   return points;
 }
 
-// What is merged there may lie on the plate's other side.
+// A merged point may lie on the other side of the plate.
 TEST(Hull, PlatesHaveNoDents) {
   int dented = 0;
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
@@ -278,7 +279,7 @@ TEST(Hull, PlatesHaveNoDents) {
   EXPECT_EQ(dented, 0);
 }
 
-// Qhull does not come back from some of them.
+// Qhull never returns for some of these plates.
 TEST(Hull, ThinnerPlatesAreRefused) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     try {
@@ -309,7 +310,7 @@ TEST(Hull, MergesCoplanarTriangles) {
 }
 
 TEST(Hull, FineCircleIsNotEatenUp) {
-  // Dropping a vertex whenever it is near the line of its neighbours would drop them all, one after the other.
+  // Dropping each vertex near the line of its neighbours would drop all of them, one after the other.
   Points<2> circle;
   const int n = 20000;
   for (int i = 0; i < n; ++i) {
@@ -336,23 +337,23 @@ void refuses(const Points<D>& points, const std::string& text) {
   }
 }
 
-TEST(Hull, RefusesWhatHasNoVolume) {
+TEST(Hull, RefusesPointsWithoutVolume) {
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
   refuses<2>({{0, 0}, {1, 0}}, "2 points are given; valid: at least 3");
   refuses<3>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, "3 points are given; valid: at least 4");
   refuses<2>({{0, 0}, {1, nan}, {1, 1}}, "point 1 is not finite");
   refuses<2>({{1, 1}, {1, 1}, {1, 1}}, "the points span");
   refuses<2>({{0, 0}, {1, 1}, {2, 2}, {3, 3}}, "on one line");
-  // Collinear but for the rounding of the coordinates (box2d #728, dyn4j #76).
+  // Collinear except for the rounding of the coordinates (box2d #728, dyn4j #76).
   refuses<2>({{0, 0}, {Real(0.1), Real(0.3)}, {Real(0.2), Real(0.6)}, {Real(0.7), Real(2.1)}}, "on one line");
   refuses<3>({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, "on one line");
   refuses<3>({{0, 0, 1}, {1, 0, 1}, {2, 5, 1}, {3, 1, 1}}, "in one plane");
-  // Range 1e45 (cannon): refused as a double, not even a float.
+  // Range 1e45 (cannon): rejected as a double; a float cannot hold it.
   if (sizeof(Real) == 8) refuses<2>({{Real(-1e200), 0}, {Real(1e200), 0}, {0, Real(1e200)}}, "the points span");
 }
 
-// Who fills a hull in by hand has given what it is made of; what follows from that is made with the shape.
-TEST(Hull, MadeByHandKnowsItsNeighbours) {
+// A hull filled in by the caller has vertices, edges and faces; derived data is computed when the shape is made.
+TEST(Hull, HandMadeHullsGetTheirNeighbours) {
   const Hull<3> whole = hullOf<3>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   Polytope<3> hand = *whole;
   hand.spokes.clear(), hand.firstSpoke.clear();

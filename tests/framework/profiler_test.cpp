@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Memory by scopes: each tells what it used itself, and together they tell all.
+// Memory by scopes: each scope reports its own use, and the scopes together report all of it.
 #include "framework/stage/profiler.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace profiler_test { namespace {
 
-MemoryUse used;  // moved by hand in place of an allocator
+MemoryUse used;  // set by the test instead of an allocator
 
 MemoryUse of(const Profiler::Frame& frame, const std::string& name) {
   for (const Profiler::Time& t : frame.times) {
@@ -19,7 +19,7 @@ MemoryUse of(const Profiler::Frame& frame, const std::string& name) {
   return {};
 }
 
-// Planted bug: what scopes inside have told is told again.
+// Planted bug: the use of inner scopes is counted twice.
 class TellsTwice {
  public:
   TellsTwice(Profiler& profiler, const char* name) : m_profiler(profiler), m_name(name), m_before(used) {}
@@ -39,7 +39,7 @@ void solve(Profiler& profiler) {
   used += {1, 100, 100};
   {
     const Profiler::Scope iterate(profiler, "solver.iterate");
-    used += {2, 40, -10};  // gives back what another has made
+    used += {2, 40, -10};  // frees memory of another scope
     const Profiler::Scope contacts(profiler, "contacts");
     used += {3, 7, 7};
   }
@@ -64,11 +64,11 @@ bool are(const MemoryUse& a, const MemoryUse& b) {
   return a.allocations == b.allocations && a.allocated == b.allocated && a.held == b.held;
 }
 
-TEST(ProfilerMemory, ScopesTellWhatTheyUsedThemselves) {
+TEST(ProfilerMemory, ScopesReportTheirOwnUse) {
   Profiler profiler;
   profiler.countMemory([] { return used; });
   profiler.keepFrames(true);
-  for (int k = 0; k < 2; ++k) {  // a step tells nothing of the one before
+  for (int k = 0; k < 2; ++k) {  // independent of the previous step
     step<Profiler::Scope>(profiler);
     const Profiler::Frame& f = profiler.frame();
     EXPECT_TRUE(are(of(f, "contacts"), {4, 10, 10})) << "twice in a step, once inside of another";
@@ -85,7 +85,7 @@ TEST(ProfilerMemory, ScopesTellWhatTheyUsedThemselves) {
   test::expectCaught("tells twice", are(of(profiler.frame(), "solver"), {2, 101, 101}));
 }
 
-TEST(ProfilerMemory, IsNotThereWhereNobodyCounts) {
+TEST(ProfilerMemory, IsAbsentWithoutACounter) {
   Profiler profiler;
   profiler.keepFrames(true);
   step<Profiler::Scope>(profiler);

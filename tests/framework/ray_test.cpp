@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Where rays enter shapes, with which normal, and whom they meet in a world.
+// Where rays enter shapes, with which normal, and which bodies they hit in a world.
 #include <gtest/gtest.h>
 
 #include "framework/shape/support_map.h"
@@ -14,8 +14,8 @@ constexpr Real kNotANumber = std::numeric_limits<Real>::quiet_NaN();
 
 // --- the normal -----------------------------------------------------------------------------------------------------
 
-// A normal of a convex shape at a point of its surface is one whose plane through the point has all of the shape behind
-// it: support functions judge it, and share no code with rays.
+// A normal is valid at a point of a convex shape's surface if the whole shape lies behind the plane through the point.
+// Support functions check it; they share no code with rays.
 template <int D, class Enter>
 void normalsSupport(Enter enter) {
   const Shape<D> s = *shapes<D>();
@@ -114,7 +114,7 @@ TEST(Ray, NormalsInClosedForm) {
             "3D");
 }
 
-// What is missed is missed by a ray without an end, too.
+// A ray of infinite length misses what a finite ray misses.
 template <int D>
 void missedForEver() {
   const Vec<D> up = Vec<D>::Unit(1), far = Vec<D>(5 * Vec<D>::Ones());
@@ -129,11 +129,11 @@ void missedForEver() {
   world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
   EXPECT_TRUE(world.ray(at<D>(0, Real(1.9)), at<D>(1, -1), kInfinite, false).empty()) << "through its box, past it";
 }
-TEST(Ray, AMissIsOneHoweverFarItMayReach) { missedForEver<2>(), missedForEver<3>(); }
+TEST(Ray, InfiniteRaysMissAsFiniteOnes) { missedForEver<2>(), missedForEver<3>(); }
 
 // --- in a world -----------------------------------------------------------------------------------------------------
 
-// Three balls in a row along x, of categories 1, 2 and 4; the last is turned, so that its frame is not the world's.
+// Three balls in a row along x, of categories 1, 2 and 4. The last is rotated, so its frame differs from the world's.
 template <int D>
 std::array<Handle, 3> threeBalls(World<D>& world) {
   std::array<Handle, 3> out;
@@ -189,7 +189,7 @@ void worldRays() {
   EXPECT_EQ(metBy<D>(world, {.category = 2}).size(), 4u);
   EXPECT_EQ(world.ray(at<D>(-5, 0), at<D>(1, 0), 100, false).size(), 4u) << "without a filter every shape";
 }
-TEST(Ray, AWorldTellsNormalsAndUserDataAndFilters) { worldRays<2>(), worldRays<3>(); }
+TEST(Ray, WorldRaysReturnNormalsAndUserDataAndFilter) { worldRays<2>(), worldRays<3>(); }
 
 template <int D>
 void refusedRays() {
@@ -211,9 +211,9 @@ void refusedRays() {
   EXPECT_EQ(world.ray(at<D>(0, 0), at<D>(0, 0), 1, false).size(), 1u) << "no direction: who holds the point";
   EXPECT_TRUE(world.ray(at<D>(2, 0), at<D>(0, 0), 1, false).empty());
 }
-TEST(Ray, OneThatIsNoRayIsRefused) { refusedRays<2>(), refusedRays<3>(); }
+TEST(Ray, InvalidRaysAreRefused) { refusedRays<2>(), refusedRays<3>(); }
 
-// Of a compound the part that is entered first gives the normal.
+// In a compound, the part that the ray enters first gives the normal.
 template <int D>
 void compoundNormals() {
   World<D> world;
@@ -230,7 +230,7 @@ void compoundNormals() {
   ASSERT_EQ(below.size(), 1u);
   EXPECT_LE((below[0].normal - at<D>(0, -1)).norm(), 1e-6);
 }
-TEST(Ray, OfACompoundItsPartGivesTheNormal) { compoundNormals<2>(), compoundNormals<3>(); }
+TEST(Ray, TheFirstPartOfACompoundGivesTheNormal) { compoundNormals<2>(), compoundNormals<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::ray_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a world refuses: one line that says what was found and what is valid, and nothing changed.
+// Errors of a world: a one-line message says what was found and what is valid, and nothing changes.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -16,11 +16,11 @@ Rot<3> scaled(const Rot<3>& q, Real k) { return {k * q.w, k * q.x, k * q.y, k * 
 
 template <int D>
 struct Refusal {
-  const char* says;  // a part of the line
+  const char* says;  // part of the message
   std::function<void(World<D>&)> act;
 };
 
-// A ball with one thing wrong.
+// A ball with one error.
 template <int D>
 Refusal<D> ball(const char* says, const std::function<void(BodyDef<D>&)>& spoil) {
   return {says, [spoil](World<D>& w) {
@@ -80,7 +80,7 @@ std::vector<Refusal<D>> refusals() {
   list.push_back(ball<D>("needs mass", [](BodyDef<D>& b) { b.shapes.clear(); }));
   list.push_back(
       ball<D>("no inverse", [](BodyDef<D>& b) { b.shapes[0].density = 8 * std::numeric_limits<Real>::denorm_min(); }));
-  if constexpr (D == 3) {  // a needle across the axes: its inertia about itself is lost in the others' rounding
+  if constexpr (D == 3) {  // a needle oblique to the axes: rounding hides the inertia about its own axis
     for (const double angle : {0.3, 0.7853981633974483, 1.2}) {
       list.push_back(ball<D>("no inverse that numbers hold; valid: larger", [=](BodyDef<D>& b) {
         b.shapes[0].shape = Shape<D>::box(Vec<D>(1, Real(1e-12), Real(1e-12)));

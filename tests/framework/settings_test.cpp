@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What users set, and that it reaches what is made afterwards and nothing else.
+// User settings affect everything that is made afterwards, and nothing else.
 #include "framework/world/settings.h"
 
 #include <gtest/gtest.h>
@@ -46,9 +46,9 @@ void defaults() {
   }
   expectCaught("another restitution", alike(Settings::lpc2009(D).shape<D>(own.shape), own));
 }
-TEST(Settings, AreWhatWorldsAndShapesAreByThemselves) { defaults<2>(), defaults<3>(); }
+TEST(Settings, DefaultsAreThoseOfWorldsAndShapes) { defaults<2>(), defaults<3>(); }
 
-// A.3.6, and A.4 for how the two of a pair become one.
+// Values of A.3.6 of the report; A.4 for the mixing of a pair's materials.
 TEST(Settings, OfTheReport) {
   const Settings s = Settings::lpc2009();
   EXPECT_EQ(s.density, 1);
@@ -93,7 +93,7 @@ Handle addBox(World<D>& world, const Settings& s) {
   return world.add(box);
 }
 
-// Of three worlds, the second made after a change: who falls how fast after a second.
+// Fall speeds after one second in a world made before a change of settings and in one made after it.
 template <int D>
 void afterwards() {
   Settings s;
@@ -117,9 +117,9 @@ void afterwards() {
   EXPECT_EQ(before.shapes()[0].friction, Real(0.5));
   EXPECT_EQ(before.shapes()[1].friction, Real(0.1));
 }
-TEST(Settings, ReachOnlyWhatIsMadeAfterwards) { afterwards<2>(), afterwards<3>(); }
+TEST(Settings, AffectOnlyLaterObjects) { afterwards<2>(), afterwards<3>(); }
 
-// v' = -c v / m: after one second exp(-0.5) of it is left, by steps of a 64th to 1 %.
+// v' = -c v / m: exp(-0.5) of the speed remains after one second, within 1 % with 64 steps.
 TEST(Settings, AirSlows) {
   Settings s;
   s.gravity = 0, s.airResistance = true, s.linearDrag = Real(0.5), s.quadraticDrag = 0;
@@ -155,7 +155,7 @@ void rests() {
 }
 TEST(Settings, OfTheReportDropABox) { rests<2>(), rests<3>(); }
 
-// Where a box that lies 18 mm deep in its ground is after two seconds.
+// Depth, after two seconds, of a box that starts 18 mm deep in its ground.
 Real depthAfter(const Settings& s) {
   World<2> world(s.pipeline(), s.world<2>());
   world.add(BodyDef<2>::fixed(s.shape<2>(Shape<2>::box({10, 1})), {{0, -1}}));
@@ -165,9 +165,8 @@ Real depthAfter(const Settings& s) {
   return Real(0.5) - world.pose(box).p[1];
 }
 
-// Each position resolver, and each solver that is its own, which takes a slop: what is less deep stays, what is deeper
-// does not.
-TEST(Settings, OneSlopForWhoeverPushesOut) {
+// Each position resolver and solver with a slop parameter: smaller depths stay, larger ones are corrected.
+TEST(Settings, SlopReachesEveryPositionResolver) {
   std::vector<std::string> solvers;
   for (const auto& [key, entry] : Registry::instance().all()) {
     const auto& [stage, dimension, name] = key;

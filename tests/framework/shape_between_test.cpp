@@ -23,7 +23,7 @@ void expectInside(const ShapeDef<D>& s, const Vec<D>& p, Real tolerance) {
 template <int D>
 void boxes() {
   Vec<D> a = Vec<D>::Constant(1), b = Vec<D>::Constant(3);
-  a[1] = 4;  // a corner of no particular order
+  a[1] = 4;  // corners in no particular order
   const ShapeDef<D> box = boxBetween<D>(a, b), same = boxBetween<D>(b, a);
   EXPECT_EQ(box.shape.view().half, same.shape.view().half);
   EXPECT_EQ(box.X_BS.p, same.X_BS.p);
@@ -34,7 +34,7 @@ void boxes() {
   Ang<D> turn = Ang<D>::Constant(Real(0.7));
   const Rot<D> q = integrateRotation(Rot<D>{}, turn);
   const ShapeDef<D> turned = boxBetween<D>(a, b, q);
-  for (const Vec<D>& corner : {a, b}) {  // on its surface in every axis
+  for (const Vec<D>& corner : {a, b}) {  // on the surface in every axis
     const Vec<D> local = turned.X_BS.q.inverse() * Vec<D>(corner - turned.X_BS.p);
     EXPECT_LE((local.cwiseAbs() - turned.shape.view().half).cwiseAbs().maxCoeff(), kRounding);
   }
@@ -42,7 +42,7 @@ void boxes() {
 
 TEST(ShapeBetween, BoxByAnyTwoCorners) {
   boxes<2>(), boxes<3>();
-  EXPECT_THROW(boxBetween<2>({0, 0}, {0, 1}), UserError);  // without an area
+  EXPECT_THROW(boxBetween<2>({0, 0}, {0, 1}), UserError);  // no area
 }
 
 template <int D>
@@ -53,7 +53,7 @@ bool reachesBothEnds(const ShapeDef<D>& capsule, const Vec<D>& from, const Vec<D
 
 template <int D>
 void capsules() {
-  for (int k = 0; k < 2 * D; ++k) {  // both ways along each axis, and aside
+  for (int k = 0; k < 2 * D; ++k) {  // both directions along each axis, and a little aside
     Vec<D> to = Vec<D>::Constant(1);
     to[k / 2] += k % 2 ? Real(-4) : Real(2);
     const Vec<D> from = Vec<D>::Constant(1);
@@ -64,7 +64,7 @@ void capsules() {
     unturned.X_BS.q = Rot<D>{};
     if (k == 2) expectCaught("a capsule that is not turned", reachesBothEnds<D>(unturned, from, to));
   }
-  // Almost back along x, where half the angle has almost no cosine.
+  // Almost opposite to x, where the cosine of half the angle is nearly zero.
   for (const double aside : {1e-3, 1e-6, 1e-9}) {
     Vec<D> to = Vec<D>::Constant(static_cast<Real>(aside));
     to[0] = -10;

@@ -22,7 +22,8 @@ Vec<D> supportPoint(const Shape<D>& s, const Pose<D>& X, const Vec<D>& d) {
   return X * coreSupport(s.view(), Vec<D>(X.q.inverse() * d)) + s.view().radius * d;
 }
 
-// Proofs that share no code with what is tested. Inside: a mean of points of the shape, drawn in by a millionth.
+// Proofs that share no code with the tested functions. Inside: a mean of points of the shape, pulled inwards by a
+// millionth.
 template <int D>
 Vec<D> provenInside(const Shape<D>& s, const Pose<D>& X) {
   RapidCheckDraw draw;
@@ -35,7 +36,7 @@ Vec<D> provenInside(const Shape<D>& s, const Pose<D>& X) {
   const Real inwards = Real(1e-6) + 64 * kEps * (1 + X.p.norm() / sizeOf(s));
   return p + inwards * (middle - p);
 }
-// Outside: beyond a supporting plane, at any place over it.
+// Outside: beyond a supporting plane, anywhere over it.
 template <int D>
 Vec<D> provenOutside(const Shape<D>& s, const Pose<D>& X) {
   RapidCheckDraw draw;
@@ -45,7 +46,7 @@ Vec<D> provenOutside(const Shape<D>& s, const Pose<D>& X) {
   return supportPoint(s, X, n) + gap * n + (aside - aside.dot(n) * n);
 }
 
-// A float has no digits left for a millimetre three metres away.
+// A float cannot resolve a millimetre at a distance of three metres.
 template <int D>
 Gen<Pose<D>> placesOf(const Shape<D>& s) {
   return poses<D>(sizeof(Real) == 8 ? Real(3) : 3 * sizeOf(s));
@@ -134,7 +135,7 @@ template <int D, class Contains>
 void pointsAgree(Contains contains) {
   const Shape<D> s = *shapes<D>();
   const auto X = *placesOf<D>(s);
-  if (s.kind() != ShapeKind::segment) RC_ASSERT(contains(s.view(), X, provenInside(s, X)));  // it has no inside
+  if (s.kind() != ShapeKind::segment) RC_ASSERT(contains(s.view(), X, provenInside(s, X)));  // a segment has no inside
   RC_ASSERT(!contains(s.view(), X, provenOutside(s, X)));
 }
 template <int D>
@@ -183,7 +184,7 @@ void boxesAgree(Overlaps overlaps) {
     half[k] = sizeOf(s) * draw.real(0, 1) * draw.pick({Real(1), Real(0.01), Real(100)});
     shift[k] = half[k] * draw.signedUnit();
   }
-  // A box around an inner point, and one with its nearest corner, edge or face beyond a supporting plane.
+  // A box around an inner point, and a box with its nearest corner, edge or face beyond a supporting plane.
   const Vec<D> in = provenInside(s, X) + shift;
   const Real room = 8 * kEps * (in.norm() + half.norm());
   if (s.kind() != ShapeKind::segment) {
@@ -237,7 +238,7 @@ void raysAgree(Cast cast) {
   const Real t = cast(s.view(), X, p, d, Real(10));
   if (aimed) RC_ASSERT(t >= 0 && t <= 1);
   if (t >= 0) {
-    // The entry is on the surface: never outside, but for rounding of the point itself.
+    // The entry lies on the surface: never outside, except for rounding of the point itself.
     const Vec<D> entry = p + t * d;
     const Real rounding = 200 * kEps * (sizeOf(s) + X.p.norm() + p.norm() + d.norm());
     for (int i = 0; i < 20; ++i) {
@@ -246,8 +247,8 @@ void raysAgree(Cast cast) {
     }
     RC_ASSERT(cast(s.view(), X, p, d, t * Real(0.999)) < 0);  // too short
   }
-  // And nothing is entered before: the referee finds no earlier point deeper inside than rounding. Whether
-  // containsPoint says so depends on the rounding of the point itself where a ray grazes the surface.
+  // The ray enters nothing earlier: the referee finds no earlier point deeper inside than rounding. containsPoint
+  // cannot decide this, because of the point's own rounding where a ray grazes the surface.
   const Real end = t >= 0 ? t * (1 - Real(1e-4)) : Real(10);
   for (int i = 0; i <= 40; ++i) {
     Pose<D> X_WP;
@@ -293,7 +294,7 @@ TEST(Shape, RayAnswersInClosedForm) {
   EXPECT_EQ(rayEntry(segment.view(), I, Vec<2>(0, 2), Vec<2>(0, -1), Real(10)).t, 2);
   EXPECT_EQ(rayEntry(segment.view(), I, Vec<2>(-3, 0), Vec<2>(1, 0), Real(10)).t, 2) << "along itself";
   EXPECT_EQ(rayEntry(segment.view(), I, Vec<2>(-3, 1), Vec<2>(1, 0), Real(10)).t, -1);
-  // A small ball far away: the textbook discriminant answers "miss" or is off by its radius.
+  // A small ball far away: the textbook discriminant reports a miss or is wrong by the ball's radius.
   const double far = sizeof(Real) == 8 ? 1e6 : 1e2, radius = sizeof(Real) == 8 ? 1e-3 : 1e-1;
   const Real t =
       rayEntry(Shape<3>::sphere(Real(radius)).view(), X, Vec<3>(0, Real(radius / 2), Real(-far)), z, Real(1e9)).t;

@@ -12,14 +12,14 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace slots_test { namespace {
 
-// Takes and gives at random: always the lowest slot that is free, also after reading a table with holes.
+// Takes and returns slots at random. Always gets the lowest free slot, also after reading a table with free slots.
 template <class Subject>
 bool givesTheLowest(Subject slots) {
   Random random(3);
   std::set<std::size_t> used;
   std::uint64_t visits = 0;
   for (int i = 0; i < 20'000; ++i) {
-    // Grows to some hundred and shrinks to nothing, in turn.
+    // Grows to some hundred and shrinks to zero, in turn.
     if (used.empty() || random.uniform() < (i / 1000 % 2 == 0 ? 0.7 : 0.3)) {
       std::size_t lowest = 0;
       while (used.count(lowest)) ++lowest;
@@ -41,7 +41,7 @@ bool givesTheLowest(Subject slots) {
   return true;
 }
 
-// The slot that was freed last.
+// Planted bug: gives the slot that was freed last.
 struct LastFreed {
   std::vector<std::size_t> free;
   std::size_t count = 0;
@@ -65,7 +65,7 @@ TEST(SlotTable, TheLowestFreeOneIsNext) {
 
 std::vector<std::int32_t> listOf(std::span<const std::int32_t> slots) { return {slots.begin(), slots.end()}; }
 
-// Drawn slots come to three owners and go again.
+// Random slots are added to and removed from three owners.
 template <class Subject>
 bool keepsEachHisOwnInOrder(Subject lists) {
   Random random(5);
@@ -86,7 +86,7 @@ bool keepsEachHisOwnInOrder(Subject lists) {
   return true;
 }
 
-// What it costs that n owners have three slots each, are asked for them and lose them, the last one first.
+// Cost of n owners with three slots each: each list is read, and its slots are removed, the last one first.
 template <class Subject>
 bool costsWhatEachHas(Subject lists) {
   for (const std::size_t n : {10u, 1000u}) {
@@ -103,7 +103,7 @@ bool costsWhatEachHas(Subject lists) {
   return true;
 }
 
-// In the order in which they came.
+// Planted bug: slots in the order of adding.
 struct Appended {
   std::vector<std::vector<std::int32_t>> lists = std::vector<std::vector<std::int32_t>>(9);
   std::span<const std::int32_t> of(std::size_t owner, std::uint64_t&) { return lists[owner]; }
@@ -115,7 +115,7 @@ struct Appended {
   }
 };
 
-// No lists: the table is searched.
+// Planted bug: no lists, the table is searched.
 struct Searched {
   std::vector<std::ptrdiff_t> owners;  // by slot
   std::vector<std::int32_t> found = {};
@@ -133,12 +133,12 @@ struct Searched {
   void remove(std::size_t, std::size_t slot, std::uint64_t& visits) { ++visits, owners[slot] = -1; }
 };
 
-TEST(SlotLists, EachHasHisOwnInOrder) {
+TEST(SlotLists, EachOwnerHasItsSlotsInOrder) {
   EXPECT_TRUE(keepsEachHisOwnInOrder(SlotLists()));
   EXPECT_TRUE(keepsEachHisOwnInOrder(Searched()));
   expectCaught("whose slots, in the order in which they came", keepsEachHisOwnInOrder(Appended()));
 }
-TEST(SlotLists, CostWhatEachHas) {
+TEST(SlotLists, CostIsThatOfTheOwnersSlots) {
   EXPECT_TRUE(costsWhatEachHas(SlotLists()));
   expectCaught("whose slots, searched for", costsWhatEachHas(Searched()));
 }

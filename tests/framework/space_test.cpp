@@ -11,7 +11,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace spac
 
 using SinCos = void (*)(double, double&, double&);
 
-// Worst error against the library's sine, which is right to half an ulp.
+// Worst error against the library's sine, which is correct to half an ulp.
 double worstError(SinCos f, double extent) {
   PlainDraw draw(1);
   double worst = 0;
@@ -33,7 +33,7 @@ TEST(SinCos, ErrorBelow1e15) {
 }
 
 TEST(SinCos, PlantedBugIsCaught) {
-  // One term less, and a reduction by an unsplit half pi.
+  // Planted bugs: a series with one term less, and a range reduction with an unsplit pi.
   const SinCos shortSeries = [](double x, double& s, double& c) {
     sinCos(x, s, c);
     s += std::pow(std::remainder(x, 1.5707963267948966), 15) / 1.3e12;
@@ -86,7 +86,7 @@ template <int D>
 void turnIsUndone() {
   RapidCheckDraw draw;
   Ang<D> turn;
-  for (int i = 0; i < kAngDim<D>; ++i) turn[i] = Real(1.7) * draw.signedUnit();  // shorter than half a turn
+  for (int i = 0; i < kAngDim<D>; ++i) turn[i] = Real(1.7) * draw.signedUnit();  // less than half a turn
   const Ang<D> back = turnOf(integrateRotation(Rot<D>{}, turn));
   RC_ASSERT((back - turn).norm() <= 16 * kEps);
 }
@@ -99,9 +99,9 @@ void staysOne() {
   expectFalsified(
       "M1 without normalising", [] { staysRotation<D>([](auto& q, auto& v) { return plainProduct(q, v); }); }, 40);
 }
-TEST(Rotation, StaysOne) { staysOne<2>(), staysOne<3>(); }
+TEST(Rotation, StaysARotation) { staysOne<2>(), staysOne<3>(); }
 
-// M2: there and back.
+// M2: a pose and its inverse cancel.
 template <int D, class Inverse>
 void thereAndBack(Inverse inverse) {
   const auto X = *poses<D>(10);
@@ -125,7 +125,7 @@ void poseTests() {
 }
 TEST(Pose, InverseAndProduct) { poseTests<2>(), poseTests<3>(); }
 
-// A turn by v moves a point at r by cross(v, r) to first order, about the world's axes: the sign of every formula.
+// A rotation by v moves a point at r by cross(v, r) to first order, in world axes: the sign of every formula.
 template <int D>
 void turnsTheRightWay() {
   RapidCheckDraw draw;
@@ -174,7 +174,7 @@ TEST(Tangents, CompleteTheNormal) {
       1000);
 }
 
-// f . (w x r) = w . (r x f): what makes J and its transpose agree in every solver.
+// f . (w x r) = w . (r x f): the Jacobian and its transpose agree in every solver.
 template <int D>
 void crossIdentity() {
   RapidCheckDraw draw;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Text that names algorithms, both ways, and the registry that finds them.
+// Texts that name algorithms, read and written, and the registry that finds them.
 #include "framework/stage/spec.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ std::string errorOf(F&& f) {
   return "no error";
 }
 
-// A word that a name or value may be made of.
+// A word that can be a name or value.
 std::string drawWord() {
   static constexpr std::string_view kLetters = "ab_.+-019";
   std::string word;
@@ -43,7 +43,7 @@ void bothWays(Print print) {
   p[StageKind::solver] = s;
   RC_ASSERT(Pipeline::parse(p.text()) == p);
 }
-TEST(Spec, BothWays) {
+TEST(Spec, TextsRoundTrip) {
   check(
       "text and back", [] { bothWays([](const Spec& s) { return s.text(); }); }, 300);
   expectFalsified("a printer that forgets what is nested", [] {
@@ -94,8 +94,8 @@ TEST(Pipeline, Parses) {
   EXPECT_NE(errorOf([] { Pipeline::parse("sleep none"); }).find("'=' is missing after 'sleep'"), std::string::npos);
 }
 
-// Result files hold these texts: they do not change when the list of stages is arranged anew.
-TEST(Pipeline, TextsStandForEver) {
+// Result files hold these texts: they must not change when the list of stages is reordered.
+TEST(Pipeline, TextsNeverChange) {
   EXPECT_EQ(Pipeline{}.text(),
             "broadphase=sort_and_sweep contacts=sat_clip cache=by_feature continuous=none solver=split_solver "
             "sleep=none");
@@ -182,7 +182,7 @@ TEST(Registry, FindsByNameAndListsTheValid) {
   EXPECT_NE(error.find("none"), std::string::npos) << error;
   EXPECT_NE(error.find("split_average"), std::string::npos) << error;
   EXPECT_EQ(createStage<SleepPolicy<2>>(Spec::parse("none")) == nullptr, false);
-  // A name of one other stage: where that stands, too. One of several is no hint.
+  // A name of exactly one other stage: the message names that stage. If several stages have it, there is no hint.
   const auto answer = [](StageKind stage, const char* name) {
     return errorOf([&] { Registry::instance().find(stage, 2, name); });
   };
@@ -199,18 +199,18 @@ TEST(Registry, CanonicalTextSpellsEverythingOut) {
   EXPECT_EQ(spelled.fields.size(), entry.params.size());
   EXPECT_EQ(spelled.find("bias")->name, "0.25");
   EXPECT_EQ(entry.canonical(spelled), spelled);
-  // The order in which parameters are given leaves no trace: it is the key of a result.
+  // The order of given parameters does not matter, because the text is the key of a result.
   EXPECT_EQ(entry.canonical(Spec::parse("split_average{angular=1,bias=0.5}")),
             entry.canonical(Spec::parse("split_average{bias=0.5,angular=1}")));
-  // Nested stages are spelled out, too.
+  // Nested stages are spelled out as well.
   AllKinds p;
   p.inner = Spec::parse("split_average");
   const Spec nested = canonicalSpec("thing", 2, [&](ParamVisitor& v) { p.visit(v); });
   EXPECT_EQ(nested.find("inner")->fields.size(), entry.params.size());
 }
 
-// A reader that calls itself for each level has no stack for what somebody may write.
-TEST(Spec, IsNotNestedWithoutEnd) {
+// A recursive parser would run out of stack on deeply nested input.
+TEST(Spec, NestingIsLimited) {
   const auto nested = [](int n) {
     std::string text;
     for (int i = 0; i < n; ++i) text += "a{b=";
@@ -251,7 +251,7 @@ class Twin final : public SleepPolicy<D> {
   static AlgorithmInfo info() { return {.name = "none", .summary = "a second one", .paper = "", .complexity = "1"}; }
   void decide(const SleepInput<D>&, std::span<std::uint8_t>, std::span<std::array<Real, 2>>) override {}
 };
-TEST(RegistryDeathTest, ASecondOfTheSameNameAborts) {
+TEST(RegistryDeathTest, ADuplicateNameAborts) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   using Second = Registrar<SleepPolicy, Twin, 2>;
   EXPECT_DEATH(Second("here"), "two algorithms are registered as sleep none \\(2D\\)");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the framework does around the stages: proxies and default queries, single pairs.
+// What the framework does around the stages: proxies, default queries, single pairs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -81,7 +81,7 @@ void defaultQueries() {
 }
 TEST(Broadphase, DefaultQueries) { defaultQueries<2>(), defaultQueries<3>(); }
 
-// The sweep of a box is what the box does at sampled times.
+// The sweep of a box agrees with the box at sampled times.
 template <int D, class Sweep>
 void sweepAgrees(Sweep sweep) {
   RapidCheckDraw draw;
@@ -131,7 +131,7 @@ TEST(Broadphase, RaysAlongFaces) {
 
 // --- pairs ----------------------------------------------------------------------------------------------------------
 
-// Spheres against spheres and capsules by hand: supports (sphere, capsule) in this order only.
+// A hand-written query for spheres against spheres and capsules; supports (sphere, capsule) in this order only.
 template <int D>
 class SphereCapsule final : public PairQuery<D> {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The bytes of a saved state, without a world. damaged_save_test.cpp has what a world refuses of them.
+// The bytes of a saved state, without a world. damaged_save_test.cpp tests which bytes a world rejects.
 #include "framework/world/joint_table.h"
 #include "framework/world/saved_state.h"
 #include "tests/world_parts.h"
@@ -41,7 +41,7 @@ SavedState<D> readFrom(const std::string& bytes) {
   return readState<D>(in);
 }
 
-TYPED_TEST(StateArchiveTest, WhatIsReadIsWhatWasWritten) {
+TYPED_TEST(StateArchiveTest, BytesRoundTrip) {
   constexpr int D = TypeParam::D;
   const SavedState<D> s = someState<D>();
   const std::string bytes = bytesOf(s);

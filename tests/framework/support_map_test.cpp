@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// M3 to M7 of the support function, which all of GJK, EPA, MPR and the certificates stand on.
+// M3 to M7: properties of the support function, on which GJK, EPA, MPR and the certificates rely.
 #include "framework/shape/support_map.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace support_map_test { namespace {
 
-// Points of the shape's core that span it.
+// Points that span the shape's core.
 template <int D>
 std::vector<Vec<D>> corners(const ShapeView<D>& s) {
   if (s.hull) return s.hull->vertices;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Triangles, meshes and chains as shapes: what they refuse, what they know of themselves, and questions about them.
+// Triangles, meshes and chains as shapes: what they reject, what they derive (normals, borders, trees), and queries.
 #include <gtest/gtest.h>
 
 #include "framework/shape/parts_near.h"
@@ -39,7 +39,7 @@ TEST(Triangle, Refuses) {
   refuses([] { Shape<3>::ofCorners(ShapeKind::triangle, kSquare); }, "4 points are given; valid: 3");
 }
 
-// A closed hull, as every algorithm walks it: loops, edges with their faces in the order of their loops, unit normals.
+// A closed hull, as all algorithms traverse it: loops, edges with their faces in loop order, unit normals.
 TEST(Triangle, IsAPrismWithoutHeight) {
   const Shape<3> shape = Shape<3>::triangle({0, 1, 0}, {0, 1, 2}, {3, 1, 0});
   const Polytope<3>& t = *shape.view().hull;
@@ -69,7 +69,7 @@ TEST(Triangle, IsAPrismWithoutHeight) {
   EXPECT_EQ(massProperties(shape, 1).mass, 0);
 }
 
-// Points and rays against a flat core: above it, beside an edge, beyond a corner; also exactly in its plane.
+// Points and rays against a flat core: above it, beside an edge, beyond a corner, and exactly in its plane.
 TEST(Triangle, PointsAndRays) {
   const Shape<3> sharp = Shape<3>::triangle({0, 0, 0}, {0, 0, 2}, {2, 0, 0});
   const Shape<3> round = Shape<3>::triangle({0, 0, 0}, {0, 0, 2}, {2, 0, 0}, Real(0.25));
@@ -150,7 +150,8 @@ TEST(Surface, OnlyForFixedBodies) {
   onlyForFixedBodies<3>();
 }
 
-// Normals look to the right of a chain's way and to where a triangle is seen counter-clockwise; borders outwards.
+// Normals point to the right along a chain and to the side from which a triangle appears counter-clockwise. Border
+// normals point outwards.
 TEST(Surface, KnowsItsBorders) {
   const Shape<3> mesh = Shape<3>::mesh(kSquare, kLevel);
   const Surface<3>& s = *mesh.surface();
@@ -176,7 +177,7 @@ TEST(Surface, KnowsItsBorders) {
 
 double bumpy(double x) { return 0.5 * std::abs(x - 2 * std::floor(x / 2) - 1) + 0.02 * x; }
 
-// What the tree finds is what each part says for itself, in the order of the parts, at any pose and box.
+// The tree finds the same parts as a loop over all parts, in the same order, for any pose and box.
 template <int D>
 bool treeFindsWhatIsNear(Real widens) {
   PlainDraw draw(11);
@@ -215,7 +216,7 @@ TEST(Surface, TreeFindsWhatIsNear) {
   expectCaught("a tree that is asked with a box too small, 3D", treeFindsWhatIsNear<3>(Real(-0.1)));
 }
 
-// Rays, points and boxes meet a surface where they meet the same parts as a compound.
+// Rays, points and boxes hit a surface where they hit the same parts as a compound.
 template <int D>
 void answersAsItsParts() {
   World<D> whole, loose;
@@ -232,7 +233,7 @@ void answersAsItsParts() {
     ASSERT_EQ(a.size(), b.size());
     hits += !a.empty();
     if (!a.empty()) {
-      EXPECT_NEAR(a[0].t, b[0].t, 1000 * kEps);  // a compound has a centre of mass of its own
+      EXPECT_NEAR(a[0].t, b[0].t, 1000 * kEps);  // a compound has its own centre of mass
       EXPECT_NEAR((a[0].normal - b[0].normal).norm(), 0, 1000 * kEps);
     }
     const Aabb<D> box{p - Vec<D>::Constant(1), p + Vec<D>::Constant(1)};

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// The numbers that users hang on bodies and shapes: kept wherever those are, and never read.
+// User data of bodies and shapes: kept wherever they go, and never read.
 #include <gtest/gtest.h>
 
 #include "tests/small_worlds.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace user_data_test { namespace {
 
-constexpr std::uint64_t kLarge = ~0ull - 4;  // more than a double holds
+constexpr std::uint64_t kLarge = ~0ull - 4;  // more than a double can hold
 
 template <int D>
 BodyDef<D> marked(double x, double y, std::uint64_t data) {
@@ -50,9 +50,9 @@ void livesAsItsBodyDoes() {
   BodyDef<D> plain = body<D>(Shape<D>::sphere(1), at<D>(0, 9));
   EXPECT_EQ(world.userData(world.add(plain)), 0u) << "a slot that is used again remembers nothing";
 }
-TEST(UserData, LivesAsItsBodyDoes) { livesAsItsBodyDoes<2>(), livesAsItsBodyDoes<3>(); }
+TEST(UserData, LivesAsLongAsItsBody) { livesAsItsBodyDoes<2>(), livesAsItsBodyDoes<3>(); }
 
-// Every event of a contact leads to the data of both, that of a body which is just being removed, too.
+// Every contact event gives access to the data of both bodies, also of a body that is being removed.
 template <int D>
 class Names final : public ContactListener<D> {
  public:
@@ -93,9 +93,9 @@ void eventsLeadToIt() {
   EXPECT_EQ(names.text, "e 10 30 11 21;");
   EXPECT_FALSE(world.valid(a));
 }
-TEST(UserData, EventsOfContactsLeadToIt) { eventsLeadToIt<2>(), eventsLeadToIt<3>(); }
+TEST(UserData, ContactEventsGiveAccessToIt) { eventsLeadToIt<2>(), eventsLeadToIt<3>(); }
 
-// A step with it is a step without it, bit by bit.
+// A step with user data equals a step without it, bit by bit.
 template <int D>
 void changesNothing() {
   World<D> plain, marked;

@@ -68,7 +68,7 @@ TYPED_TEST(WorldTest, ASavedWorldMayEndInFreeSlots) {
   EXPECT_EQ(loaded.hash(), saved.hash());
 }
 
-TYPED_TEST(WorldTest, NoTimeChangesNothing) {
+TYPED_TEST(WorldTest, AStepOfZeroSecondsChangesNothing) {
   constexpr int D = TypeParam::D;
   World<D> world;
   addHeap(world, 5, 1);
@@ -96,7 +96,7 @@ TYPED_TEST(WorldTest, QueriesSeeShapesNotBoxesAndPresentPoses) {
   World<D> world;
   const Handle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
   EXPECT_EQ(world.at(at<D>(0.5, 0.5)).size(), 1u);
-  EXPECT_TRUE(world.at(at<D>(0.9, 0.9)).empty());  // in the box, not in the ball
+  EXPECT_TRUE(world.at(at<D>(0.9, 0.9)).empty());  // in the bounding box, not in the ball
   EXPECT_EQ(world.overlap({at<D>(0.6, 0.6, -1), at<D>(2, 2, 1)}).size(), 1u);
   EXPECT_TRUE(world.overlap({at<D>(0.8, 0.8, -1), at<D>(2, 2, 1)}).empty());
   auto hits = world.ray(at<D>(-5, 0), at<D>(1, 0), 100, true);
@@ -194,8 +194,8 @@ TYPED_TEST(WorldTest, UserForceActsForOneStep) {
   EXPECT_NEAR(world.motion(ball).v[0], kDt, 1e-6);
 }
 
-// One look at each body, event and contact: ten times the bodies, ten times the cost.
-TYPED_TEST(WorldTest, UserForcesCostWhatTheForcesCost) {
+// One visit of each body, event and contact: ten times the bodies cost ten times as much.
+TYPED_TEST(WorldTest, UserForcesCostLinearTime) {
   constexpr int D = TypeParam::D;
   for (const int n : {1000, 10'000}) {
     World<D> world(Pipeline::parse("sleep=split_average"));
@@ -218,7 +218,7 @@ TYPED_TEST(WorldTest, FreeSlotsAreNotSearchedFor) {
     EXPECT_EQ(world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 5))).slot, row[i].slot);
   }
   world.step(kDt);
-  // A slot for the body and one for its shape, each out of a heap of at most 500.
+  // One slot for the body and one for its shape, each from a heap of at most 500.
   EXPECT_LT(world.profiler().frame().work[WorkCount::eventVisits], 500u * 2 * 2 * 10);
 }
 
@@ -305,7 +305,7 @@ TYPED_TEST(WorldTest, RecordingReadsBackAndDropsATornFrame) {
   EXPECT_NE(messageOf([&] { Recording<D>::read(wrong); }), "");
 }
 
-// Any byte: one line, or a recording whose shapes have a kind and a place.
+// Any damaged byte gives a one-line message, or a recording with valid kinds and finite positions.
 TYPED_TEST(WorldTest, ADamagedRecordingIsToldOrHarmless) {
   constexpr int D = TypeParam::D;
   World<D> world;
@@ -333,7 +333,8 @@ TYPED_TEST(WorldTest, ADamagedRecordingIsToldOrHarmless) {
     EXPECT_TRUE(message.empty() || message.starts_with("the recording is damaged (")) << message;
   }
   EXPECT_GT(told, 20);
-  // Which frame, and what of it: after the header, a step, a time and two numbers the first body's slot and type.
+  // The message names the frame and the fault. After the header, a step, a time and two numbers comes the first body's
+  // slot and type.
   const auto toldOf = [&](std::size_t at, char byte) {
     std::string bytes = out.str();
     bytes[at] = byte;
@@ -383,8 +384,8 @@ TYPED_TEST(WorldTest, InvariantsOfAFreeBodyAreClosedForms) {
   EXPECT_NEAR(inv.maxSpeed, std::sqrt(5), 1e-5);
 }
 
-// Of what is so small that the determinant of its inertia is no double.
-TEST(Invariants, OfASpeckAreNumbers) {
+// For a body so small that the determinant of its inertia underflows a double.
+TEST(Invariants, OfATinyBodyAreFinite) {
   World<3> world;
   auto def = body<3>(Shape<3>::sphere(Real(1e-100)), at<3>(0, 0));
   def.shapes[0].density = Real(1e300);

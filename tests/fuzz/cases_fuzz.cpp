@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A file of cases: refused, or read. Who is asked what it holds is tests/fuzz/mutate.py's.
+// A file of cases is read or rejected. tests/fuzz/mutate.py passes its content to the methods.
 #include "oracles/corpus/cases.h"
 #include "tests/fuzz/target.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Saved worlds, to be damaged behind their checksum.
+// Saved worlds, damaged but with a valid checksum.
 #pragma once
 
 #define XXH_INLINE_ALL
@@ -13,10 +13,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-inline constexpr std::size_t kSavedChecksum = 26, kSavedBody = 34;  // after the format, two numbers and the length
+inline constexpr std::size_t kSavedChecksum = 26, kSavedBody = 34;  // after format, two numbers and length
 
-/// With the length and the checksum of the bytes as they are: what is said of them is then what the reader makes of
-/// them.
+/// Corrects length and checksum, so that the reader's own validation is tested.
 inline std::string sealed(std::string bytes) {
   const std::uint64_t size = bytes.size() - kSavedBody, sum = XXH64(bytes.data() + kSavedBody, size, 0);
   bytes.replace(kSavedChecksum - sizeof size, sizeof size, reinterpret_cast<const char*>(&size), sizeof size);
@@ -57,7 +56,7 @@ void addEverything(World<D>& world) {
   world.applyForce(box, at<D>(1, 0), at<D>(0.1, 1));
 }
 
-/// Each stage that keeps a structure, and each way that a solver remembers.
+/// Every stage that keeps a data structure, and every kind of solver memory.
 inline constexpr std::array<const char*, 7> kDamagedPipelines = {
     "contacts=query_clip sleep=split_average",
     "broadphase=uniform_grid contacts=query_clip solver=soft_step",
@@ -67,14 +66,14 @@ inline constexpr std::array<const char*, 7> kDamagedPipelines = {
     "broadphase=naive contacts=query_clip cache=none sleep=split_average solver=split_solver{position=linear}",
     "contacts=deepest_point solver=split_solver{velocity=naive,position=none,integrator=explicit_euler}"};
 
-/// What stands behind the header of a save that has something of everything, in the pipeline of this number.
+/// The bytes after the header of a saved world that contains some of everything, in the pipeline with this number.
 template <int D>
 std::string payloadOf(std::size_t pipeline) {
   World<D> world(Pipeline::parse(kDamagedPipelines[pipeline]));
   if (pipeline == 1) {
     addJointed(world, at<D>(0, 5));
     for (int i = 0; i < 3; ++i) world.step(Real(1) / 60);
-  } else if (pipeline == 2) {  // what sat_clip takes
+  } else if (pipeline == 2) {  // shapes that sat_clip supports
     addHeap(world, 3, 7);
     for (int i = 0; i < 60; ++i) world.step(Real(1) / 60);
   } else {
@@ -83,7 +82,7 @@ std::string payloadOf(std::size_t pipeline) {
   return saved(world).substr(kSavedBody);
 }
 
-/// A number at an edge in the place of one that is there, or not quite there.
+/// Overwrites bytes with an extreme value, at the offset of a number or beside it.
 inline void putEdge(std::string& payload, Random& random) {
   const auto put = [&](const auto& value) {
     if (payload.size() < sizeof value) return;
@@ -117,12 +116,13 @@ inline void putEdge(std::string& payload, Random& random) {
   }
 }
 
-/// What became of a payload. No fault: it is refused with a line, or is a world that steps and is saved.
+/// Outcome of loading a payload. It has no fault if it was rejected with a message, or if the world steps and can be
+/// saved.
 struct Life {
   bool loaded = false;
   std::string fault;
 };
-/// `again`: it is saved as one that can be loaded.
+/// With `again`, the saved world must load again.
 template <int D>
 Life livesOn(const std::string& payload, const char* pipeline, bool again) {
   World<D> world(Pipeline::parse(pipeline));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// An expression of a scene: a finite number or a refusal, the same again, and no other name is changed by it.
+// An expression of a scene gives a finite number or an error, the same one when repeated, and changes no name.
 #include "experiments/parse/expression.h"
 #include "tests/fuzz/target.h"
 

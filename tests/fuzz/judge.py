@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""What every call of the program owes whatever it is given: exit code 0, 1 or 2; of a mistake one line and nothing written; no
-signal; bounded time and memory; nobody left running."""
+"""What every call of the program must satisfy, whatever its input: exit code 0, 1 or 2; for a mistake a one-line message and no
+file; no signal; bounded time and memory; no process left running."""
 
 import ctypes
 import dataclasses
@@ -18,11 +18,11 @@ MOST_TOLD = 2000  # characters of a message
 
 @dataclasses.dataclass
 class Limits:
-    cpu: int = 10          # s of processor time of each process: under load it is the same
-    wall: float = 120      # s by the clock, for one that sleeps
+    cpu: int = 10          # s of processor time of each process, independent of load
+    wall: float = 120      # s by the clock, for a process that sleeps
     memory: int = 2 << 30  # bytes
     address_space: bool = True  # False: a sanitizer reserves far more than it uses
-    grace: float = 5       # s: workers end with their parent, but not in the same moment
+    grace: float = 5       # s: workers end shortly after their parent
 
 
 @dataclasses.dataclass
@@ -39,7 +39,7 @@ class Seen:
 
 
 def adopt_orphans():
-    """Whoever loses its parent becomes a child of this process, and is found."""
+    """Orphaned processes become children of this process, so that they are found."""
     PR_SET_CHILD_SUBREAPER = 36
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
@@ -53,7 +53,7 @@ def children():
 
 
 def end_orphans(grace):
-    """The name of one that still ran, after a grace; none of them does afterwards."""
+    """Kills processes that still run after the grace period, and returns the name of one."""
     until, name = time.monotonic() + grace, ""
     while pids := children():
         if time.monotonic() > until:
@@ -67,7 +67,7 @@ def end_orphans(grace):
 
 
 def run(argv, folder, limits, environment=None):
-    """Runs it in the folder. Nothing else may run as a child of this process meanwhile."""
+    """Runs a command in the folder. This process must have no other children meanwhile."""
     seen = Seen(before=files_in(folder))
 
     def restrict():
@@ -85,7 +85,7 @@ def run(argv, folder, limits, environment=None):
         if seen.late:
             child.kill()
         _, status, usage = os.wait4(child.pid, 0)
-        child.returncode = 0  # it is waited for
+        child.returncode = 0  # already waited for
         seen.memory = usage.ru_maxrss * 1024
         seen.signal = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
         seen.code = os.WEXITSTATUS(status) if os.WIFEXITED(status) else -1
@@ -102,7 +102,7 @@ def first_line(text):
 
 
 def message_fault(err):
-    """Of what is told about a mistake."""
+    """What is wrong with the message about a mistake."""
     try:
         text = err.decode("utf-8")
     except UnicodeDecodeError:
@@ -117,8 +117,8 @@ def message_fault(err):
 
 
 def fault(seen, limits, may_write=(), may_change=()):
-    """Empty when all is well. `may_write`: files that the call was asked for, folders with a / at their end; "*": whatever.
-    `may_change`: stores, which keep what was finished before a mistake was met."""
+    """Empty if the call satisfies all rules. `may_write`: requested files, and folders with a final /; "*": any.
+    `may_change`: stores, which keep trials that finished before a mistake was found."""
     if seen.late:
         return f"still ran after {limits.wall:g} s"
     if seen.signal in (signal.SIGXCPU, signal.SIGKILL):
@@ -133,7 +133,7 @@ def fault(seen, limits, may_write=(), may_change=()):
         return f"took {seen.memory >> 20} MiB"
     if seen.code == 2 and (told := message_fault(seen.err)):
         return f"exit code 2 and {told}"
-    # What ran and is not right stands in its answer: a line on stderr is an exception that nobody expected.
+    # A run that failed says so in its output: a line on stderr is an unexpected exception.
     notes = [line for line in seen.err.split(b"\n") if line and not line.startswith(b"lpc: sweep ")]
     if seen.code == 1 and notes:
         return f"exit code 1 and an unexpected end: {first_line(seen.err)}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""The judge is seen to fail: programs that do what none may do. Run by ctest."""
+"""Checks that judge.py rejects programs that break its rules. Run by ctest."""
 
 import os
 import random

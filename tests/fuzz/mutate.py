@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Damages what ships (scenes, sweeps, pipelines, cases, recordings, stores, command lines) and gives it to the program, which
-owes each call what judge.py says. Run by ctest: mutate.py LPC SOURCE_DIR WORK_DIR [--sanitized] [--part FROM TO]; inputs that
-once failed (kept/KIND/) come first. LPC_TEST_CASES scales the number of cases, in per cent; LPC_TEST_SEED, a number, replaces the
-fixed seed. One input again: mutate.py LPC SOURCE_DIR WORK_DIR --replay KIND FILE."""
+"""Damages shipped files (scenes, sweeps, pipelines, cases, recordings, stores, command lines) and runs the program on them; each
+call must satisfy the rules of judge.py. Inputs that once failed (kept/KIND/) come first.
+Run by ctest: mutate.py LPC SOURCE_DIR WORK_DIR [--sanitized] [--part FROM TO].
+One input again: mutate.py LPC SOURCE_DIR WORK_DIR --replay KIND FILE.
+LPC_TEST_CASES scales the number of cases, in per cent; LPC_TEST_SEED, a number, replaces the fixed seed."""
 
 import argparse
 import dataclasses
@@ -22,8 +23,8 @@ import mutations
 import shipped
 
 HERE = Path(__file__).resolve().parent
-MOST_RUNS = 120     # of making a failing input smaller
-MOST_ARGUMENT = 100_000  # bytes: the system takes 131,072 in one
+MOST_RUNS = 120     # when shrinking a failing input
+MOST_ARGUMENT = 100_000  # bytes: the system allows 131,072 in one
 
 CALLS = ["run|scene.toml|--param|n=3|--dimension|3|--record|out.rec|--profile|out.csv",
          "run|scene.toml|--pipeline|solver=soft_step{substeps=4} sleep=none|--dt|0.01|--seed|7|--json",
@@ -49,7 +50,7 @@ class Kind:
     cases: int
     mutate: typing.Callable
     calls: typing.Callable  # (the input's bytes) -> [Call]: the input lies in "input" + suffix
-    beside: tuple = ()      # files of the seeds that stand in the folder, too
+    beside: tuple = ()      # seed files that are also in the folder
 
 
 def argument(data):
@@ -63,7 +64,7 @@ def pipeline_calls(data):
 
 def command_calls(data):
     argv = [argument(word) for word in data.split(b"|")]
-    argv = [word for word in argv if b"/" not in word]  # nothing outside of the folder
+    argv = [word for word in argv if b"/" not in word]  # nothing outside the folder
     return [Call(argv + ([b"--steps", b"2"] if argv[:1] == [b"run"] else []), ("*",), ("into.db", "page.md"))]
 
 
@@ -98,7 +99,7 @@ KINDS = {
 
 
 class Seeds:
-    """What is damaged: what ships, and a recording and a store that the program makes."""
+    """Inputs to damage: shipped files, and recordings and a store that the program makes."""
 
     def __init__(self, lpc, source, folder, make=True):
         self.folder = folder
@@ -132,7 +133,7 @@ class Fuzzer:
         self.codes = {}
 
     def fault(self, kind, data, only=None):
-        """Of the first of the kind's calls, or of that one, that is not answered as it is owed; empty when all are."""
+        """The fault of the first call of this kind that breaks a rule, or of the call `only`; empty if there is none."""
         k = KINDS[kind]
         for number, call in enumerate(k.calls(data)):
             if only is not None and number != only:
@@ -152,7 +153,7 @@ class Fuzzer:
         return ""
 
     def smaller(self, kind, data, told, only):
-        """Without the pieces that the same fault does without."""
+        """Removes pieces that the same fault does not need."""
         until = self.runs + MOST_RUNS
 
         def fails(candidate):
@@ -186,7 +187,7 @@ class Fuzzer:
               f"{' '.join(sys.argv[1:4])} --replay {kind} {path}", flush=True)
 
     def one(self, kind, seed, number):
-        """True when case `number` of this seed is answered as it is owed."""
+        """Whether case `number` of this seed satisfies the rules."""
         rng = random.Random(f"{seed} {kind} {number}")
         seeds = self.seeds.of[kind]
         data = KINDS[kind].mutate(rng, rng.choice(seeds), rng.choice(seeds))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Seeded damage to files: bytes, tokens, structure, numbers at the edges. Every function takes the random numbers, the bytes,
-and another file's bytes to borrow from."""
+"""Seeded damage to files: bytes, tokens, structure, extreme numbers. Every function takes a random generator, the bytes, and
+another file's bytes to copy from."""
 
 import re
 import sqlite3
@@ -22,7 +22,7 @@ MOST = 1 << 20  # bytes of an input
 
 
 def place(rng, data):
-    """A span, mostly short."""
+    """A random span, usually short."""
     at = rng.randrange(len(data) + 1)
     return at, min(len(data), at + 1 + int(rng.expovariate(0.1)))
 
@@ -60,7 +60,7 @@ def insert(rng, data, _):
 
 
 def tokens(rng, data, other):
-    """One token deleted, doubled, exchanged with another, or with one of the other file."""
+    """Deletes or doubles a token, or swaps it with another one or one of the other file."""
     parts, theirs = TOKEN.findall(data), TOKEN.findall(other)
     if len(parts) < 2:
         return data
@@ -86,7 +86,7 @@ def number(rng, data, _):
 
 
 def name(rng, data, _):
-    """A name of the file itself where a number stands: `it = "$it"`."""
+    """Replaces a number with a name from the same file: `it = "$it"`."""
     names = re.findall(rb"\$?[A-Za-z_]\w*", data)
     found = list(NUMBER.finditer(data))
     if not found or not names:
@@ -96,7 +96,7 @@ def name(rng, data, _):
 
 
 def lines(rng, data, other):
-    """Lines or blocks dropped, doubled, moved, or taken from the other file."""
+    """Drops, doubles or moves lines or blocks, or copies them from the other file."""
     parts, theirs = data.split(b"\n"), other.split(b"\n")
     i, j = rng.randrange(len(parts)), rng.randrange(len(parts))
     n = rng.choice([1, 1, 2, 5])
@@ -116,7 +116,7 @@ def lines(rng, data, other):
 
 
 def nest(rng, data, _):
-    """A bracket is put into itself: some deep, few very deep."""
+    """Nests a bracket in itself: sometimes deeply, rarely very deeply."""
     found = [i for i in range(len(data)) if data[i:i + 1] in BRACKETS]
     depth = rng.choice(DEPTHS)
     if not found:
@@ -129,7 +129,7 @@ def nest(rng, data, _):
 
 
 def overwrite(rng, data, _):
-    """A number of a binary file at an edge."""
+    """Overwrites a number of a binary file with an extreme value."""
     kind = rng.choice(["<d", "<d", "<f", "<i", "<q", "<B"])
     if kind in ("<d", "<f"):
         value = rng.choice(EDGE_DOUBLES)
@@ -143,7 +143,7 @@ def overwrite(rng, data, _):
 
 
 def database(rng, data, other):
-    """A store in which one thing is not as it was: still a database."""
+    """Changes one thing in a store, which is still a database."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "x.db"
         path.write_bytes(data)
@@ -174,13 +174,13 @@ def database(rng, data, other):
                     new = new.decode("utf-8", "replace")
                 db.execute(f"UPDATE \"{table}\" SET \"{column}\" = ? WHERE rowid = ?", (new, row))
         except (sqlite3.Error, IndexError, UnicodeDecodeError):
-            pass  # what SQLite itself does not let be, or has lost
+            pass  # SQLite refuses the change, or the table is gone
         db.close()
         return path.read_bytes()
 
 
 def several(*ways):
-    """One of these, and with falling likelihood more."""
+    """Applies one of these, and more with decreasing probability."""
     def mutate(rng, data, other):
         while True:
             data = rng.choice(ways)(rng, data, other)[:MOST]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What an answer about a pair is told by itself, without the referee: that it is finite, and that its distance is the
-// one along its normal.
+// What a pair answer can be checked for without the referee: it is finite, and its distance is the separation along its
+// normal.
 #pragma once
 
 #include <cmath>
@@ -10,8 +10,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Null when nothing is wrong. `X_AB` takes B's frame to A's, in which the answer is. Errors up to 1e-12 of
-/// `errorScale` are none, as in all accuracy claims in f64.
+/// Null if nothing is wrong. `X_AB` maps B's frame to A's, in which the answer is given. Errors up to 1e-12 of
+/// `errorScale` are allowed, as in all accuracy claims in f64.
 template <int D>
 const char* faultOf(const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB, const PairAnswer<D>& answer) {
   constexpr double kBound = 1e-12;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Two shapes and a pose, read off the bytes, before every pair query of ours. What is refused is refused by the shape.
-// Of sizes and places within eight orders of magnitude the answer is judged, beyond them it must only come.
+// Reads two shapes and a pose from the bytes and passes them to every pair query of LPC. Invalid shapes are rejected by
+// the shape's own checks. If sizes and positions lie within eight orders of magnitude, the answer is checked; otherwise
+// the query must only return.
 #include <array>
 #include <cmath>
 #include <memory>
@@ -13,7 +14,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Zeros where the bytes have ended.
+// Returns zeros after the end of the bytes.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : m_bytes(bytes) {}
@@ -21,7 +22,7 @@ class Reader {
     if (m_at == m_bytes.size()) return 0;
     return static_cast<unsigned char>(m_bytes[m_at++]);
   }
-  // Few bytes, so that two shapes are easily equal, parallel, or at the edge of each other.
+  // Uses few bytes, so that two shapes are often equal, parallel or just touching.
   Real number() {
     constexpr std::array<double, 16> kUnit = {0,  1,   0.5, 1e-4, 1e-3, 1e-2,   0.1,  1,
                                               10, 100, 1e3, 1e4,  1e-9, 1e-300, 1e12, 1e300};

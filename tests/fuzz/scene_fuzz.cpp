@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The text of a scene: refused, or built in each of its dimensions.
+// The text of a scene is rejected, or the scene is built in each of its dimensions.
 #include "experiments/trial/scene/scene_file.h"
 #include "tests/fuzz/target.h"
 

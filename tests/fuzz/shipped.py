@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""What ships, as bytes to be damaged: small enough that each is read and run in a moment."""
+"""Shipped files as bytes to damage: small enough to be read and run quickly."""
 
 import json
 import re
@@ -44,19 +44,19 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], friction = "0.6 + 0.1 * k" }]
 
 def scenes(source):
     table = [line.split() for line in (source / "tests/experiments/scene_states.txt").read_text().splitlines() if line[0] != "#"]
-    large = {words[0] for words in table if int(words[2]) > 1000}  # they take long
+    large = {words[0] for words in table if int(words[2]) > 1000}  # they are slow
     found = [p for p in sorted((source / "experiments/scenes").glob("*.toml")) if p.stem not in large]
     return [p.read_bytes() for p in found] + [SMALL_SCENE.encode()] * 5
 
 
 def small_scenes(source):
-    """Of few bodies, with every kind of block."""
+    """Scenes with few bodies and every kind of block."""
     names = ("bouncing_ball", "bridge", "compounds", "cylinders", "pendulum", "script_events", "slope")
     return [(source / f"experiments/scenes/{name}.toml").read_bytes() for name in names] + [SMALL_SCENE.encode()]
 
 
 def sweeps(source):
-    """Without sets and the large ones, which plan for a second."""
+    """Sweeps without sets and without large ones, which take a second to plan."""
     found = [p.read_bytes() for p in sorted((source / "experiments/sweeps").glob("*.toml")) if not p.stem.endswith("_full")]
     return [text for text in found if b"sweeps = " not in text]
 
@@ -73,7 +73,7 @@ def expressions(source):
 
 
 def cases(source):
-    """One case in a file: quickly asked."""
+    """Files of one case, which run quickly."""
     out = []
     for path in sorted((source / "tests/regressions").glob("*.json")):
         out += [json.dumps({"cases": [c]}, indent=1).encode() for c in json.loads(path.read_text()).get("cases", [])]

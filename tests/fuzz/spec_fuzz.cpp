@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The text of a pipeline: refused, or what it says comes back from its own text; a world of it stands.
+// The text of a pipeline is rejected, or writing and reading it again gives the same pipeline and a world can be made
+// from it.
 #include "framework/world/world.h"
 #include "tests/fuzz/target.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The text of a sweep: refused, or planned.
+// The text of a sweep is rejected, or its trials are planned.
 #include "experiments/runner/sweep_file.h"
 #include "tests/fuzz/target.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a libFuzzer target is here: a function of bytes, in a file that includes this once. It returns when the bytes
-// are taken or refused as they should be, and stops the program otherwise, as an assertion and a sanitizer do.
+// A libFuzzer target of LPC: a function of bytes in a file that includes this header once. It returns if the bytes are
+// accepted or rejected correctly. Otherwise it ends the program, as an assertion or a sanitizer does.
 //
 // Run by hand, for hours: docs/verification.md.
 #pragma once
@@ -28,7 +28,7 @@ inline void demand(bool holds, const char* otherwise) {
   std::abort();
 }
 
-/// A file in memory, for what reads by a path.
+/// A file in memory for functions that read from a path.
 class MemoryFile {
  public:
   explicit MemoryFile(std::string_view bytes) : m_descriptor(memfd_create("input", 0)) {
@@ -48,7 +48,7 @@ class MemoryFile {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::clock_t start = std::clock();
   lpc::fuzz({reinterpret_cast<const char*>(data), size});
-  // libFuzzer's own limit is by the clock on the wall, which a busy machine reaches.
+  // libFuzzer's own limit measures wall-clock time, which a busy machine exceeds.
   lpc::demand(std::clock() - start < 10 * CLOCKS_PER_SEC, "it took more than 10 s of processor time");
   return 0;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Runs a libFuzzer target: what once failed (kept/NAME/) first, then what ships, damaged. By ctest, or for longer by hand:
+"""Runs a libFuzzer target on inputs that once failed (kept/NAME/), then on damaged shipped files. By ctest, or longer by hand:
 target.py PROGRAM SOURCE_DIR WORK_DIR [libFuzzer's options, such as -max_total_time=3600]."""
 
 import os

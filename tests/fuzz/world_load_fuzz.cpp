@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A saved world behind its checksum: refused, or it steps and is saved.
+// A saved world with a valid checksum is rejected, or it steps and can be saved.
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -11,7 +11,7 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-// Its first byte chooses dimension and pipeline; the rest is what stands behind the header.
+// The first byte chooses dimension and pipeline; the rest is the payload after the header.
 void fuzz(std::string_view input) {
   if (input.empty()) return;
   const auto choice = static_cast<unsigned char>(input[0]);
@@ -35,7 +35,7 @@ void writeSeeds(const std::filesystem::path& folder) {
 }  // namespace
 }}  // namespace lpc::LPC_PRECISION
 
-// --seeds FOLDER writes what is damaged, and ends.
+// --seeds FOLDER writes the undamaged inputs and exits.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   if (*argc == 3 && std::string_view((*argv)[1]) == "--seeds") {
     lpc::writeSeeds<2>((*argv)[2]), lpc::writeSeeds<3>((*argv)[2]);
@@ -44,7 +44,7 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   return 0;
 }
 
-// Mostly a number at an edge: what shifts all that follows is refused at once.
+// Mostly writes an extreme value: a shift of the following bytes is rejected early.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
   lpc::Random random(seed);
   if (size < 2 || random.below(5) == 0) return LLVMFuzzerMutate(data, size, most);

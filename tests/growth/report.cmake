@@ -1,5 +1,5 @@
-# What the report of a tree lists, and the numbers of one of its charts, of a sweep of two resolvers on three boxes: printed,
-# and compared with EXPECT. The sweep runs once; what it measured is enough for charts and metrics that come later.
+# Runs a sweep of two resolvers on three boxes, prints the report's list of charts and the table of one chart, and compares the
+# table with EXPECT. The sweep runs once; its data suffice for charts and metrics added later.
 #   cmake -DTREE=... -DBIN=... -DWORK=... -DPYTHON=... -DTABLE=... -DEXPECT=... -P report.cmake
 file(WRITE ${WORK}/report.toml [[
 summary = "three boxes"

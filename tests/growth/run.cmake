@@ -1,19 +1,18 @@
-# Growth, done: each folder beside this file is a promise of what one more thing costs. Its files are put into a scratch
-# tree and counted; the tree is built; the thing is listed and proved; its broken twin is caught; and when it is gone,
-# lists and keys of results are as before. Pinned histories at -O0 are then compared by ctest.
+# Tests how LPC grows: each folder beside this file promises how many files an extension takes. The files are put into a scratch
+# tree and counted, and the tree is built. The extension must be listed and pass its proof, and the proof must catch a planted
+# bug. After removal, lists and keys of results are as before. Then ctest compares the pinned histories at -O0.
 #   cmake -DSOURCE_DIR=... -DWORK_DIR=... -DLAUNCHER=... [-DPYTHON=...] [-DALL=ON] [-DONLY=...] -P run.cmake
-# PYTHON is one that can make reports; ONLY a list of promises.
+# PYTHON: one that can make reports; ONLY: a list of promises.
 #
 # A promise has
-#   promise.cmake  at_most (files), name (shown by `listed`: `lpc list` unless told), targets, proof (a command that passes, and fails with
-#                  `blames` in its output for the twin), round (below, `few` unless told),
-#                  needs_python
-#   tree/          its new files, where they stand in the project; optional. Or, in promise.cmake, `guide`: the file of
-#                  docs/adding_an_algorithm.md that it is
-#   edits.cmake    edit() of files that are there, which count, too; optional
-#   wrong.cmake    edit() that makes the twin
+#   promise.cmake  at_most (files), name (shown by `listed`; default `lpc list`), targets, proof (a command that passes; with the
+#                  planted bug it fails with `blames` in its output), round (below; default `few`), needs_python
+#   tree/          its new files, at their paths in the project; optional. Or, in promise.cmake, `guide`: a file of
+#                  docs/adding_an_algorithm.md
+#   edits.cmake    edit() of existing files, which count as well; optional
+#   wrong.cmake    edit() that plants a bug
 #   use.cmake      what else must work; optional
-cmake_minimum_required(VERSION 3.25)  # for its policies: a script has none of its own
+cmake_minimum_required(VERSION 3.25)  # sets policies, which a script lacks otherwise
 
 include(${CMAKE_CURRENT_LIST_DIR}/../guide.cmake)
 
@@ -32,7 +31,7 @@ endfunction()
 function(build)
   must_say("" ${CMAKE_COMMAND} --build ${work}/build --target ${ARGN})
 endfunction()
-function(new_sweep name text)  # `sweep`: the command that runs it, into a store that is empty now
+function(new_sweep name text)  # `sweep`: the command that runs it into an empty store
   file(WRITE ${work}/${name}.toml "${text}")
   file(REMOVE ${work}/${name}.db)
   set(sweep ${bin}/lpc sweep ${work}/${name}.toml --store ${work}/${name}.db --quiet PARENT_SCOPE)
@@ -57,7 +56,7 @@ function(new_files promise out)
   set(${out} ${new} ${guide} PARENT_SCOPE)
 endfunction()
 
-# What the guide says under a heading, in a folder of its own; its build is the one that is there. `output`: all it said.
+# Runs the guide's commands under a heading, in a separate folder, with the existing build. `output`: their output.
 function(follow_guide heading)
   page_file(${guide_page} neighbours.toml ${guide_folder}/neighbours.toml)
   file(REMOVE ${guide_folder}/results/mine.db)
@@ -87,7 +86,7 @@ function(put promise)
     file(COPY ${here}/${promise}/tree/ DESTINATION ${tree})
   endif()
   foreach(file IN LISTS new)
-    file(TOUCH ${tree}/${file})  # younger than the object that the last run's twin has left
+    file(TOUCH ${tree}/${file})  # newer than the object of the last run's planted bug
   endforeach()
   include(${here}/${promise}/edits.cmake OPTIONAL)
   get_property(edited GLOBAL PROPERTY edited_${promise})
@@ -137,7 +136,7 @@ function(catch_twin promise)
   endif()
   message(STATUS "${promise} ${name}: its broken twin is caught")
   if(needs_python)
-    take(${promise})  # its twin would spoil the reports of the others
+    take(${promise})  # its planted bug would spoil the other reports
   endif()
 endfunction()
 
@@ -160,10 +159,10 @@ set(tree ${work}/tree)
 set(bin ${work}/build/bin)
 set(guide_page ${SOURCE_DIR}/docs/adding_an_algorithm.md)
 set(guide_folder ${work}/guide)
-set(ENV{LPC_TEST_CASES} 3)  # long histories, without optimisation
+set(ENV{LPC_TEST_CASES} 3)  # histories are long and code is not optimised
 
-# The build folder stays between runs, the sources are copied again: only what changed is compiled. Not after a run that
-# was stopped: copies are as old as their originals, so an object made of an edited file would seem fresh.
+# The build folder stays between runs and the sources are copied again, so only changes are compiled. After an interrupted run
+# both are deleted: copies have their originals' times, so an object made from an edited file would seem up to date.
 if(EXISTS ${work}/unfinished)
   file(REMOVE_RECURSE ${tree} ${work}/build)
 endif()
@@ -190,9 +189,9 @@ steps = 5
 ]])
 set(worlds ${sweep})
 
-# few: promises that compile a file or none; witnesses: with the oracles, which this tree is spared otherwise;
-# everything: what everything includes, the oracles too. The last two with -DALL=ON only.
-# Then without precompiled headers: each file includes what it uses.
+# few: promises that compile at most one file. witnesses: with the oracles, which this tree lacks otherwise.
+# everything: changes of headers that every file includes, with the oracles. The last two only with -DALL=ON, and then without
+# precompiled headers, so that each file must include what it uses.
 set(rounds few)
 set(precompiled_off OFF)
 if(ALL)
@@ -225,7 +224,7 @@ pair_query = [${methods}]
 ")
   set(pairs ${sweep})
   must_say("4 run" ${pairs})
-  if(NOT oracles)  # nobody is there to judge, and each row says so
+  if(NOT oracles)  # there is no referee, and each row says so
     file(STRINGS ${work}/pairs.db text)
     string(REGEX MATCHALL "unsupportedthis build has no referee" rows "${text}")
     list(LENGTH rows count)
@@ -258,7 +257,7 @@ pair_query = [${methods}]
   foreach(promise IN LISTS promises)
     prove(${promise})
   endforeach()
-  foreach(promise IN LISTS promises)  # when all are proved: the twin of a stage spoils every step
+  foreach(promise IN LISTS promises)  # after all proofs: the planted bug of a stage spoils every step
     catch_twin(${promise})
   endforeach()
   foreach(promise IN LISTS promises)

@@ -5,7 +5,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-/// A dynamic box with edges of 1 m, its middle at (x, y) and in 3D at z = 0.
+/// A dynamic box with edges of 1 m, centred at (x, y), in 3D at z = 0.
 template <int D>
 BodyDef<D> boxAt(Real x, Real y) {
   BodyDef<D> def;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Several competitors on one scene, without a window: who is where, and at which cost.
+// Several competitors on one scene, without a window: corresponding bodies, and cost.
 #include <gtest/gtest.h>
 
 #include "experiments/sandbox/equal_cost.h"
@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace compare_test { namespace {
 
-// A floor, and a pyramid of three.
+// A floor and a pyramid of three boxes.
 template <int D>
 SceneSpec<D> pile() {
   SceneSpec<D> scene;
@@ -24,7 +24,7 @@ SceneSpec<D> pile() {
   return scene;
 }
 
-// Plays as our world does, and is none: nothing is kept of it.
+// An engine that behaves like a world but keeps no states to step back to.
 struct StandInParams {
   void visit(ParamVisitor&) {}
 };
@@ -53,7 +53,7 @@ void steps(Session<D>& session, int n) {
   for (int i = 0; i < n; ++i) session.step();
 }
 
-// --- who is where ----------------------------------------------------------------------------------------------------
+// --- corresponding bodies -------------------------------------------------------------------------------------------
 
 template <int D>
 bool allCorrespond(const Session<D>& session) {
@@ -72,7 +72,7 @@ void bodiesComeAndGoInAll() {
   Session<D> session(pile<D>(), {"", "", "solver=soft_step", "engine=stand_in"});
   steps(session, 20);
   session.perform(RemoveBody{2});
-  session.perform(AddBody<D>{boxAt<D>(2, 3)});  // into the slot that is free
+  session.perform(AddBody<D>{boxAt<D>(2, 3)});  // into the free slot
   steps(session, 20);
   session.perform(AddBody<D>{boxAt<D>(-2, 3)});
   session.perform(RemoveBody{4});
@@ -84,7 +84,8 @@ void bodiesComeAndGoInAll() {
   EXPECT_EQ(session.world(1).hash(), session.world().hash());
   EXPECT_GT(session.lanes()[2].samples.back().error, 0);
 
-  // A millimetre and a half in one of them alone is seen at the step at which it came, and only of it.
+  // A displacement of 1.5 mm in one competitor is reported at the step at which it happened, and only for that
+  // competitor.
   Pose<D> X = session.world(1).pose(session.handle(1, 1));
   X.p[0] += Real(1.5e-3);
   session.world(1).setPose(session.handle(1, 1), X);
@@ -96,8 +97,8 @@ void bodiesComeAndGoInAll() {
 }
 TEST(Compare, BodiesComeAndGoInAll) { bodiesComeAndGoInAll<2>(), bodiesComeAndGoInAll<3>(); }
 
-// What is done to it here no deed knows of: it is the lane's own misfortune.
-TEST(Compare, WhenOneFallsTheOthersGoOn) {
+// The session's actions do not contain this impulse: only the competitor's own world changes.
+TEST(Compare, OneFailureDoesNotStopTheOthers) {
   Session<2> session(pile<2>(), {"", "", "solver=soft_step"}), whole(pile<2>(), {"", "", "solver=soft_step"});
   steps(session, 10), steps(whole, 30);
   session.world(1).applyImpulse(session.handle(3, 1), {Vec<2>(1.7e308, 0), {}});
@@ -112,12 +113,12 @@ TEST(Compare, WhenOneFallsTheOthersGoOn) {
   EXPECT_EQ(lanes[2].samples.back().error, whole.lanes()[2].samples.back().error);
   EXPECT_EQ(laneState(session, 1), lanes[1].fallen);
   while (session.steps() > 9) ASSERT_TRUE(session.back());
-  EXPECT_EQ(lanes[1].fallen, "");  // before its fall it goes on
+  EXPECT_EQ(lanes[1].fallen, "");  // before the failure it runs again
   steps(session, 21);
   EXPECT_EQ(session.world(1).hash(), whole.world(1).hash());
 }
 
-// --- engines, of which nothing is kept -------------------------------------------------------------------------------
+// --- engines: their states are not kept -----------------------------------------------------------------------------
 
 template <int D>
 void enginesBeginAnew() {
@@ -146,7 +147,7 @@ void enginesBeginAnew() {
   EXPECT_GT(asked, 80);
   expectCaught("a step back that does not go back", seen[39] == seen[0]);
 }
-TEST(Compare, EnginesBeginAnew) { enginesBeginAnew<2>(), enginesBeginAnew<3>(); }
+TEST(Compare, EnginesStepBackByRestarting) { enginesBeginAnew<2>(), enginesBeginAnew<3>(); }
 
 TEST(Compare, AnEngineThatTakesTooLongIsGivenUp) {
   Session<2> session(pile<2>(), {"", "engine=stand_in"});
@@ -169,9 +170,9 @@ TEST(Compare, AnEngineThatTakesTooLongIsGivenUp) {
   EXPECT_EQ(session.steps(), 104);
 }
 
-// What an engine cannot: its lane falls, says why, and falls again when the deed is played again. Such a deed before
-// the first step, or where a world was kept, once ended the step back half-way.
-TEST(Compare, WhatOneLaneCannotIsItsOwnFall) {
+// An action that an engine cannot do: its competitor fails, says why, and fails again when the action is replayed. Such
+// an action before the first step, or at a step with a kept world, once aborted the step back half-way.
+TEST(Compare, AnUnsupportedActionFailsOneCompetitorOnly) {
   for (const int before : {0, 30}) {
     Session<2> session(pile<2>(), {"", "engine=stand_in", "solver=soft_step"});
     steps(session, before);
@@ -189,9 +190,9 @@ TEST(Compare, WhatOneLaneCannotIsItsOwnFall) {
   }
 }
 
-// --- the same cost ---------------------------------------------------------------------------------------------------
+// --- equal cost -----------------------------------------------------------------------------------------------------
 
-// The time of a step is what it has solved: no clock is read.
+// Time of a step from the work done; no clock is read.
 double byWork(Simulation<2>& world, Real dt) {
   world.step(dt);
   return 1e-7 * static_cast<double>(1 + world.profiler().frame().work[WorkCount::multiplyAdds]);
@@ -201,7 +202,7 @@ double costOf(const Session<2>& session, std::size_t lane) {
   return medianTime(session.lanes()[lane].samples) / medianTime(session.lanes()[0].samples);
 }
 
-// `equalise` after each step, as the window does.
+// Calls `equalise` after each step, as the window does.
 template <class Equalise>
 Session<2> playedAtOneCost(int rounds, const Equalise& equalise) {
   Session<2> session(
@@ -229,7 +230,7 @@ TEST(Compare, CostsComeTogether) {
   EXPECT_EQ(session.lanes()[3].since, 0);
   EXPECT_EQ(whyCostStays(session, 3), "its solver has no iterations");
   EXPECT_EQ(session.lanes()[4].since, 0);
-  // Who has been changed has made all of the steps that its time is taken of.
+  // A competitor's time is only used once all its timed steps were made with the new iterations.
   EXPECT_LE(exchanges(session), 2 * 8);
   const Session<2> hasty = playedAtOneCost(1, [](Session<2>& s) {
     for (std::size_t lane = 1; lane < 3; ++lane) {
@@ -241,7 +242,7 @@ TEST(Compare, CostsComeTogether) {
   expectCaught("times of other iterations are taken for those of the present", exchanges(hasty) <= 2);
 }
 
-// What was changed at a step is done again there, once.
+// Stepping forward again replays the change of iterations once.
 TEST(Compare, CostsAreNotChangedTwiceByAStepBack) {
   Session<2> session(pile<2>(), {"", "solver=split_solver{velocity=catto{iterations=90}}"}, byWork);
   const auto go = [&](int n) {
@@ -249,7 +250,7 @@ TEST(Compare, CostsAreNotChangedTwiceByAStepBack) {
   };
   go(kTimedSteps + 2);
   const std::string changed = session.lanes()[1].pipeline;
-  EXPECT_NE(changed.find("iterations=2"), std::string::npos) << changed;  // a quarter at most at a time: 22 or 23
+  EXPECT_NE(changed.find("iterations=2"), std::string::npos) << changed;  // at most a factor of 4 at a time: 22 or 23
   ASSERT_EQ(exchanges(session), 1);
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(session.back());
   EXPECT_NE(session.lanes()[1].pipeline, changed);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What was done by hand is a script whose run is the same life, in scenes that act themselves and with scripts that do:
-// in each step the hand comes after all events, and before what waits for them.
+// A script of the user's actions replays the session exactly, also in scenes with events and scripts of their own. In
+// each step the user's actions come after all events and before the bodies and joints that wait for events.
 #include "experiments/sandbox/deed_script.h"
 
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace deed_script_test { namespace {
 
-// Bodies that come and go by themselves, one that an event brings with a joint that waits for it, a body with a name
-// that a hand's might have, and events in most steps.
+// Bodies that are added and removed by the scene; one body added by an event, and a joint that waits for it; a body
+// with the name that the user's first body might get; and events in most steps.
 const std::string kScene = R"TOML(name = "busy"
 summary = "s"
 dimensions = [2, 3]
@@ -91,7 +91,7 @@ constexpr long kSteps = 14;
 
 SceneFile played() { return SceneFile::parse(kScene, "busy.toml", kScript, "script.toml"); }
 
-// Planted bug, the order of old: a hand comes after all that the scene does before a step.
+// Planted bug, the former order: the user's actions come after everything that the scene does before a step.
 template <int D>
 class LateSession {
  public:
@@ -133,12 +133,12 @@ class LateSession {
 template <int D, class S>
 void drawDeed(Draw& draw, S& session) {
   const auto& scene = session.scene();
-  // Whom a later event of the scene names must stay.
+  // Bodies that a later event of the scene names must stay.
   const auto kept = [&](int body) {
     const auto i = static_cast<std::size_t>(body);
     return i < scene.spawns.size() && scene.spawns[i].body.name.starts_with("kept");
   };
-  std::vector<int> there, movable;  // of those that move
+  std::vector<int> there, movable;  // of dynamic bodies
   for (int body = 0; body < session.bodies(); ++body) {
     const Handle h = session.handle(body);
     if (!session.world().valid(h)) continue;
@@ -188,19 +188,19 @@ void drawDeed(Draw& draw, S& session) {
   }
 }
 
-// How the bodies of a scene are called in a script.
+// Names of a scene's bodies in a script.
 template <int D>
 SceneSpec<D> asTheyAre(SceneSpec<D> scene) {
   return scene;
 }
-// Planted bug: by their place among all that come, those of the script counted, too.
+// Planted bug: names by index among all bodies, including those of the script.
 template <int D>
 SceneSpec<D> byPlace(SceneSpec<D> scene) {
   for (std::size_t i = 0; i < scene.spawns.size(); ++i) scene.spawns[i].called = "#" + std::to_string(i);
   return scene;
 }
 
-// The script is played as `lpc run` does, and the world is the same before each step.
+// Plays the script as `lpc run` does; the world must be the same before each step.
 template <int D, class S, auto kNamed>
 void isItsScript() {
   RapidCheckDraw draw;
@@ -236,15 +236,15 @@ void isItsScript() {
   }
 }
 
-TEST(SandboxScript, IsWhatWasDone) {
+TEST(SandboxScript, ReplaysTheSession) {
   check("2D", isItsScript<2, Session<2>, asTheyAre<2>>, 60);
   check("3D", isItsScript<3, Session<3>, asTheyAre<3>>, 40);
   expectFalsified("a hand after all of a step", isItsScript<2, LateSession<2>, asTheyAre<2>>, 60);
   expectFalsified("bodies called by their place among all", isItsScript<2, Session<2>, byPlace<2>>, 60);
 }
 
-// What is done before the first step that is still to come is in the script, which then plays on.
-TEST(SandboxScript, WhatIsToComeIsPlayed) {
+// Actions before the next step are in the script, which then continues.
+TEST(SandboxScript, ActionsBeforeTheNextStepAreIncluded) {
   const SceneFile file = played();
   Session<2> session(file.build<2>({}, 1), {""});
   for (int i = 0; i < 5; ++i) session.step();
@@ -258,8 +258,8 @@ TEST(SandboxScript, WhatIsToComeIsPlayed) {
   EXPECT_EQ(steps(), 6);
 }
 
-// The script that plays may be one that was written so: names never meet.
-TEST(SandboxScript, GoesOnFromOneOfItsOwn) {
+// The playing script may itself have been written by a session: its names never collide with new ones.
+TEST(SandboxScript, ContinuesFromItsOwnScript) {
   std::string text = kScript;
   std::uint64_t last = 0;
   for (int round = 0; round < 3; ++round) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is seen in a window is where the camera says that it is, and nowhere else.
+// The window shows every shape where the camera projects it, and nowhere else.
 #include "experiments/sandbox/gl_canvas.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class Canvas : public testing::Test {
   Window m_window{"test", 320, 240};
 };
 
-// How far the middle of a pixel is from p, and how large it is there (m).
+// Distance of a pixel's centre from p, and the pixel's size at p (m).
 struct Gap {
   Real distance, pixel;
 };
@@ -46,7 +46,8 @@ Gap gap(const ViewCamera<3>& camera, int x, int y, const Vec<3>& p) {
   return {(p - ray.origin).cross(ray.direction).norm(), 1 / camera.scaleAt(p)};
 }
 
-// A ball is seen by the pixels whose sight meets it. Its corners are a fifth of a pixel inside, its edge is a line.
+// The ball covers the pixels with view rays that hit it. Its corners lie up to a fifth of a pixel inside; its edge is a
+// line.
 template <int D, class Twin = void>
 void ballIsThere(Window& window) {
   RapidCheckDraw draw;
@@ -136,7 +137,7 @@ TEST_F(Canvas, LinesAndPointsAreWhereTheWorldHasThem) {
   EXPECT_GT(seen[1], 20);
 }
 
-TEST_F(Canvas, WhatIsBehindIsCovered) {
+TEST_F(Canvas, NearerShapesCoverFartherOnes) {
   const auto camera = this->camera<3>();
   const Shape<3> small = Shape<3>::box({Real(0.5), Real(0.5), Real(0.5)}), large = Shape<3>::box({2, 2, 2});
   const Pose<3> behind = at<3>(-4 * camera.towards()), before = at<3>({0, 0, 0});
@@ -151,7 +152,7 @@ TEST_F(Canvas, WhatIsBehindIsCovered) {
     EXPECT_EQ(count(picture, isBlue), 0) << first;
     EXPECT_GT(count(picture, isRed), 1000) << first;
   }
-  // But a contact's point, a line and what is behind something that one sees through are seen, faintly.
+  // But contact points, lines and bodies behind a transparent body are faintly visible.
   const auto faint = shown<3>(camera, [&](DebugDraw<3>& draw) {
     draw.shape(large.view(), before, kRedBody);
     draw.point(behind.p, 9, {0, 255, 0});
@@ -168,8 +169,9 @@ TEST_F(Canvas, WhatIsBehindIsCovered) {
   EXPECT_GT(through.at(160, 120).red, 50);
 }
 
-// What is in a closed room is seen, and so is a room with nobody in it; a wall behind all is solid.
-TEST_F(Canvas, AWallIsOfGlassWhileItHidesABody) {
+// Bodies inside a closed static shape are visible, and so is an empty inside. A static body behind everything is
+// opaque.
+TEST_F(Canvas, StaticBodiesAreTransparentWhileTheyHideABody) {
   const auto camera = this->camera<3>();
   const Shape<3> wall = Shape<3>::sphere(2), ball = Shape<3>::sphere(Real(0.5));
   Look fixed = kRedBody;
@@ -181,17 +183,17 @@ TEST_F(Canvas, AWallIsOfGlassWhileItHidesABody) {
       draw.shape(wall.view(), X, fixed);
       if (somebody) draw.shape(ball.view(), {}, kBlueBody);
     });
-    return seen.at(160, 117);  // beside the line that goes around
+    return seen.at(160, 117);  // beside the outline
   };
   EXPECT_GT(picture(before, true).blue, 100);
-  EXPECT_GT(picture(before, false).green, 150);  // paper
+  EXPECT_GT(picture(before, false).green, 150);  // background
   EXPECT_TRUE(isBlue(picture(behind, true)));
   const DrawColour solid = picture(behind, false);
   EXPECT_GT(solid.red, 100);
   EXPECT_EQ(solid.green, 0);
 }
 
-TEST_F(Canvas, WhatMovesIsBeforeWhatIsFixed) {
+TEST_F(Canvas, DynamicBodiesAreDrawnOverStaticOnes) {
   const Shape<2> shape = Shape<2>::box({2, 2});
   Look fixed = kBlueBody;
   fixed.moves = false;
@@ -206,7 +208,7 @@ TEST_F(Canvas, WhatMovesIsBeforeWhatIsFixed) {
   }
 }
 
-// Edges, too: a body before another hides the other's.
+// Edges as well: a later body hides the edges of earlier ones.
 TEST_F(Canvas, LaterBodiesHideEdgesOfEarlierOnes) {
   const auto picture = shown<2>(camera<2>(), [&](DebugDraw<2>& draw) {
     draw.shape(Shape<2>::box({1, 1}).view(), {}, {kRed, kBlue});
@@ -291,7 +293,7 @@ TEST_F(Canvas, WordsBeginAtTheirPoint) {
   EXPECT_EQ(count(none, isPaper), 320 * 240);
 }
 
-// Side by side: a view draws in its own part alone.
+// Side by side: a view draws only into its own frame.
 TEST_F(Canvas, AViewEndsAtItsFrame) {
   ViewCamera<2> left, right;
   left.resize(160, 240);
@@ -312,8 +314,8 @@ TEST_F(Canvas, AViewEndsAtItsFrame) {
   }
 }
 
-// A mesh is kept by its numbers: another hull that lies where a former one lay is another.
-TEST_F(Canvas, MeshesAreOfTheirShapes) {
+// Meshes are cached by the shape's coordinates, not by address: a new hull may get the address of an old one.
+TEST_F(Canvas, MeshesAreCachedByShape) {
   GlCanvas<2> canvas;
   int reds[2];
   for (const int k : {0, 1}) {

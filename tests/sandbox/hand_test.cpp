@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The mouse on a scene, without a window.
+// Mouse input on a scene, without a window.
 #include "experiments/sandbox/hand.h"
 
 #include <gtest/gtest.h>
@@ -52,10 +52,10 @@ void picks() {
   EXPECT_EQ(pick(t.session.world(), t.camera, Vec<2>(1, 1)).slot, -1);
   expectCaught("nobody is ever under the cursor", pick(t.session.world(), t.camera, t.pixel(0, 0)).slot == -1);
 }
-TEST(SandboxHand, WhoIsUnderTheCursorIsPicked) { picks<2>(), picks<3>(); }
+TEST(SandboxHand, PicksTheBodyUnderTheCursor) { picks<2>(), picks<3>(); }
 
-// In the plane who moves is meant, not what lies behind; in space who is nearer.
-TEST(SandboxHand, OfTwoTheOneInFrontIsPicked) {
+// In 2D a dynamic body is picked before static ones; in 3D the nearer body.
+TEST(SandboxHand, PicksTheBodyInFront) {
   Table<2> plane;
   plane.session.perform(AddBody<2>{BodyDef<2>::fixed({.shape = Shape<2>::box({4, 4})})});
   const int ball = plane.add(1, 1);
@@ -71,7 +71,7 @@ TEST(SandboxHand, OfTwoTheOneInFrontIsPicked) {
   EXPECT_EQ(space.session.bodyAt(picked.slot), 1);
   EXPECT_NEAR((picked.point - nearer).norm(), 0.5, 1e-9);
 
-  // Nor is a wall meant that hides them, and nothing is drawn on it.
+  // A static body in front of them is not picked, and nothing is drawn on it.
   BodyDef<3> wall = BodyDef<3>::fixed({.shape = Shape<3>::sphere(2)});
   wall.X_WB.p = 6 * space.camera.towards();
   space.session.perform(AddBody<3>{wall});
@@ -116,7 +116,7 @@ void draws() {
   int shapes = 0;
   for (const auto& s : t.session.world().shapes()) shapes += s.body == h.slot;
   EXPECT_EQ(shapes, 2);
-  // A slip of the hand draws nothing, and static ones come as such.
+  // A drag of zero length draws nothing; drawn bodies can be static.
   t.hand.tool = Tool::circle;
   t.drag(t.pixel(0, 0), t.pixel(0, 0));
   EXPECT_EQ(t.session.bodies(), 5);
@@ -127,7 +127,7 @@ void draws() {
 }
 TEST(SandboxHand, ToolsDrawWhatTheyAreNamedAfter) { draws<2>(), draws<3>(); }
 
-// Paused, it goes exactly where the cursor goes; else a spring pulls it there, and no step is infinite.
+// While paused, the body follows the cursor exactly; otherwise a spring pulls it, and its motion stays finite.
 template <int D>
 void carries() {
   Table<D> t;
@@ -138,14 +138,14 @@ void carries() {
   t.drag(grip, t.camera.toPixel(held + Table<D>::at(2, 1)));
   const Vec<2> moved = t.camera.toPixel(t.place(a)) - t.camera.toPixel(Vec<D>::Zero());
   EXPECT_GT(moved.norm(), 20);
-  EXPECT_EQ(t.session.deeds().size(), 3u);  // gravity, the body, and one place
+  EXPECT_EQ(t.session.deeds().size(), 3u);  // gravity, the body, and one move
   t.hand.setPaused(false);
   const Vec<D> from = t.place(a);
   const Vec<2> at = t.camera.toPixel(from);
   t.hand.press(at, false);
   t.hand.move(at - Vec<2>(100, 0));
   for (int i = 0; i < 240; ++i)
-    t.hand.pull(D == 3), t.session.step();  // held at its skin, a ball goes on turning about that
+    t.hand.pull(D == 3), t.session.step();  // a ball held at its surface keeps turning about that point
   EXPECT_FALSE(t.session.fallen());
   EXPECT_NEAR((t.camera.toPixel(t.place(a)) - (at - Vec<2>(100, 0))).norm(), 0, 5);
   EXPECT_LT(double(t.session.world().bodies().motion[0].v.norm()), 1e-2);
@@ -179,10 +179,10 @@ TEST(SandboxHand, JoinsTwoBodiesOrOneWithTheWorld) {
   t.add(-1, 0), t.add(1, 0);
   t.hand.tool = Tool::joint;
   const auto click = [&](const Vec<2>& at) { t.hand.press(at, false), t.hand.release(at); };
-  t.hand.joint = "distance";  // whose ends may be apart
+  t.hand.joint = "distance";  // its ends may be apart
   click(t.pixel(-1, 0)), click(t.pixel(1, 0));
   ASSERT_EQ(t.session.world().joints().size(), 1u);
-  t.hand.joint = "pivot";  // whose ends are one point: that of the first click
+  t.hand.joint = "pivot";  // its ends coincide: at the first click
   click(t.pixel(1, 0)), click(t.pixel(1, 3));
   ASSERT_EQ(t.session.world().joints().size(), 2u);
   const auto& pivot = t.session.world().joints()[1];
@@ -191,7 +191,7 @@ TEST(SandboxHand, JoinsTwoBodiesOrOneWithTheWorld) {
   for (int i = 0; i < 60; ++i) t.session.step();
   EXPECT_NEAR((t.place(1) - Vec<2>(1, 0)).norm(), 0, 1e-6);
 
-  // Nor with the world in place of one that is no more, since a step back was before it came.
+  // Nor is the world joined instead of a body that a step back removed.
   t.session.step();
   t.add(3, 0);
   click(t.pixel(3, 0));
@@ -206,7 +206,7 @@ Rot<3> turnedBy(const ViewCamera<3>& camera, Real angle) { return Rot<3>::vector
 Ang<2> inItsFrame(const Rot<2>&, const Ang<2>& w) { return w; }
 Ang<3> inItsFrame(const Rot<3>& q, const Ang<3>& w) { return q.inverse() * w; }
 
-// Three that move, each with another mass, centre and motion, and one that does not.
+// Three dynamic bodies with different masses, centres and motions, and one static body.
 template <int D>
 struct Group {
   Table<D> t;
@@ -244,7 +244,7 @@ struct Group {
     }
     at /= mass;
   }
-  // Is all of it turned by so much about that point, as one body?
+  // Whether all bodies are rotated by the angle about the point, as one rigid body.
   bool turnedAbout(const Vec<D>& about, Real angle) const {
     const Rot<D> q = turnedBy(t.camera, angle);
     Real worst = 0;
@@ -267,25 +267,25 @@ void turnsAsOne() {
   one.t.hand.select(one.bodies);
   one.t.hand.turn(Real(0.5));
   EXPECT_TRUE(one.turnedAbout(one.center, Real(0.5)));
-  // Planted bug: each about its own centre, as the sandbox once did.
+  // Planted bug: each body rotates about its own centre, as in an early sandbox.
   Group<D> each;
   for (const int body : each.bodies) each.t.hand.select({body}), each.t.hand.turn(Real(0.5));
   expectCaught("each turns about its own centre", each.turnedAbout(each.center, Real(0.5)));
-  // Alone it turns where it is.
+  // A single body rotates in place.
   Group<D> alone;
   alone.bodies = {1}, alone.before = {alone.before[1]};
   alone.t.hand.select({1}), alone.t.hand.turn(Real(0.5));
   EXPECT_TRUE(alone.turnedAbout(alone.t.session.world().bodies().pose[1].p, Real(0.5)));
-  // Those that never move turn about their middle.
+  // Static bodies rotate about their centre.
   Group<D> fixed;
   fixed.bodies = {3}, fixed.before = {fixed.before[3]};
   const Vec<D> middle = fixed.t.session.world().bodies().pose[3].p;
   fixed.t.hand.select({3}), fixed.t.hand.turn(Real(0.5));
   EXPECT_TRUE(fixed.turnedAbout(middle, Real(0.5)));
 }
-TEST(SandboxHand, TurnsWhatIsSelectedAsOne) { turnsAsOne<2>(), turnsAsOne<3>(); }
+TEST(SandboxHand, RotatesTheSelectionAsOneBody) { turnsAsOne<2>(), turnsAsOne<3>(); }
 
-// Paused, all that are selected are carried and turned by what is held.
+// While paused, the held body carries and rotates the whole selection.
 template <int D>
 void carriesAll() {
   Table<D> t;
@@ -299,7 +299,7 @@ void carriesAll() {
   t.hand.move(t.camera.toPixel(to)), t.hand.move(t.camera.toPixel(to));
   EXPECT_GT((t.place(a) - from).norm(), 1);
   EXPECT_NEAR((t.place(b) - t.place(a) - apart).norm(), 0, 1e-12);
-  EXPECT_EQ(t.session.deeds().size(), 6u);  // gravity, three bodies, and a place for each
+  EXPECT_EQ(t.session.deeds().size(), 6u);  // gravity, three bodies, and a place for two
   t.hand.turn(Real(0.5));
   const Vec<D> turned = turnedBy(t.camera, Real(0.5)) * apart;
   EXPECT_NEAR((t.place(b) - t.place(a) - turned).norm(), 0, 1e-12);
@@ -308,7 +308,7 @@ void carriesAll() {
   EXPECT_EQ(t.session.deeds().size(), 6u);
   EXPECT_EQ(t.place(other), Table<D>::at(-3, -3));
 }
-TEST(SandboxHand, CarriesAllThatAreSelected) { carriesAll<2>(), carriesAll<3>(); }
+TEST(SandboxHand, CarriesTheSelection) { carriesAll<2>(), carriesAll<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::hand_test

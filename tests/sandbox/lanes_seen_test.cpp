@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Several competitors on one screen, without a window: in which words, colour and tile each is seen.
+// Labels, colours and tiles of several competitors on one screen, without a window.
 #include <gtest/gtest.h>
 
 #include "experiments/sandbox/lane_colours.h"
@@ -13,9 +13,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace lanes_seen_test { namespace {
 
-// --- in words --------------------------------------------------------------------------------------------------------
+// --- labels ---------------------------------------------------------------------------------------------------------
 
-TEST(CompareSeen, TitlesSayWhatIsOtherwise) {
+TEST(CompareSeen, TitlesShowDifferences) {
   EXPECT_EQ(laneTitle("", 2), "the default stages");
   EXPECT_EQ(laneTitle("solver=soft_step{substeps=2}", 3), "solver=soft_step{substeps=2}");
   EXPECT_EQ(laneTitle("solver=split_solver{velocity=naive}", 2), "velocity=naive");
@@ -41,14 +41,14 @@ void linesFit() {
     joined += line;
   }
   if (joined == text) return;
-  RC_ASSERT(joined.ends_with("..."));  // it is told that there is more
+  RC_ASSERT(joined.ends_with("..."));  // it shows that text is missing
   RC_ASSERT(lines.size() == most && text.starts_with(joined.substr(0, joined.size() - 3)));
 }
 TEST(CompareSeen, LinesFit) { check("any text", linesFit, 200); }
 
-// --- colours and tiles -----------------------------------------------------------------------------------------------
+// --- colours and tiles ----------------------------------------------------------------------------------------------
 
-// Whoever plays, in whatever order.
+// Any competitors, in any order.
 template <bool kFirstColours>
 void coloursAreToldApart() {
   RapidCheckDraw draw;
@@ -66,7 +66,7 @@ void coloursAreToldApart() {
     lanes.push_back(known[static_cast<std::size_t>(draw.below(static_cast<int>(known.size())))]);
   }
   std::vector<DrawColour> colours = laneColours(lanes, 2);
-  if (kFirstColours) {  // planted: each has that of its family, whoever else is there
+  if (kFirstColours) {  // planted: each has its family's colour, whatever the others are
     colours.clear();
     for (const std::string& lane : lanes) colours.push_back(laneColours({lane}, 2)[0]);
   }
@@ -75,7 +75,7 @@ void coloursAreToldApart() {
     for (std::size_t j = 0; j < i; ++j) RC_ASSERT(difference(colours[i], colours[j]) >= kToldApart);
   }
 }
-TEST(CompareSeen, ColoursAreToldApart) {
+TEST(CompareSeen, ColoursAreDistinct) {
   check("any competitors", coloursAreToldApart<false>, 100);
   expectFalsified("the family's colour for all of it", coloursAreToldApart<true>);
 }
@@ -118,7 +118,7 @@ TEST(CompareSeen, TilesHaveTheShapeOfTheScene) {
   EXPECT_EQ(columnsOf<2>(2, 100), 8);
   EXPECT_EQ(columnsOf<3>(10, 10), 4);
   EXPECT_EQ(columnsOf<3>(2, 100), 8);
-  EXPECT_EQ(columnsFor(ViewCamera<2>(), World<2>(), 8, {0, 20, 1280, 740}, 40), 4);  // nobody is there
+  EXPECT_EQ(columnsFor(ViewCamera<2>(), World<2>(), 8, {0, 20, 1280, 740}, 40), 4);  // an empty world
 }
 
 }  // namespace

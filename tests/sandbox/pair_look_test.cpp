@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A look into a pair is what the query does with it now, and is not made twice.
+// The view of a pair shows what the query does now, and is computed once per state.
 #include "experiments/sandbox/pair_look.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ struct Pair {
     world.setPose(b, X);
   }
   void see(const std::string& query) { look.look(query, world, a.slot, b.slot); }
-  // Is it what the query does now?
+  // Whether the view equals a new trace of the query.
   bool holds(const std::string& query) const {
     const auto& shapes = world.shapes();
     const auto X = [&](const ShapeRecord<D>& s) {
@@ -48,7 +48,7 @@ template <int D>
 void looks() {
   Pair<D> pair;
   for (const char* query : {"gjk_epa", "gjk_epa{simplex=johnson}", "sat"}) {
-    if (D == 3 && std::string(query) == "sat") continue;  // shows no steps with what is curved
+    if (D == 3 && std::string(query) == "sat") continue;  // records no steps for curved shapes
     const long before = pair.look.made();
     for (int picture = 0; picture < 5; ++picture) pair.see(query);
     EXPECT_EQ(pair.look.made(), before + 1) << query;
@@ -61,7 +61,7 @@ void looks() {
   pair.see("gjk_epa"), pair.see("gjk_epa");
   EXPECT_EQ(pair.look.made(), made + 1);
   EXPECT_TRUE(pair.holds("gjk_epa"));
-  // Another shape in its place; the old one's hull must not be needed any more.
+  // After the shape is replaced, the view must not use the old shape's hull.
   BodyDef<D> def = pair.world.definition(pair.a);
   std::vector<Vec<D>> corners = {Vec<D>::Zero()};
   for (int axis = 0; axis < D; ++axis) corners.push_back(Vec<D>::Unit(axis));
@@ -70,20 +70,20 @@ void looks() {
   pair.see("gjk_epa");
   EXPECT_EQ(pair.look.made(), made + 2);
   EXPECT_TRUE(pair.holds("gjk_epa"));
-  // What is found is what the answer says, and nothing before it.
+  // `found` is the first step with the final answer.
   const auto& steps = pair.look.trace()->steps;
   const std::size_t found = pair.look.found();
   EXPECT_EQ(steps[found].best, steps.back().best);
   EXPECT_TRUE(found == 0 || steps[found - 1].best != steps.back().best ||
               steps[found - 1].bestAxis != steps.back().bestAxis);
-  // Who cannot says why, and is asked once.
+  // A query that records no steps says so, and is tried once.
   pair.see("mpr");
   EXPECT_EQ(pair.look.trace(), nullptr);
   EXPECT_NE(pair.look.says().find("shows no steps"), std::string::npos) << pair.look.says();
   pair.look.nobody("nobody is selected");
   EXPECT_EQ(pair.look.says(), "nobody is selected");
 }
-TEST(SandboxPair, IsLookedIntoOnce) { looks<2>(), looks<3>(); }
+TEST(SandboxPair, IsTracedOncePerState) { looks<2>(), looks<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::pair_look_test

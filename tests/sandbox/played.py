@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""How tests have the sandbox: they play it by a script of input, and look at its pictures and at what `state` tells. Of a test
-that is run by NAME_test.py SOURCE_DIR LPC.
+"""For tests of the sandbox: they drive it with a script of input, and check its pictures and the output of `state`. A test runs
+as NAME_test.py SOURCE_DIR LPC.
 """
 
 import json
@@ -29,7 +29,7 @@ def like(rows, colour, by):
 
 
 def choose(menu, name):
-    """The menu is open one picture later, and closed two after the choice."""
+    """A menu opens one picture after the click, and closes two after the choice."""
     return ["on " + menu, "press left", "release left", f"on {menu}/{name}", "press left", "release left", "wait 1"]
 
 
@@ -42,7 +42,7 @@ def drag(a, b, button="left"):
 
 
 class Played(unittest.TestCase):
-    """Runs of the program in a folder of their own."""
+    """Runs the program in a separate folder."""
 
     def setUp(self):
         held = tempfile.TemporaryDirectory()
@@ -54,7 +54,7 @@ class Played(unittest.TestCase):
                               timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE), **(env or {})})
 
     def play(self, orders, *arguments, states=("end",), size=(320, 240)):
-        """What `state` wrote under these names, after the orders, in a window of this size that shows the whole scene."""
+        """Performs the orders in a window of this size that shows the whole scene; returns the output of `state` by name."""
         begin = ["size {} {}".format(*size), "wait 1", "key Home"]
         (self.folder / "input.txt").write_text("\n".join([*begin, *orders, "state end.json", "quit"]) + "\n")
         done = self.call(*arguments, "--input", "input.txt")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""The sandbox as a user has it, on a display that nobody sees: keys and mouse by a script of input, pictures compared by what is
-in them. Run by ctest: sandbox_test.py SOURCE_DIR LPC, in with_display. `time`: 1,000 bodies, whose pictures a second are printed.
+"""The sandbox as its user sees it, on a virtual display: a script gives keys and mouse, and pictures are compared by content.
+Run by ctest: sandbox_test.py SOURCE_DIR LPC, in with_display. `time`: prints the pictures a second with 1,000 bodies.
 """
 
 import contextlib
@@ -20,15 +20,15 @@ import unittest
 import numpy
 from played import LPC, PAPER, QUICK, SOURCE, Played, choose, click, drag, like, png
 
-PRECISIONS = [p for p in ("f64", "f32") if (LPC.parent / f"lpc-worker-{p}").is_file()]  # that were built
-BEARING, IDLE = (214, 39, 40), (90, 110, 140)  # contacts that bore something, and nothing
-MARK = (214, 39, 40)  # where competitors part
-LONG = float(os.environ.get("LPC_SANDBOX_SECONDS", "0"))  # of scripted use, for sanitizers
-MENUS = (600, 420)  # a window where every menu has room: pictures without a graphics card cost by the pixel
+PRECISIONS = [p for p in ("f64", "f32") if (LPC.parent / f"lpc-worker-{p}").is_file()]  # in this build
+BEARING, IDLE = (214, 39, 40), (90, 110, 140)  # loaded and unloaded contacts
+MARK = (214, 39, 40)  # where competitors diverge
+LONG = float(os.environ.get("LPC_SANDBOX_SECONDS", "0"))  # s of scripted use, for sanitizers
+MENUS = (600, 420)  # fits every menu; without a graphics card, time grows with the pixels
 
 
 class Sandbox(Played):
-    # --- what is seen ---------------------------------------------------------------------------------------------------
+    # --- pictures -------------------------------------------------------------------------------------------------------
     def test_bodies_and_contacts_are_where_the_world_has_them(self):
         for dimension in ("2d", "3d"):
             with self.subTest(dimension):
@@ -40,10 +40,10 @@ class Sandbox(Played):
                 for body in seen:
                     x, y = map(round, body["pixel"])
                     self.assertFalse(like(rows[y, x], PAPER, 12), body)
-                self.assertTrue(like(rows[100, [20, 780]], PAPER, 12).all())  # where nobody is
+                self.assertTrue(like(rows[100, [20, 780]], PAPER, 12).all())  # no body there
                 self.assertGreater(len(state["contacts"]), 10)
-                if dimension == "2d":  # in space one may hide another
-                    seen, open_ones = 0, [(x, y) for x, y in state["contacts"] if 30 < y < 540]  # others a menu may hide
+                if dimension == "2d":  # in 3D one may hide another
+                    seen, open_ones = 0, [(x, y) for x, y in state["contacts"] if 30 < y < 540]  # a menu may hide the others
                     self.assertGreater(len(open_ones), 100)
                     for x, y in open_ones:
                         around = rows[round(y) - 2:round(y) + 3, round(x) - 2:round(x) + 3]
@@ -59,10 +59,10 @@ class Sandbox(Played):
         rows = png(self.folder / "a.png")
         self.assertGreater(like(rows[:700, :900], state["lanes"][1]["colour"], 30).sum(), 200)
         marks = numpy.argwhere(like(rows[:, 900:], MARK, 2))
-        self.assertEqual(len(marks), 24)  # a line as tall as the plot
+        self.assertEqual(len(marks), 24)  # a line of the plot's height
         self.assertEqual(len(set(marks[:, 1])), 1)
 
-    # Eight whose boxes still stand as those of the first, more or less.
+    # Eight competitors; their boxes still stand approximately as those of the first.
     EIGHT = ("", "solver=soft_step", "solver=avbd", "solver=xpbd", "solver=tgs", "solver=split_solver{velocity=jacobi}",
              "solver=split_solver{velocity=catto{iterations=30},position=ngs{iterations=7}}",
              "solver=split_solver{velocity=nncg}")
@@ -95,7 +95,7 @@ class Sandbox(Played):
                     self.assertGreaterEqual(like(head, lane["colour"], 2).sum(), 13 * 13, lane["pipeline"])
                     self.assertGreater((head.max(axis=-1) < 60).sum(), 60, "words")
                     self.assertFalse((head[:, -4:].max(axis=-1) < 120).any(), "words are cut off at the tile's end")
-        x, y = state["lanes"][5]["bodies"][20]  # who is clicked on in a tile
+        x, y = state["lanes"][5]["bodies"][20]  # the body that is clicked in a tile
         clicked = self.play([*orders, f"pixel {x} {y}", "wait 1", "press left", "release left", "wait 1"], *command,
                             size=(1280, 600))
         self.assertEqual(clicked["selected"], [state["bodies"][20]["body"]])
@@ -129,7 +129,7 @@ class Sandbox(Played):
         lanes = self.play(["key p"], "2d", "1", *self.lanes(*pipelines))["lanes"]
         same = ["#{:02X}{:02X}{:02X}".format(*lane["colour"]) == looks.looks[name][0] for lane, name in zip(lanes, names)]
         self.assertTrue(same[0])
-        self.assertGreaterEqual(sum(same), 5, list(zip(names, same)))  # but for who would not be told from who came first
+        self.assertGreaterEqual(sum(same), 5, list(zip(names, same)))  # except colours too similar to an earlier competitor's
 
     def test_a_look_into_a_pair_is_made_once(self):
         orders = ["key p", "wait 1", "at 4 5", "press left", "release left", "wait 1", "down Left Shift", "at 8 3.5",
@@ -159,8 +159,8 @@ class Sandbox(Played):
                         orders += choose(menu, name)
                 orders = [o for o in orders if o != "key F3"]
                 state = self.play([*orders, "wait 5"], dimension, "-s", "1", size=MENUS)
-                # What is switched by its key and in its menu is as it was, but statistics, which ended with the first world in
-                # between; a panel without a key is open.
+                # Switched by its key and again in its menu, a command is unchanged, except statistics, which ended with the first
+                # world. Panels without a key are open.
                 on = {c["name"] for c in state["commands"] if c["menu"] in ("Create", "Record", "Panels") and c["on"]}
                 panels = (c["name"] for c in commands if c["menu"] == "Panels" and not c["key"])
                 self.assertEqual(on, {"Joint", "Statistics", *panels})
@@ -182,22 +182,22 @@ class Sandbox(Played):
         page = (SOURCE / "docs" / "sandbox.md").read_text()
         pictures = re.findall(r"(?m)^\*`lpc sandbox (.*) --input docs/drawings/(\w+)\.txt`\*$", page)
         self.assertEqual(len(pictures), 4)
-        for command, name in pictures:  # what the page shows is what they draw, but for times
+        for command, name in pictures:  # the pictures on the page equal those drawn now, except times
             with self.subTest(name):
                 done = self.call(*shlex.split(command), "--input", SOURCE / "docs" / "drawings" / f"{name}.txt")
                 self.assertEqual(done.returncode, 0, done.stderr)
                 made, shown = png(self.folder / f"{name}.png"), png(SOURCE / "docs" / "drawings" / f"{name}.png")
                 other = (made != shown).any(axis=-1)
-                other[690:, :700] = False  # times, in the line at the bottom
-                if name != "sandbox_pair":  # and in these panels, which have as much writing
+                other[690:, :700] = False  # times in the bottom line
+                if name != "sandbox_pair":  # and in these panels, where texts have equal length
                     writing = [(rows[50:600, 910:1270].max(axis=-1) < 90).sum() for rows in (made, shown)]
                     self.assertLess(abs(writing[0] / writing[1] - 1), 0.1)
                     other[50:600, 910:1270] = False
-                if name == "sandbox_eight":  # and in the second line of each tile's title: 0.22 ms is shorter than 0.219 ms
+                if name == "sandbox_eight":  # and in each tile's second line: 0.22 ms is shorter than 0.219 ms
                     other[40:56] = other[407:423] = False
                 self.assertLess(other.mean(), 0.001)
         for command in commands:
-            if "--trial" not in command:  # that of a store of one's own: test_a_cell_that_fell_opens_a_step_before
+            if "--trial" not in command:  # needs a store: test_a_cell_that_fell_opens_a_step_before
                 with self.subTest(command):
                     self.play(["wait 2"], *command)
 
@@ -209,7 +209,7 @@ class Sandbox(Played):
             orders += ["key " + key, "wait 2", f"state {key}.json"]
         names = ("start", "spawned", "cleared", "begun", *presets)
         start, spawned, cleared, end, *opened = self.play(orders, states=names)
-        self.assertEqual(start["scene"], "preset_1")  # what is shown when nothing is said
+        self.assertEqual(start["scene"], "preset_1")  # the default scene
         self.assertTrue(start["paused"])
         self.assertEqual(len(spawned["bodies"]), len(start["bodies"]) + 37)
         self.assertEqual(cleared["bodies"], [])
@@ -219,7 +219,7 @@ class Sandbox(Played):
         self.assertTrue(all(b["awake"] for b in awake if b["type"] == 2))
         self.assertTrue((self.folder / "sandbox_profile.csv").is_file())
 
-    # --- what is done by hand -------------------------------------------------------------------------------------------
+    # --- mouse and tools ------------------------------------------------------------------------------------------------
     def test_a_scene_by_mouse_is_that_of_its_script(self):
         steps = {}
         for dimension, precision in (("2d", "f64"), ("3d", "f64"), ("2d", PRECISIONS[-1])):
@@ -232,7 +232,7 @@ class Sandbox(Played):
                           "pixel 320 140", "key n", "key o", "wait 10", "key p", "wait 1", "key F4", "wait 2"]
                 state = self.play(orders, dimension, "-s", "0", "--precision", precision, size=(640, 480))
                 self.assertEqual(state["precision"], precision)
-                self.assertEqual(state["step"], steps.setdefault(dimension, state["step"]))  # a picture makes one, rounded or not
+                self.assertEqual(state["step"], steps.setdefault(dimension, state["step"]))  # one step a picture, rounded or not
                 self.assertIn("ends in the same bits", state["message"])
                 self.assertEqual(state["joints"], 1)
                 run = self.lpc_run("0", "--script", "sandbox_script.toml", "--steps", state["step"], "--dimension", dimension[0],
@@ -273,7 +273,7 @@ class Sandbox(Played):
         self.assertNotEqual(rows, 15)
         self.assertLess(state["step"], 6)
 
-    # --- what stays -----------------------------------------------------------------------------------------------------
+    # --- settings that persist ------------------------------------------------------------------------------------------
     def test_who_plays_and_what_is_on_stays(self):
         def on(state):
             return {c["name"] for c in state["commands"] if c["on"]}
@@ -284,14 +284,14 @@ class Sandbox(Played):
                   "state changed.json", "key F1", "wait 1", "key F2", "wait 2", "state loaded.json", "key r", "wait 2"]
         plots, other, changed, loaded, again = self.play(orders, "2d", "4", "-g",
                                                          states=("plots", "other", "changed", "loaded", "end"), size=(800, 600))
-        self.assertIn("Step", on(plots))  # the panel of plots, by -g
+        self.assertIn("Step", on(plots))  # the panel of plots, from -g
         self.assertEqual(other["dimension"], 3)
-        self.assertLessEqual({"Step", "Pause", "Rain"}, on(other))  # P was held down, and is one press
+        self.assertLessEqual({"Step", "Pause", "Rain"}, on(other))  # P was held down and counts as one press
         self.assertIn("solver=soft_step", changed["lanes"][0]["pipeline"])
         self.assertEqual(loaded["scene"], "sandbox")
         lanes = [[(lane["pipeline"], lane["hash"]) for lane in state["lanes"]] for state in (changed, loaded, again)]
         self.assertEqual(lanes[1:], lanes[:1] * 2)
-        self.assertTrue((self.folder / "sandbox_stats.csv").is_file())  # of the world that another came after
+        self.assertTrue((self.folder / "sandbox_stats.csv").is_file())  # of the world that was replaced
 
     def test_who_cannot_play_there_is_refused_and_all_stays(self):
         (self.folder / "folder").mkdir()
@@ -303,12 +303,12 @@ class Sandbox(Played):
         self.assertIn("no engine 'bullet' in 2D", other["message"])
         self.assertIn("there is no sandbox.toml", missing["message"])
         self.assertIn("'folder' is no file", folder["message"])
-        self.assertTrue((self.folder / "sandbox_stats.csv").is_file())  # it was on when the window was closed
+        self.assertTrue((self.folder / "sandbox_stats.csv").is_file())  # statistics were on when the window closed
 
     def test_small_steps_keep_up_with_the_clock(self):
         state = self.play(["wait 6", "state begun.json", "wait 6"], "spinning_top")
         begun = json.loads((self.folder / "begun.json").read_text())
-        self.assertGreaterEqual(state["step"] - begun["step"], 7 * 66)  # of 0.25 ms, in seven sixtieths of a second
+        self.assertGreaterEqual(state["step"] - begun["step"], 7 * 66)  # steps of 0.25 ms in seven sixtieths of a second
 
     # --- mistakes -------------------------------------------------------------------------------------------------------
     def test_a_world_that_diverges_stops_and_can_be_stepped_back(self):
@@ -339,7 +339,7 @@ class Sandbox(Played):
         before = sorted(self.folder.iterdir())
         for arguments, env, say in (
                 ((), {"DISPLAY": ""}, "no window"),
-                # A driver that is unloaded again has leaked a little, which sanitizers cannot name any more.
+                # A driver that was unloaded has leaked a little, and sanitizers can no longer name it.
                 ((), {"MESA_GL_VERSION_OVERRIDE": "2.1", "ASAN_OPTIONS": "detect_leaks=0"}, "OpenGL 3.3"),
                 (("broken.toml",), {}, "broken.toml:2"),
                 (("nowhere",), {}, "nowhere"),
@@ -372,10 +372,10 @@ class Sandbox(Played):
         scene = SOURCE / "experiments" / "scenes" / "pyramid.toml"
         window = [LPC.with_name("lpc-sandbox"), json.dumps({"scene": str(scene), "dimension": 2, "pipelines": [""],
                                                             "plugins": [str(other)]})]
-        for command in ([LPC, "--plugin", other, "sandbox"], window):  # lpc refuses before it starts the window's program
+        for command in ([LPC, "--plugin", other, "sandbox"], window):  # lpc rejects it before it starts the window's program
             with self.subTest(command[0].name):
                 done = subprocess.run([str(c) for c in command], cwd=self.folder, capture_output=True, text=True, timeout=300,
-                                      env={**os.environ, "DISPLAY": ""})  # a window would be refused first
+                                      env={**os.environ, "DISPLAY": ""})  # without a display, opening a window would fail first
                 self.assertEqual(done.returncode, 2, done.stderr)
                 self.assertRegex(done.stderr, rf"^lpc: plugin .*other\.so: it was built as '{re.escape(version)}\|f32\|another "
                                               r"compiler'; valid: '[^']*f64[^']*'\n$")
@@ -402,11 +402,11 @@ class Sandbox(Played):
         state = self.play(["wait 5"], "4", "-g", "-o", "q.csv")
         self.assertIn("Step", [c["name"] for c in state["commands"] if c["menu"] == "Panels" and c["on"]])
         rows = [x for x in (self.folder / "q.csv").read_text().splitlines() if x[0].isdigit()]
-        self.assertEqual(len(rows), state["step"] + 2)  # until it was closed, two pictures later
+        self.assertEqual(len(rows), state["step"] + 2)  # until the window closed, two pictures later
 
     # --- cells of a sweep -----------------------------------------------------------------------------------------------
     def fallen_cells(self):
-        """Of each precision: what opens it, how it ended, at which step."""
+        """By precision: the command that opens the cell, its outcome and its step."""
         (self.folder / "falls.toml").write_text(
             'summary = "a tower that falls"\nkind = "world"\n\n[axes]\nscene = "vertical_stack"\ndimension = 2\nsteps = 400\n'
             f'precision = {json.dumps(PRECISIONS)}\n'
@@ -433,7 +433,7 @@ class Sandbox(Played):
                                    "--pipeline", state["lanes"][0]["pipeline"])
                 self.assertEqual(run["hash"], state["lanes"][0]["hash"])
 
-    # --- use for a while ------------------------------------------------------------------------------------------------
+    # --- long use -------------------------------------------------------------------------------------------------------
     @unittest.skipUnless(LONG, "set LPC_SANDBOX_SECONDS")
     def test_long_use(self):
         end = time.time() + LONG

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Scenes that are played and changed by hand, without a window.
+// Scenes that a user plays and changes, without a window.
 #include "experiments/sandbox/session.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ BodyDef<D> ball(Real x, Real y, Real radius = Real(0.5)) {
   return def;
 }
 
-// A floor, and some balls that come one after another.
+// A floor, and balls that are added one after another.
 template <int D>
 SceneSpec<D> heap() {
   SceneSpec<D> scene;
@@ -38,7 +38,7 @@ SceneSpec<D> heap() {
   return scene;
 }
 
-// What a hand may do; false: it was refused, and has changed nothing.
+// Performs a drawn user action. Returns false if it was rejected, which must change nothing.
 template <class S, int D>
 bool drawDeed(Draw& draw, S& session) {
   const int body = draw.below(session.bodies() + 1);
@@ -87,7 +87,7 @@ template <int D>
 struct Careful : Session<D> {
   using Session<D>::Session;
 };
-// Planted bug: what a hand does is done and not remembered.
+// Planted bug: an action is performed but not recorded.
 template <int D>
 struct Forgetful : Session<D> {
   using Session<D>::Session;
@@ -100,12 +100,12 @@ struct Forgetful : Session<D> {
   }
 };
 
-// However one steps forth and back: after so many steps with the same deeds the world is the same to the last bit.
+// However one steps forward and back, the same step with the same actions gives the same bits.
 template <template <int> class S, int D>
 void backIsWhereItWas() {
   RapidCheckDraw draw;
   S<D> session(heap<D>(), {""});
-  std::vector<std::uint64_t> seen = {session.world().hash()};  // by step, after its deeds
+  std::vector<std::uint64_t> seen = {session.world().hash()};  // by step, after its actions
   for (int i = 0, n = 20 + draw.below(80); i < n; ++i) {
     const int what = draw.below(8);
     const auto step = static_cast<std::size_t>(session.steps());
@@ -113,13 +113,13 @@ void backIsWhereItWas() {
       RC_ASSERT(session.back());
       RC_ASSERT(session.world().hash() == seen[step - 1]);
     } else if (what == 1) {
-      if (drawDeed<S<D>, D>(draw, session)) seen.resize(step + 1);  // what comes now is another future
+      if (drawDeed<S<D>, D>(draw, session)) seen.resize(step + 1);  // later steps differ now
       seen[step] = session.world().hash();
     } else {
       session.step();
       RC_ASSERT(!session.fallen());
       if (step + 1 < seen.size()) {
-        RC_ASSERT(session.world().hash() == seen[step + 1]);  // the same deeds were done again
+        RC_ASSERT(session.world().hash() == seen[step + 1]);  // the same actions were replayed
       } else {
         seen.push_back(session.world().hash());
       }
@@ -127,13 +127,13 @@ void backIsWhereItWas() {
   }
 }
 
-TEST(Sandbox, BackIsWhereItWas) {
+TEST(Sandbox, SteppingBackRestoresTheState) {
   check("2D", backIsWhereItWas<Careful, 2>, 40);
   check("3D", backIsWhereItWas<Careful, 3>, 40);
   expectFalsified("deeds that are not remembered", backIsWhereItWas<Forgetful, 2>);
 }
 
-TEST(Sandbox, EqualLanesNeverPartAndOthersAreMeasured) {
+TEST(Sandbox, EqualCompetitorsNeverDivergeAndOthersAreMeasured) {
   Session<2> equal(heap<2>(), {"", "sleep=none"});
   Session<2> others(heap<2>(), {"", "solver=soft_step"});
   for (int i = 0; i < 120; ++i) equal.step(), others.step();
@@ -147,8 +147,8 @@ TEST(Sandbox, EqualLanesNeverPartAndOthersAreMeasured) {
   expectCaught("lanes that part are not told apart", lane.samples.back().error == 0);
 }
 
-// What nobody looks at is not computed.
-TEST(Sandbox, EnergyAndPenetrationAreOfThoseStepsThatAreLookedAt) {
+// Values that no view shows are not computed.
+TEST(Sandbox, EnergyAndPenetrationAreComputedOnlyWhenShown) {
   Session<2> session(heap<2>(), {"", "solver=soft_step"});
   for (int i = 0; i < 90; ++i) {
     session.measure(i >= 60);
@@ -165,8 +165,8 @@ TEST(Sandbox, EnergyAndPenetrationAreOfThoseStepsThatAreLookedAt) {
   }
 }
 
-// One that comes to no number stops where it fell, says why, and can be stepped back.
-TEST(Sandbox, ALaneThatFallsCanBeSteppedBack) {
+// A competitor that diverges stops there, says why, and can be stepped back.
+TEST(Sandbox, AFailedCompetitorCanBeSteppedBack) {
   Session<2> session(heap<2>(), {""});
   session.step();
   const std::uint64_t before = session.world().hash();
@@ -183,8 +183,8 @@ TEST(Sandbox, ALaneThatFallsCanBeSteppedBack) {
   EXPECT_FALSE(session.fallen());
 }
 
-// Before its first step, too: a step back is one of all, and who could not follow is where it fell.
-TEST(Sandbox, ALaneThatAloneCannotIsLeftBehind) {
+// Also before its first step: all competitors step back together, and one that cannot follow stays where it failed.
+TEST(Sandbox, ACompetitorThatCannotFollowStaysBehind) {
   Session<3> session(heap<3>(), {"contacts=query_clip", "contacts=sat_clip"});
   BodyDef<3> def = ball<3>(1, 2);
   def.shapes[0].shape = Shape<3>::curved(ShapeKind::cylinder, std::vector<Real>{Real(0.5), Real(0.5)});
@@ -198,7 +198,7 @@ TEST(Sandbox, ALaneThatAloneCannotIsLeftBehind) {
   EXPECT_EQ(session.lanes()[1].fallen, why);
 }
 
-TEST(Sandbox, WhatAHandCannotDoIsRefusedAndChangesNothing) {
+TEST(Sandbox, InvalidActionsAreRefusedAndChangeNothing) {
   Session<2> session(heap<2>(), {""});
   const std::uint64_t before = session.world().hash();
   EXPECT_THROW(session.perform(RemoveBody{99}), UserError);
@@ -209,7 +209,7 @@ TEST(Sandbox, WhatAHandCannotDoIsRefusedAndChangesNothing) {
   EXPECT_FALSE(session.back());
 }
 
-// As `lpc run` refuses it: a world that was saved has its features, whatever the scene says.
+// As in `lpc run`: a saved world has its own model, and the scene must agree with it.
 TEST(Sandbox, ASavedWorldOfOtherFeaturesIsRefused) {
   Session<2> session(heap<2>(), {""});
   for (int i = 0; i < 10; ++i) session.step();
@@ -222,7 +222,7 @@ TEST(Sandbox, ASavedWorldOfOtherFeaturesIsRefused) {
   EXPECT_THROW(Session<2>(scene, {""}), UserError);
 }
 
-TEST(Sandbox, StagesAreExchangedInOneLaneAlone) {
+TEST(Sandbox, StagesChangeInOneCompetitorOnly) {
   Session<2> session(heap<2>(), {"", ""});
   session.perform(ExchangeStages{1, "solver=soft_step"});
   EXPECT_EQ(session.lanes()[0].pipeline, "");
@@ -235,7 +235,7 @@ TEST(Sandbox, StagesAreExchangedInOneLaneAlone) {
   EXPECT_EQ(session.lanes()[1].pipeline, "solver=soft_step");
 }
 
-TEST(Sandbox, ALabelSaysWhatIsNotTheDefault) {
+TEST(Sandbox, LabelsShowWhatIsNotTheDefault) {
   EXPECT_EQ(laneLabel("", 2), "the default stages");
   EXPECT_EQ(laneLabel("solver=soft_step sleep=none", 3), "solver=soft_step");
   EXPECT_EQ(laneLabel("solver=split_solver{velocity=catto{iterations=20},order=stored} broadphase=naive", 2),
@@ -250,7 +250,7 @@ TEST(Sandbox, CostFollowsIterations) {
   const auto fewer = withMoreIterations("solver=soft_step{substeps=4}", 0.5, 3);
   ASSERT_TRUE(fewer);
   EXPECT_NE(fewer->find("substeps=2"), std::string::npos) << *fewer;
-  EXPECT_FALSE(withMoreIterations("solver=soft_step{substeps=1}", 0.5, 3));  // fewer there are not
+  EXPECT_FALSE(withMoreIterations("solver=soft_step{substeps=1}", 0.5, 3));  // there are no fewer
 }
 
 }  // namespace

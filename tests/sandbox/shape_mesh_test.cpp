@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Meshes before support functions and masses, which share no code with them.
+// Compares meshes with support functions and masses, which share no code with them.
 #include "experiments/sandbox/shape_mesh.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace shape_mesh_test { namespace {
 
-constexpr Real kFloat = Real(1e-5);  // of a size: meshes are of floats
+constexpr Real kFloat = Real(1e-5);  // relative to the size: meshes use floats
 
 template <int D>
 Shape<D> drawAnyShape(Draw& draw) {
@@ -47,7 +47,7 @@ void isTheShape(auto damage) {
   meshOf(view, draw.pick({48, 64}), mesh);
   damage(mesh);
   const Real size = sizeOf(shape);
-  // Nothing lies outside, and something as far out as the shape along any direction.
+  // No corner lies outside, and in every direction one reaches as far as the shape.
   for (int k = 0; k < 20; ++k) {
     const Vec<D> d = drawDirection<D>(draw);
     const Eigen::Matrix<float, D, 1> along = d.template cast<float>();
@@ -74,7 +74,8 @@ void isTheShape(auto damage) {
       RC_ASSERT(out.dot(normals) >= -1e-4f * static_cast<float>(size * size));
     }
   }
-  // Triangles close it. Masses leave the rounding of what has sides out, and a rounded hull's corners are whole balls.
+  // Triangles close the mesh. Mass properties ignore the rounding of shapes with flat sides, and a mesh has whole balls
+  // at the corners of a rounded hull.
   const bool solid = view.kind != ShapeKind::segment && view.kind != ShapeKind::triangle;
   const Real truly = solid ? massProperties(view, Real(1)).mass : 0, rough = kFloat * std::pow(size, Real(D));
   RC_ASSERT(all >= Real(0.98) * truly - rough);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Pictures of a window on a display that nobody sees.
+// Pictures of a window on an invisible display.
 #pragma once
 
 #include "experiments/sandbox/gl_canvas.h"
@@ -9,7 +9,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 inline constexpr DrawColour kPaper{247, 247, 245};
 
-/// One frame of what `draw` draws, as its camera sees it.
+/// One frame drawn by `draw`, as seen by the camera.
 template <int D>
 Window::Picture shown(Window& window, GlCanvas<D>& canvas, const ViewCamera<D>& camera, auto draw) {
   window.beginFrame();
@@ -21,7 +21,7 @@ Window::Picture shown(Window& window, GlCanvas<D>& canvas, const ViewCamera<D>& 
 }
 
 inline bool isPaper(const DrawColour& c) { return c == kPaper; }
-/// Of whatever brightness.
+/// Of any brightness.
 inline bool isRed(const DrawColour& c) { return c.red > 60 && c.green < c.red / 4 && c.blue < c.red / 4; }
 inline bool isBlue(const DrawColour& c) { return c.blue > 60 && c.green < c.blue / 4 && c.red < c.blue / 4; }
 

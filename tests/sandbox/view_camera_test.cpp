@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Where a camera sees points, without a window.
+// Where a camera projects points, without a window.
 #include "experiments/sandbox/view_camera.h"
 
 #include <gtest/gtest.h>
@@ -14,13 +14,13 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace view_camera_test { namespace {
 
-constexpr Real kPixel = Real(1e-6);  // px: what rounding may move
+constexpr Real kPixel = Real(1e-6);  // px: tolerance for rounding
 
 Vec<2> drawPixel(Draw& draw, const ViewFrame& frame) {
   return {frame.left() + draw.real(0, frame.width()), frame.top() + draw.real(0, frame.height())};
 }
 
-// At any place and scale, after any use.
+// At any place and scale, moved in any way.
 template <class Camera, int D>
 Camera drawCamera(Draw& draw) {
   Camera camera;
@@ -32,7 +32,7 @@ Camera drawCamera(Draw& draw) {
   return camera;
 }
 
-// Any point that is as deep as the target.
+// A point under the pixel at the depth of the target.
 Vec<2> under(const ViewCamera<2>& camera, const Vec<2>& pixel) { return camera.toWorld(pixel); }
 Vec<3> under(const ViewCamera<3>& camera, const Vec<2>& pixel) {
   const auto ray = camera.ray(pixel);
@@ -93,7 +93,7 @@ void look() {
   RC_ASSERT(share.maxCoeff() >= Real(D == 2 ? 0.9 : 0.5));
 }
 
-TEST(ViewCamera, SeesAsItsMatrix) {
+TEST(ViewCamera, AgreesWithItsMatrix) {
   check("2D", [] { seesAsItsMatrix<ViewCamera<2>, 2>(); });
   check("3D", [] { seesAsItsMatrix<ViewCamera<3>, 3>(); });
   expectFalsified("y not flipped, 2D", [] { seesAsItsMatrix<UpIsDown<2>, 2>(); });
@@ -111,12 +111,12 @@ TEST(ViewCamera, KeepsWhatIsUnderTheMouse) {
   expectFalsified("zooms about the middle, 3D", [] { keepsWhatIsUnderTheMouse<ZoomsAboutTheMiddle<3>, 3>(); });
 }
 
-TEST(ViewCamera, LooksAtAllOfABox) {
+TEST(ViewCamera, ShowsAWholeBox) {
   check("2D", look<2>);
   check("3D", look<3>);
 }
 
-// What is before the target goes with the mouse.
+// Points in front of the target move with the mouse.
 template <class Camera>
 void orbits() {
   RapidCheckDraw draw;
@@ -148,7 +148,7 @@ TEST(ViewCamera, RaysGoThroughWhatTheyShow) {
   });
 }
 
-// What falls is still seen where it lies; a floor that is far below is not waited for.
+// The view contains the floor on which bodies fall, unless it is far below.
 template <int D>
 void looksAtTheFloor() {
   const auto lowest = [](Real height) {
@@ -171,7 +171,7 @@ void looksAtTheFloor() {
   EXPECT_LT(lowest(2.9), 600);
   EXPECT_GT(lowest(30), 600);
 }
-TEST(ViewCamera, LooksAtTheFloorThatTheyFallOn) {
+TEST(ViewCamera, ShowsTheFloorBelowFallingBodies) {
   looksAtTheFloor<2>();
   looksAtTheFloor<3>();
 }

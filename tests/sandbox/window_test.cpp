@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The window itself, and what a user's own program sees of it.
+// The window itself, and what a user's own program gets from it.
 #include "experiments/sandbox/window.h"
 
 #include <SDL2/SDL.h>
@@ -23,7 +23,7 @@ void pushKey(SDL_Keycode key) {
   push(event);
 }
 
-// Draws one half of the window red.
+// Draws half of the window red.
 void drawHalf(Window& window) {
   ViewCamera<2> camera;
   camera.resize(window.width(), window.height());
@@ -51,7 +51,7 @@ TEST(Window, FollowsItsSize) {
   SDL_SetWindowSize(SDL_GetWindowFromID(1) ? SDL_GetWindowFromID(1) : SDL_GL_GetCurrentWindow(), 400, 260);
   for (SDL_Event event; window.poll(event);) {
   }
-  drawHalf(window);  // whose camera is of the size before
+  drawHalf(window);  // with the camera of the previous size
   drawHalf(window);
   EXPECT_EQ(window.width(), 400);
   const auto picture = window.screenshot();
@@ -68,7 +68,7 @@ TEST(Window, OneAfterAnother) {
   }
 }
 
-TEST(Window, TakesFilesAndTellsWhatIsForPanels) {
+TEST(Window, TakesFilesAndSeparatesPanelInput) {
   Window window("test", 300, 200);
   SDL_Event drop{};
   drop.type = SDL_DROPFILE;
@@ -83,7 +83,7 @@ TEST(Window, TakesFilesAndTellsWhatIsForPanels) {
   click.type = SDL_MOUSEBUTTONDOWN;
   bool over = false;
   for (const float x : {50.0f, 250.0f}) {
-    for (int frame = 0; frame < 3; ++frame) {  // ImGui tells of the frame before
+    for (int frame = 0; frame < 3; ++frame) {  // ImGui reports the previous frame
       window.beginFrame();
       ImGui::SetNextWindowPos({0, 0});
       ImGui::SetNextWindowSize({100, 200});
@@ -100,7 +100,7 @@ TEST(Window, TakesFilesAndTellsWhatIsForPanels) {
   }
 }
 
-// What the program would say and answer, in a process of its own: a driver is chosen once in each.
+// Opens a window in its own process, because a driver is chosen once per process; prints the error.
 [[noreturn]] void openAs(const char* name, const char* value) {
   value ? setenv(name, value, 1) : unsetenv(name);
   try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Forces that no physics gives: NaN and 1e30 N from a user's generator. Every stage lives through them, the state says
-// so at once, and whoever is far away feels nothing.
+// Unphysical forces from a user's generator: NaN, infinity and 1e30 N. Every stage survives them, the next state
+// reports them, and distant bodies are unaffected.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace blowup_test { namespace {
 
-constexpr int kSick = 8, kFrom = 5;  // the slot after a heap of five, and the step from which the force acts
+constexpr int kSick = 8, kFrom = 5;  // body slot after a heap of five; first step with the force
 
 template <int D>
 struct Blow final : ForceGenerator<D> {
@@ -36,16 +36,16 @@ bool survives(const std::string& pipeline, Real force, double where) {
   for (int i = 0; i < 20; ++i) {
     well.step(Real(1) / 60), sick.step(Real(1) / 60);
     if (i < kFrom - 1 && sick.hash() != well.hash()) return false;
-    if (i < kFrom) continue;  // who asks for forces at the end of a step has met it one earlier
+    if (i < kFrom) continue;  // solvers that ask for forces at the end of a step get it one step earlier
     const Invariants<D> now = invariants(sick);
     if (stateIsFinite(sick) != now.finite) return false;
     if (now.finite && !(std::isfinite(force) && now.maxSpeed > 1e25)) return false;
-    if (where < 100) continue;  // among the others it hits them
+    if (where < 100) continue;  // near the heap the body hits others
     for (std::size_t b = 0; b < kSick; ++b) {
       if (sick.bodies().pose[b].p != well.bodies().pose[b].p) return false;
     }
   }
-  // Queries after it find the others, and end.
+  // Later queries terminate and find the other bodies.
   sick.ray(at<D>(-50, 0.3), at<D>(1, 0), 1000, false);
   return !sick.at(at<D>(0, -0.5)).empty() && !sick.overlap({at<D>(-30, -30, -30), at<D>(30, 30, 30)}).empty();
 }

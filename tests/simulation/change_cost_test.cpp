@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Whose shapes and joints are whose is kept and not searched for: what a change costs, and that nothing is mixed up.
+// Cost of changes: the lists of each body's shapes and joints are maintained, not searched, and stay correct.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -11,7 +11,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace chan
 
 constexpr Real kDt = Real(1) / 60;
 
-// Of n boxes on a floor, each on a hinge of its own, all are changed, and one step is made.
+// n boxes on a floor, optionally each on its own hinge. All are changed, then the world makes one step.
 template <int D>
 std::uint64_t visitsOfChanging(int n, bool jointed) {
   World<D> world(Pipeline::parse("sleep=split_average"));
@@ -32,7 +32,7 @@ std::uint64_t visitsOfChanging(int n, bool jointed) {
   return world.profiler().frame().work[WorkCount::eventVisits];
 }
 
-// Of each body its shape, its joint and its waking; of the sleep policy each event, contact and joint.
+// For each body: its shape, its joint and its waking. For the sleep policy: each event, contact and joint.
 template <int D>
 void costs() {
   for (const int n : {100, 1000}) {
@@ -40,9 +40,9 @@ void costs() {
     EXPECT_EQ(visitsOfChanging<D>(n, true), static_cast<std::uint64_t>(6 * n));
   }
 }
-TEST(ChangeCost, AllBodiesCostWhatTheyAre) { costs<2>(), costs<3>(); }
+TEST(ChangeCost, ChangingAllBodiesIsLinear) { costs<2>(), costs<3>(); }
 
-// A hub, and n bodies on hinges to it.
+// A hub with n bodies jointed to it.
 template <int D, class Remove>
 std::uint64_t visitsOfRemovingTheHub(int n, const Remove& remove) {
   WorldSettings<D> settings;
@@ -62,7 +62,7 @@ std::uint64_t visitsOfRemovingTheHub(int n, const Remove& remove) {
   world.step(kDt);
   return world.profiler().frame().work[WorkCount::eventVisits];
 }
-// Ten times the joints cost little more than ten times as much, since their slots go into a heap.
+// Ten times the joints may cost slightly more than ten times as much, because free slots go into a heap.
 template <int D, class Remove>
 bool isLinear(const Remove& remove) {
   return visitsOfRemovingTheHub<D>(2000, remove) < 20 * visitsOfRemovingTheHub<D>(200, remove);
@@ -77,7 +77,7 @@ void hubs() {
                  world.remove(hub);
                }));
 }
-TEST(ChangeCost, AHubCostsWhatItsJointsAre) { hubs<2>(), hubs<3>(); }
+TEST(ChangeCost, RemovingAHubIsLinearInItsJoints) { hubs<2>(), hubs<3>(); }
 
 using Lists = std::vector<std::vector<std::int32_t>>;  // by body slot
 struct Whose {
@@ -115,7 +115,7 @@ bool jointsListed(const World<D>& world, const Whose& truth) {
   return listed(truth.joints, world.bodies().used.size(), [&](std::size_t i) { return world.jointsOf(i); });
 }
 
-// Everything that gives a body shapes or joints, or takes them, in a drawn order.
+// Every operation that gives a body shapes or joints, or takes them, in random order.
 template <int D>
 void lives() {
   Random random(17);
@@ -176,7 +176,7 @@ void lives() {
   expectCaught("whose shapes are whose, a change late", staleShapes == 0);
   expectCaught("whose joints are whose, a change late", staleJoints == 0);
 }
-TEST(ChangeCost, WhoseShapesAndJointsAreWhoseIsRight) { lives<2>(), lives<3>(); }
+TEST(ChangeCost, ShapesAndJointsStayWithTheirBodies) { lives<2>(), lives<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::change_cost_test

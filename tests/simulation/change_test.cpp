@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Bodies that are changed after they were added, merged and taken apart; gravity and stages that are exchanged.
+// Bodies that are changed, merged and split after they were added; gravity and stages that change at run time.
 #include <gtest/gtest.h>
 
 #include "framework/shape/shape_between.h"
@@ -58,7 +58,7 @@ BodyDef<D> drawBody(Draw& draw) {
 template <int D>
 using Change = std::function<void(World<D>&, Handle, const BodyDef<D>&)>;
 
-// The same life as if it had been so from the start.
+// A changed body behaves as if it had been added in its new form.
 template <int D>
 void isAsIfAddedSo(Draw& draw, const Change<D>& change) {
   World<D> changed, added;
@@ -74,7 +74,7 @@ void isAsIfAddedSo(Draw& draw, const Change<D>& change) {
   RC_ASSERT(changed.bodies().userData[i] == added.bodies().userData[i]);
 }
 
-TYPED_TEST(ChangeTest, ChangedIsAsIfAddedSo) {
+TYPED_TEST(ChangeTest, AChangedBodyEqualsOneAddedInThatForm) {
   constexpr int D = TypeParam::D;
   const Change<D> right = [](World<D>& w, Handle b, const BodyDef<D>& def) { w.change(b, def); };
   check("a changed body lives as if it had been added so", [&] {
@@ -108,7 +108,7 @@ struct Ends final : ContactListener<D> {
   void end(const World<D>&, const Manifold<D>&) override { ++ends; }
 };
 
-// Two feet on the ground, and a hook: one foot goes, the other's contact and the joint stay.
+// A body with two feet on the ground and a joint: when one foot goes, the contact of the other and the joint stay.
 template <int D>
 bool keepsWhatIsLeft(const Change<D>& change) {
   World<D> world;
@@ -137,7 +137,7 @@ TYPED_TEST(ChangeTest, AShapeGoesAndTheRestStays) {
                keepsWhatIsLeft<D>([](World<D>& w, Handle b, const BodyDef<D>& def) { w.remove(b), w.add(def); }));
 }
 
-TYPED_TEST(ChangeTest, WhatIsLeftAsItWasStays) {
+TYPED_TEST(ChangeTest, AnUnchangedDefinitionOnlyWakes) {
   constexpr int D = TypeParam::D;
   World<D> changed, woken;
   for (World<D>* w : {&changed, &woken}) {
@@ -152,8 +152,8 @@ TYPED_TEST(ChangeTest, WhatIsLeftAsItWasStays) {
   EXPECT_EQ(changed.hash(), woken.hash());
 }
 
-// The same rigid motion about another centre, before anything acts.
-TYPED_TEST(ChangeTest, ANewCentreMovesAsItsPlaceDid) {
+// A new centre of mass keeps the rigid motion, before any force acts.
+TYPED_TEST(ChangeTest, ANewCentreKeepsTheMotion) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(2, 1));
@@ -163,7 +163,7 @@ TYPED_TEST(ChangeTest, ANewCentreMovesAsItsPlaceDid) {
   def = world.definition(b);
   def.shapes.push_back({.shape = Shape<D>::sphere(1), .X_BS = {at<D>(6, 0)}});
   world.change(b, def);
-  EXPECT_NEAR((world.bodies().pose[0].p - place).norm(), 0, kRounding);  // halfway between the two
+  EXPECT_NEAR((world.bodies().pose[0].p - place).norm(), 0, kRounding);  // halfway between the two spheres
   EXPECT_NEAR((world.motion(b).v - was).norm(), 0, kRounding);
   EXPECT_NEAR((world.pose(b).p - at<D>(2, 1)).norm(), 0, kRounding);
 }
@@ -207,7 +207,7 @@ TYPED_TEST(ChangeTest, MergedKeepsMomenta) {
   });
 }
 
-TYPED_TEST(ChangeTest, TakenApartMovesOn) {
+TYPED_TEST(ChangeTest, SplitPartsKeepMoving) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   BodyDef<D> def;
@@ -230,7 +230,7 @@ TYPED_TEST(ChangeTest, TakenApartMovesOn) {
   EXPECT_NEAR(stateInvariants(world).kinetic, before.kinetic, 1000 * kRounding);
 }
 
-// A joint keeps its zero angle and its place, on whichever body it is now.
+// A joint keeps its zero angle and its anchors when its body is merged or split.
 TYPED_TEST(ChangeTest, JointsFollow) {
   constexpr int D = TypeParam::D;
   World<D> world;
@@ -246,11 +246,11 @@ TYPED_TEST(ChangeTest, JointsFollow) {
   for (int i = 0; i < 300; ++i) world.step(kDt);
   EXPECT_LT(stateInvariants(world).jointError, 0.01);
   const Rot<D> q = world.pose(a).q;
-  EXPECT_LT(double(turnOf(q).norm()), 0.5);  // the stop counts from where the joint was made
+  EXPECT_LT(double(turnOf(q).norm()), 0.5);  // limits count from the angle at which the joint was made
 }
 
-// Who changes a material changes that of the contacts that are there, whatever the cache keeps.
-TYPED_TEST(ChangeTest, AMaterialIsNewAtOnce) {
+// A new material also applies to existing contacts, whatever the cache keeps.
+TYPED_TEST(ChangeTest, ANewMaterialAppliesToExistingContacts) {
   constexpr int D = TypeParam::D;
   for (const Registered* cache : Registry::instance().list(StageKind::cache, D)) {
     if (!competes(*cache)) continue;
@@ -266,7 +266,7 @@ TYPED_TEST(ChangeTest, AMaterialIsNewAtOnce) {
   }
 }
 
-TYPED_TEST(ChangeTest, WhoIsFixedOnAFloorTouchesItNoMore) {
+TYPED_TEST(ChangeTest, ABodyMadeStaticLosesStaticContacts) {
   constexpr int D = TypeParam::D;
   World<D> world;
   addGround(world);
@@ -282,7 +282,7 @@ TYPED_TEST(ChangeTest, WhoIsFixedOnAFloorTouchesItNoMore) {
   EXPECT_EQ(heard.ends, 1);
 }
 
-TYPED_TEST(ChangeTest, AMouseKnowsWhatItDrags) {
+TYPED_TEST(ChangeTest, AMouseJointUsesTheChangedMass) {
   constexpr int D = TypeParam::D;
   std::array<Real, 2> reached{};
   for (const bool later : {false, true}) {
@@ -301,7 +301,7 @@ TYPED_TEST(ChangeTest, AMouseKnowsWhatItDrags) {
   EXPECT_NEAR(reached[0], reached[1], 1e-4);
 }
 
-TYPED_TEST(ChangeTest, WhatPushesOneOfTwoPushesBoth) {
+TYPED_TEST(ChangeTest, AForceOnAMergedBodyMovesTheWhole) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   const Handle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
@@ -313,8 +313,8 @@ TYPED_TEST(ChangeTest, WhatPushesOneOfTwoPushesBoth) {
   EXPECT_GT(world.motion(a).w[D == 3 ? 2 : 0], 0);  // at its right half
 }
 
-// A floor carries all, and is braked by none: what others load on it is nothing to a ball.
-TYPED_TEST(ChangeTest, RollingResistanceIsABallsOwn) {
+// The rolling resistance of a ball depends on its own load, not on what other bodies load onto the floor.
+TYPED_TEST(ChangeTest, RollingResistanceUsesTheBallsOwnLoad) {
   constexpr int D = TypeParam::D;
   std::array<Real, 2> speed{};
   for (const int others : {0, 60}) {
@@ -336,7 +336,7 @@ TYPED_TEST(ChangeTest, RollingResistanceIsABallsOwn) {
   EXPECT_NEAR(speed[0], speed[1], 1e-3);
 }
 
-// A spring pulls at the same place, whose body ever that is now, and wherever its centre of mass.
+// A spring keeps its attachment point when its body is merged or its centre of mass moves.
 TYPED_TEST(ChangeTest, ForcesFollow) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
@@ -346,13 +346,13 @@ TYPED_TEST(ChangeTest, ForcesFollow) {
   world.add(ForceDef<D>{.kind = "spring{stiffness=10}", .bodyA = a, .bodyB = b});
   world.merge(a, b);
   EXPECT_EQ(std::count_if(world.forces().begin(), world.forces().end(), [](const auto& f) { return f.kind; }), 1);
-  world.step(kDt);  // by 2 m upwards at (2, 1): as a force and as a torque about (1, 0)
+  world.step(kDt);  // 2 m of extension upwards at (2, 1): force and torque about (1, 0)
   EXPECT_NEAR(world.motion(a).v[1], 20 * kDt / world.mass(a), 1e-5);
   EXPECT_NEAR(world.motion(a).v[0], 0, 1e-6);
   EXPECT_GT(world.motion(a).w[D == 3 ? 2 : 0], 0);
 }
 
-TYPED_TEST(ChangeTest, WhatMakesNoBodyIsRefusedAndChangesNothing) {
+TYPED_TEST(ChangeTest, InvalidChangesAreRefusedAndChangeNothing) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
@@ -370,7 +370,7 @@ TYPED_TEST(ChangeTest, WhatMakesNoBodyIsRefusedAndChangesNothing) {
   };
   with([](BodyDef<D>& d) { d.shapes.clear(); });
   with([](BodyDef<D>& d) { d.shapes[0].shape = Shape<D>::plane(); });
-  with([](BodyDef<D>& d) { d.type = BodyType::fixed; });  // its joint would hold two that do not move
+  with([](BodyDef<D>& d) { d.type = BodyType::fixed; });  // its joint would connect two immovable bodies
   with([](BodyDef<D>& d) { d.gravityScale = std::numeric_limits<Real>::quiet_NaN(); });
   with([](BodyDef<D>& d) { d.mass = MassProperties<D>{.mass = -1}; });
   with([](BodyDef<D>& d) {
@@ -402,18 +402,18 @@ TYPED_TEST(ChangeTest, GravityOfABodyAndOfTheWorld) {
   EXPECT_NEAR(world.motion(bodies[0]).v[0] - before, 3 * double(kDt), 1e-5);
 }
 
-TYPED_TEST(ChangeTest, AWeightByHand) {
+TYPED_TEST(ChangeTest, MassSetByTheUserIsUsed) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
   def.mass = MassProperties<D>{.mass = 4, .center = at<D>(1, 0)};
   def.mass->inertia.setIdentity();
   const Handle b = world.add(def);
-  BodyDef<D> bare;  // a point
+  BodyDef<D> bare;  // a point mass
   bare.X_WB.p = at<D>(9, 0), bare.mass = MassProperties<D>{.mass = 2};
   const Handle p = world.add(bare);
   EXPECT_EQ(world.mass(b), 4);
-  world.applyImpulse(b, at<D>(0, 8), at<D>(1, 0));  // at the centre: it does not turn
+  world.applyImpulse(b, at<D>(0, 8), at<D>(1, 0));  // at the centre of mass: no rotation
   world.applyImpulse(p, at<D>(0, 8), at<D>(0, 0));
   EXPECT_EQ(world.motion(b).v, at<D>(0, 2));
   EXPECT_EQ(world.motion(b).w.norm(), 0);
@@ -423,11 +423,11 @@ TYPED_TEST(ChangeTest, AWeightByHand) {
   EXPECT_NEAR(world.motion(b).w[D == 3 ? 2 : 0], 4, kRounding);
   world.step(kDt);
   EXPECT_TRUE(world.definition(b).mass);
-  EXPECT_THROW(world.add(BodyDef<D>{}), UserError);  // dynamic, and nothing
+  EXPECT_THROW(world.add(BodyDef<D>{}), UserError);  // dynamic, but without shapes or mass
   EXPECT_NO_THROW(world.add(BodyDef<D>{.type = BodyType::fixed}));
 }
 
-TYPED_TEST(ChangeTest, ImpulsesMoveWhatCanMove) {
+TYPED_TEST(ChangeTest, ImpulsesMoveDynamicBodies) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
@@ -448,7 +448,7 @@ TYPED_TEST(ChangeTest, ImpulsesMoveWhatCanMove) {
   EXPECT_EQ(world.motion(wall).v.norm() + world.motion(wall).w.norm(), 0);
 }
 
-// Every algorithm of every stage in place of another, in the middle of a life.
+// Replaces the method of each stage by every algorithm while the world runs.
 TYPED_TEST(ChangeTest, StagesAreExchangedAtRunTime) {
   constexpr int D = TypeParam::D;
   for (const StageKind kind : kWorldStages) {
@@ -462,7 +462,7 @@ TYPED_TEST(ChangeTest, StagesAreExchangedAtRunTime) {
       try {
         world.exchange(other);
       } catch (const UserError&) {
-        continue;  // it has not these shapes
+        continue;  // it does not support these shapes
       }
       for (int i = 0; i < 60; ++i) world.step(kDt);
       EXPECT_EQ(world.pipeline()[kind].name, r->info.name);
@@ -484,7 +484,7 @@ TYPED_TEST(ChangeTest, TheSameStagesAgainChangeNothing) {
   EXPECT_EQ(exchanged.hash(), left.hash());
 }
 
-TYPED_TEST(ChangeTest, OfOneBody) {
+TYPED_TEST(ChangeTest, QueriesOfOneBody) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(3, 0)));

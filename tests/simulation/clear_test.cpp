@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A world that was cleared: nothing of what it held is left, and it is as good as a new one.
+// A cleared world holds nothing and behaves like a new one.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -20,7 +20,7 @@ void clears(World<D>& world) {
   world.clear();
 }
 
-// Planted bugs: what a user could do without it.
+// Planted bugs: what a user could do without World::clear.
 template <int D>
 void removesEachBody(World<D>& world) {
   for (std::int32_t i = 0; i < world.bodies().size(); ++i) {
@@ -40,17 +40,17 @@ struct Blower final : ForceGenerator<D> {
   }
 };
 
-// With everything that a world may hold, holes among it.
+// Everything that a world can hold, including free slots.
 template <int D>
 void fill(World<D>& world, int n, std::uint64_t seed) {
   addHeap(world, n, seed);
   addJointed(world, at<D>(30, 5));
   world.remove(world.handle(2));
-  world.add(ForceDef<D>{.kind = dragKind(1e-3, 1e-4)});  // weak: the smallest would fly apart
+  world.add(ForceDef<D>{.kind = dragKind(1e-3, 1e-4)});  // weak: the smallest body would fly apart
   world.applyForce(world.handle(1), at<D>(5, 5), at<D>(0, 0));
 }
 
-// All that is told of a life, number by number; free slots at the end of the tables are not.
+// Everything observable of a run as numbers, except free slots at the ends of the tables.
 template <int D>
 std::vector<Real> told(const World<D>& world) {
   std::vector<Real> out = {world.time(), world.lastDt(), static_cast<Real>(world.stepCount())};
@@ -70,7 +70,7 @@ std::vector<Real> told(const World<D>& world) {
   return out;
 }
 
-// The second life, shorter or longer than the first, beside that of a new world.
+// A second run, shorter or longer than the first, compared with that of a new world.
 template <int D>
 bool isAsNew(const std::string& pipeline, const Clear<D>& clear, int before, int after) {
   WorldSettings<D> settings;
@@ -110,7 +110,8 @@ struct Ends final : ContactListener<D> {
   }
 };
 
-// As removing each body, by slot, tells of them; the world's listener hears on, the body's does not.
+// Clearing reports the same ends as removing each body in slot order. The world's listener stays registered; the body's
+// does not.
 template <int D>
 bool tellsEnds(const Clear<D>& clear) {
   World<D> cleared, emptied;
@@ -132,7 +133,7 @@ void ends() {
   EXPECT_TRUE(tellsEnds<D>(clears<D>));
   expectCaught("a world is cleared and no end is told", tellsEnds<D>(loadsAnEmptyWorld<D>));
 }
-TEST(ClearTest, EndsAreToldAsOfRemoving) { ends<2>(), ends<3>(); }
+TEST(ClearTest, ClearingReportsTheSameEndsAsRemoving) { ends<2>(), ends<3>(); }
 
 template <int D>
 bool handlesAreNobodys(const Clear<D>& clear) {
@@ -169,7 +170,7 @@ void handles() {
   EXPECT_TRUE(handlesAreNobodys<D>(clears<D>));
   expectCaught("a world is cleared and old handles are of new bodies", handlesAreNobodys<D>(loadsAnEmptyWorld<D>));
 }
-TEST(ClearTest, HandlesOfBeforeAreNobodys) { handles<2>(), handles<3>(); }
+TEST(ClearTest, OldHandlesStayInvalid) { handles<2>(), handles<3>(); }
 
 template <int D>
 std::uint64_t visitsOfClearing(int n, const Clear<D>& clear) {
@@ -183,7 +184,7 @@ std::uint64_t visitsOfClearing(int n, const Clear<D>& clear) {
   world.step(kDt);
   return world.profiler().frame().work[WorkCount::eventVisits];
 }
-// Each body, shape, joint, force and contact once.
+// Visits each body, shape, joint, force and contact once.
 template <int D>
 bool isLinear(const Clear<D>& clear) {
   for (const int n : {20, 200}) {
@@ -196,7 +197,7 @@ void costs() {
   EXPECT_TRUE(isLinear<D>(clears<D>));
   expectCaught("a world is cleared body by body", isLinear<D>(removesEachBody<D>));
 }
-TEST(ClearTest, CostsWhatThereIs) { costs<2>(), costs<3>(); }
+TEST(ClearTest, CostIsLinear) { costs<2>(), costs<3>(); }
 
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::clear_test

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Bodies of several convex parts: as several shapes of one body or as one compound shape they live the same life, and
-// what is hollow stays hollow.
+// Bodies of several convex parts: several shapes on a body behave like one compound shape, and hollows stay hollow.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -61,7 +60,7 @@ BodyDef<D> bodyOf(const std::vector<ShapePart<D>>& parts, bool compound, const P
   return def;
 }
 
-// Letters and gears tumble onto a floor and each other.
+// Letters and gears fall onto a floor and each other.
 template <int D>
 void addParts(World<D>& world, bool compound, int n, std::uint64_t seed, bool plane = false) {
   if (plane) {
@@ -80,7 +79,7 @@ void addParts(World<D>& world, bool compound, int n, std::uint64_t seed, bool pl
   }
 }
 
-// The step in which two worlds part, or -1.
+// The first step in which two worlds differ, or -1.
 template <int D>
 int partsFrom(World<D>& a, World<D>& b, int steps) {
   for (int i = 0; i < steps; ++i) {
@@ -90,8 +89,8 @@ int partsFrom(World<D>& a, World<D>& b, int steps) {
   return -1;
 }
 
-// To the last bit with two bodies and a floor; of more, manifolds stand in another order: all those of a compound with
-// another shape together.
+// Identical to the last bit with two bodies and a floor. With more bodies the manifolds have another order: those of a
+// compound with another shape are adjacent.
 template <int D>
 void sameLife() {
   for (const char* text :
@@ -104,7 +103,7 @@ void sameLife() {
       EXPECT_GE(one.manifolds().size(), 2u);
     }
   }
-  // A part that is left out is missed, and one that has moved by a millionth.
+  // Planted bugs: a missing part, and a part moved by a millionth.
   for (const bool leftOut : {true, false}) {
     World<D> one, other;
     auto parts = letterU<D>();
@@ -120,10 +119,10 @@ void sameLife() {
                  partsFrom(one, other, 180) == -1);
   }
 }
-TEST(Compound, LivesAsItsPartsOnOneBody) { sameLife<2>(), sameLife<3>(); }
+TEST(Compound, EqualsItsPartsOnOneBody) { sameLife<2>(), sameLife<3>(); }
 
-// Questions to worlds in which nothing moves: with compounds, and with their parts as bodies of their own. With `all`
-// off, the last part of each is left out there.
+// Queries to static worlds: one with compounds, one with each part as a body. Without `all`, the second world lacks the
+// last part of each compound.
 struct Answered {
   bool alike = true;
   int inside = 0, overlapping = 0, hits = 0, hollow = 0;
@@ -132,7 +131,7 @@ template <int D>
 Answered ask(bool all) {
   World<D> whole, apart;
   PlainDraw draw(3);
-  std::vector<std::int32_t> owner;  // of each body of `apart`
+  std::vector<std::int32_t> owner;  // compound of each body of `apart`
   for (std::int32_t i = 0; i < 5; ++i) {
     const Real x = draw.real(-2, 2), y = draw.real(-2, 2), turn = draw.real(0, 6);
     const Pose<D> X = turned<D>(at<D>(x, y), turn);
@@ -152,7 +151,7 @@ Answered ask(bool all) {
     for (const Handle& h : found) out.insert(parts ? owner[static_cast<std::size_t>(h.slot)] : h.slot);
     return out;
   };
-  // The first hit of each body, by its number.
+  // The first hit of each body, by body slot.
   const auto firstHits = [&](const std::vector<BodyRayHit<D>>& hits, bool parts) {
     std::map<std::int32_t, Real> out;
     for (const auto& h : hits) out.emplace(parts ? owner[static_cast<std::size_t>(h.body.slot)] : h.body.slot, h.t);
@@ -185,12 +184,12 @@ void sameAnswers() {
   EXPECT_GT(answered.inside, 20);
   EXPECT_GT(answered.overlapping, 50);
   EXPECT_GT(answered.hits, 100);
-  EXPECT_GT(answered.hollow, 20);  // points within a box and in no part of it were asked
+  EXPECT_GT(answered.hollow, 20);  // points in a part's bounding box but in no part
   expectCaught("Compound answers without its last part", ask<D>(false).alike);
 }
-TEST(Compound, AnswersAsItsParts) { sameAnswers<2>(), sameAnswers<3>(); }
+TEST(Compound, QueriesEqualThoseOfItsParts) { sameAnswers<2>(), sameAnswers<3>(); }
 
-// A ball dropped into a U lies at its bottom; on its hull it would lie on top.
+// A ball dropped into a U comes to rest at the bottom; on the convex hull it would rest on top.
 template <int D>
 void hollowStaysHollow() {
   const auto dropped = [](const std::vector<ShapePart<D>>& parts) {
@@ -205,7 +204,7 @@ void hollowStaysHollow() {
   EXPECT_TRUE(dropped(letterU<D>()));
   expectCaught("Compound is filled", dropped({box<D>(0, 0.1, 0.8, 0.7)}));
 }
-TEST(Compound, WhatIsHollowStaysHollow) { hollowStaysHollow<2>(), hollowStaysHollow<3>(); }
+TEST(Compound, HollowsStayHollow) { hollowStaysHollow<2>(), hollowStaysHollow<3>(); }
 
 // Ten seconds on a floor and on a plane: nothing creeps, tilts or sinks.
 template <int D>
@@ -234,7 +233,7 @@ void restsTenSeconds() {
 }
 TEST(Compound, RestsTenSeconds) { restsTenSeconds<2>(), restsTenSeconds<3>(); }
 
-// A gear that turns as it is told drives a pinned one by its teeth: the other way round, as fast, but for the play.
+// A gear with prescribed rotation drives a pinned gear: opposite direction, same speed, up to the backlash.
 TEST(Compound, GearsMesh) {
   const auto follows = [](bool meshed) {
     std::vector<ShapePart<2>> parts = {{Shape<2>::sphere(Real(0.8)), {}}};
@@ -252,7 +251,7 @@ TEST(Compound, GearsMesh) {
     const Handle follower = world.add(def);
     Real angle = 0, driven = 0, most = 0;
     for (int i = 0; i < 1200; ++i) {
-      const Real speed = i / 300 % 2 == 0 ? 1 : -1;  // forth and back: what only spins on is found out
+      const Real speed = i / 300 % 2 == 0 ? 1 : -1;  // both directions: a gear that coasts fails
       world.setMotion(driver, {Vec<2>::Zero(), Ang<2>(speed)});
       const Rot<2> before = world.pose(follower).q;
       world.step(kDt);
@@ -260,7 +259,7 @@ TEST(Compound, GearsMesh) {
       driven += speed * kDt;
       most = std::max(most, std::abs(angle + driven));
     }
-    // The play: half of what the pitch, 2 pi 0.97 / 12, leaves beside two teeth, 0.194 wide there, and the slop.
+    // Backlash: half of the gap that two teeth of width 0.194 leave in the pitch 2 pi 0.97 / 12, plus the slop.
     const Real play = Real(0.5) * (Real(0.508) - 2 * Real(0.194)) + kLinearSlop;
     return most <= play / Real(0.97);
   };
@@ -268,7 +267,7 @@ TEST(Compound, GearsMesh) {
   expectCaught("Compound gears with half of their teeth", follows(false));
 }
 
-// Saved in the middle, loaded and gone on with: the same as gone on with.
+// A run that is saved, loaded and continued equals a run that is only continued.
 template <int D>
 void saves() {
   World<D> one, other;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Curved things on floors, a box and a plane: what stands goes on standing, what lies goes on lying.
+// Curved shapes on floors, a box and a plane: bodies that stand keep standing, bodies that lie keep lying.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -29,7 +29,7 @@ void addFloor(World<D>& world, bool plane) {
   world.add(def);
 }
 
-// The cosine of how far the body's axis has tilted, and how far it has moved (m), after ten seconds.
+// Cosine of the tilt of the body's axis, and the distance moved (m), after ten seconds.
 struct Moved {
   Real cosine, way;
 };
@@ -56,7 +56,7 @@ TEST(CurvedRest, CylindersStandAndLieForTenSeconds) {
       EXPECT_LE(moved.way, kLinearSlop) << plane << standing;
     }
   }
-  // One point cannot carry an end: the generator that gives one lets it fall.
+  // One contact point cannot support an end face: with the generator that gives one point the body falls.
   const Moved fell = restsOn("deepest_point", false, true);
   expectCaught("CurvedRest one point", fell.cosine >= 1 - Real(1e-6) && fell.way <= kLinearSlop);
 }
@@ -76,7 +76,7 @@ void ellipsoidsRest() {
 }
 TEST(CurvedRest, EllipsoidsRestOnTheirFlatSide) { ellipsoidsRest<2>(), ellipsoidsRest<3>(); }
 
-// Every generator takes a plane: a box dropped on one comes to rest at its height.
+// Every generator supports planes: a box dropped on one comes to rest at its height.
 template <int D>
 void planeCarries() {
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
@@ -109,7 +109,7 @@ void planeAnswers() {
   ASSERT_EQ(hits.size(), 1u);
   EXPECT_NEAR(hits[0].t, 5, 1e-4);
   EXPECT_EQ(world.ray(high, Vec<D>(Vec<D>::Unit(1)), 100, true).size(), 0u);
-  addFloor(world, true);  // two planes never meet
+  addFloor(world, true);  // two planes never make contact
   BodyDef<D> moving;
   moving.shapes.emplace_back();
   moving.shapes.back().shape = Shape<D>::plane();
@@ -122,7 +122,7 @@ void planeAnswers() {
 }
 TEST(Plane, AnswersPointsBoxesAndRays) { planeAnswers<2>(), planeAnswers<3>(); }
 
-// Saved, loaded and continued is the same as continued, with a curved core and a plane in the world.
+// A run saved, loaded and continued equals a run only continued, with a curved core and a plane in the world.
 TEST(CurvedRest, SavedIsContinued) {
   const auto make = [] { return std::make_unique<World<3>>(Pipeline::parse("contacts=query_clip")); };
   const auto world = make(), loaded = make();

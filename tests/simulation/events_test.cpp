@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// S9: what listeners hear balances, whatever happens to the bodies, and comes in the order of the manifolds.
+// S9: begin and end events balance, whatever happens to the bodies, and arrive in manifold order.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace events_test { namespace {
 
-/// Keeps the pairs that have begun and not ended, and the first thing that cannot be.
+/// Tracks the pairs that have begun and not ended, and records the first inconsistent event.
 template <int D>
 class Audit final : public ContactListener<D> {
  public:
@@ -48,7 +48,7 @@ class Audit final : public ContactListener<D> {
   std::optional<Key> m_last;
 };
 
-// Draws what happens to a world, and listens.
+// Performs drawn commands on a world and records its events.
 template <int D>
 std::string story(const std::string& pipeline, const std::vector<int>& choices, std::string& wrong) {
   World<D> world(Pipeline::parse(pipeline));
@@ -113,7 +113,7 @@ void everyStageBalances() {
   expectFalsified(
       "events balance, contacts twice", [] { balances<D>("contacts=planted_contacts"); }, 8);
 }
-// Bodies come, go and are moved by hand between steps: a broadphase with a memory hears of all of it.
+// Bodies are added, removed and moved by the user between steps. A broadphase with memory must notice all of it.
 template <int D>
 void sameStory(const std::string& broadphase) {
   RapidCheckDraw draw;
@@ -133,8 +133,8 @@ void everyBroadphaseTellsTheSame() {
   expectFalsified(
       "the same story, a forgotten pair", [] { sameStory<D>("planted_broadphase"); }, 20);
 }
-TEST(Events, EveryBroadphaseTellsTheSame2) { everyBroadphaseTellsTheSame<2>(); }
-TEST(Events, EveryBroadphaseTellsTheSame3) { everyBroadphaseTellsTheSame<3>(); }
+TEST(Events, EveryBroadphaseGivesTheSameEvents2) { everyBroadphaseTellsTheSame<2>(); }
+TEST(Events, EveryBroadphaseGivesTheSameEvents3) { everyBroadphaseTellsTheSame<3>(); }
 
 TEST(Events, EveryStageBalances2) { everyStageBalances<2>(); }
 TEST(Events, EveryStageBalances3) { everyStageBalances<3>(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What nobody would call physics and a scene may still say: every solver comes through it with numbers.
+// Unphysical but valid scenes: every solver keeps all numbers finite.
 #include <gtest/gtest.h>
 
 #include <iomanip>
@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace extremes_test { namespace {
 
-/// Every body finite, and what contacts and joints push.
+/// Whether all bodies and all impulses of contacts and joints stay finite.
 template <int D>
 bool staysFinite(World<D>& world, Real dt, int steps) {
   for (int i = 0; i < steps; ++i) {
@@ -22,7 +22,7 @@ bool staysFinite(World<D>& world, Real dt, int steps) {
   return true;
 }
 
-// Three boxes in one place, half in the ground, and three balls a micrometre apart under it.
+// Three boxes in one place, half in the ground, and below them three balls 1 um apart.
 template <int D>
 bool survivesOverlap(const std::string& solver) {
   World<D> world(Pipeline::parse("solver=" + solver));
@@ -42,7 +42,7 @@ bool survivesStep(const std::string& solver, double dt) {
   return staysFinite(world, static_cast<Real>(dt), 20);
 }
 
-// A joint of each kind that has a spring, with none and with the stiffest there is.
+// A joint of each kind that has a spring, with stiffness zero or 1e12.
 template <int D>
 bool survivesStiffness(const std::string& solver, bool stiff) {
   World<D> world(Pipeline::parse("solver=" + solver));
@@ -85,9 +85,9 @@ std::string text(double x) {
   return out.str();
 }
 
-/// The method with its real numbers at the ends of their ranges: one of them, and all of them in every way. Each with
-/// the defaults of the rest, with each other choice, and with the least of each number of iterations; the largest of
-/// those is time, and no edge.
+/// The method with its real parameters at the ends of their ranges: each alone, and all together in every combination.
+/// The other parameters have their defaults; in addition each other choice and each least iteration count is tried. The
+/// greatest counts only cost time and are no edge case.
 std::vector<Spec> edges(const Registered& method, const Spec& plain) {
   std::vector<const ParamInfo*> reals;
   std::vector<Spec> beside = {plain}, out;
@@ -117,7 +117,7 @@ std::vector<Spec> edges(const Registered& method, const Spec& plain) {
   return out;
 }
 
-/// Every solver, and split_solver with every part, at the edges of their parameters.
+/// Every solver, and split_solver with every part, at the ends of their parameter ranges.
 template <int D>
 std::vector<Spec> everyEdge() {
   std::vector<Spec> out;
@@ -138,7 +138,7 @@ std::vector<Spec> everyEdge() {
   return out;
 }
 
-// What numbers contradict each other (penalties that cross) is refused in a line; with all others there are numbers.
+// Contradictory parameters (penalties that cross) are rejected with a one-line message. All others give finite results.
 template <int D>
 void everyParameterSurvives() {
   int refused = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// What happens in the plane happens to its prisms, under every solver. A face of a prism has four contact points where
-// that of its base has two: impulses are shared out otherwise, and what counts per contact counts twice. So methods
-// that sweep get the sweeps to agree, and those whose sub-steps sweep once, or whose contacts give, have a wider bound.
+// A planar scene and its extrusion to prisms move alike under every solver. A prism face has four contact points where
+// its base has two, so impulses are distributed differently and per-contact effects count twice. Iterative methods get
+// enough iterations to converge. Methods that sweep once per sub-step, or have soft contacts, have a wider bound.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -18,12 +18,12 @@ constexpr Real kDt = Real(1) / 60;
 constexpr Real kHalfDepth = 1;  // m: twice as deep as wide
 constexpr int kSteps = 60, kSweeps = 50;
 
-// Boxes in the plane, or prisms of their mass, 2 m deep, on a ground of 8 m.
+// Boxes in the plane, or prisms of the same mass, 2 m deep, on a ground 8 m deep.
 template <int D>
 struct Prisms {
   World<D> world;
   std::vector<Handle> boxes;
-  bool spoiled;  // a fiftieth of each mass sits at the ends of its box: another inertia than the plane's
+  bool spoiled;  // a fiftieth of each mass sits at the ends of its box: wrong inertia
 
   explicit Prisms(const Spec& solver, bool spoil = false) : world(pipelineOf(solver)), spoiled(spoil) {}
 
@@ -75,18 +75,18 @@ void stack(Prisms<D>& s) {
   for (int i = 0; i < 4; ++i) s.box(0.5, 0.25, 0.05 * (i % 2), 0.25 + 0.501 * i);
 }
 template <int D>
-void slope(Prisms<D>& s) {  // of 30 degrees, mu 0.3
+void slope(Prisms<D>& s) {  // 30 degrees, mu 0.3
   const double angle = 0.5235987755982988, mu = 0.3;
   s.ground(20, -std::sin(angle), -std::cos(angle), -angle, mu * mu / 0.5);
   s.box(0.5, 0.25, 0.25 * std::sin(angle), 0.25 * std::cos(angle), -angle);
 }
 template <int D>
-void edge(Prisms<D>& s) {  // its centre is beyond that of a table
+void edge(Prisms<D>& s) {  // its centre of mass is past the table's edge
   s.ground(2, -2, -1);
   s.box(0.5, 0.25, 0.1, 0.25);
 }
 template <int D>
-void hinges(Prisms<D>& s) {  // two in a row, let go level
+void hinges(Prisms<D>& s) {  // two in a row, released in a level position
   const Handle post = s.ground(0.1, 0, 5), first = s.box(0.3, 0.1, 0.3, 3), second = s.box(0.3, 0.1, 0.9, 3);
   s.world.add(JointDef<D>{.kind = "hinge", .bodyA = post, .bodyB = first, .X_WJ = {at<D>(0, 3), {}}});
   s.world.add(JointDef<D>{.kind = "hinge", .bodyA = first, .bodyB = second, .X_WJ = {at<D>(0.6, 3), {}}});
@@ -96,16 +96,17 @@ struct Scene {
   const char* name;
   void (*flat)(Prisms<2>&);
   void (*deep)(Prisms<3>&);
-  double swept, giving;  // bounds of what prisms are apart from their bases, m
+  double swept, giving;  // largest allowed distance between prism and base, m
 };
-// Farthest of those that sweep, scene by scene: jacobi; admm, to rounding; catto's symmetric sweeps; avbd, whose
-// penalties are of the mean of D directions. Of the others tgs_ngs, xpbd and xpbd; their hinges agree to rounding.
+// Worst of the iterative methods, scene by scene: jacobi; admm, to rounding; catto with symmetric sweeps; avbd with
+// penalties that use the mean over D directions. Worst of the others: tgs_ngs, xpbd and xpbd; their hinges agree to
+// rounding.
 const Scene kScenes[] = {{"stack", stack<2>, stack<3>, 2e-3, 8e-3},
                          {"slope", slope<2>, slope<3>, 1e-10, 8e-4},
                          {"edge", edge<2>, edge<3>, 4e-4, 5e-2},
                          {"hinges", hinges<2>, hinges<3>, 8e-6, 1e-12}};
 
-// Of the body that is farthest off: in metres, its turn as the way of a point half a metre from its centre.
+// Largest distance between corresponding bodies (m). Rotation counts as the motion of a point 0.5 m from the centre.
 double apart(const Prisms<2>& flat, const Prisms<3>& deep) {
   double most = 0;
   for (std::size_t i = 0; i < flat.boxes.size(); ++i) {
@@ -131,8 +132,9 @@ double mostApart(const Spec& solver, const Scene& scene, bool spoil = false) {
   return most;
 }
 
-// With so many sweeps; also its parts. What sweeps to a tolerance keeps it, and declares where that is not enough.
-// Contacts that share a limit of moves share it among twice as many in space.
+// The method and its parts with kSweeps iterations. A method that iterates to a tolerance keeps it, and declares a
+// failure where the tolerance is too loose. A limit of moves that contacts share must serve twice as many contacts in
+// 3D.
 Spec often(StageKind stage, Spec spec) {
   const Registered& method = Registry::instance().find(stage, 3, spec.name);
   const ParamInfo* const effort = firstOf(ParamRole::effort, method.params);
@@ -152,8 +154,8 @@ bool substepsOrGives(const Spec& solver) {
                      [](const ParamInfo& p) { return p.name == "substeps" || p.name == "hertz"; });
 }
 
-// Who declares that it does not agree must be seen to fail; and of each bound more than a quarter is used, but of those
-// that are rounding.
+// A method that declares disagreement must disagree. Each bound is used by more than a quarter, except bounds at
+// rounding level.
 TEST(Extrusion, AgreesOrSaysThatItDoesNot) {
   std::map<std::pair<std::string, bool>, double> used;
   for (const std::string& text : everySolver<3>()) {
@@ -172,7 +174,7 @@ TEST(Extrusion, AgreesOrSaysThatItDoesNot) {
     }
     EXPECT_EQ(agrees, !told) << text << ": " << found;
   }
-  // The ablation of what avbd declares.
+  // Ablation of the failure that avbd declares.
   for (const Scene& scene : kScenes) {
     const double error = mostApart(often(StageKind::solver, Spec::parse("avbd{tries=3}")), scene);
     EXPECT_LE(error, scene.swept) << scene.name;
@@ -187,7 +189,7 @@ TEST(Extrusion, AgreesOrSaysThatItDoesNot) {
   }
 }
 
-// Three hundredths more inertia than in the plane: seen where boxes turn.
+// 3 % more inertia than in the plane shows where boxes rotate.
 TEST(Extrusion, SeesAnotherInertia) {
   for (const char* text : {"split_solver", "soft_step"}) {
     const Spec spec = Spec::parse(text);

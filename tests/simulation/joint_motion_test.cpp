@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Joints over time, for every registered kind under every solver: what hangs at rest, rests (R14), and half the step is
-// half the error (R17).
+// Joints over time, for every registered kind under every solver: joints at rest stay at rest (R14), and half the step
+// gives half the error (R17).
 #include <gtest/gtest.h>
 
 #include "tests/conformance/joined_bodies.h"
@@ -15,7 +15,7 @@ constexpr int kSeconds = 5;
 constexpr int kSeconds = 60;
 #endif
 
-/// Two bodies of 1 kg, side by side: the world holds the first, and the first the second.
+/// Two bodies of 1 kg, side by side: the first hangs on the world, the second on the first.
 template <int D>
 ImpactScene<D> shelf(const Kind<D>& kind, Real dt) {
   ImpactScene<D> s;
@@ -30,15 +30,15 @@ ImpactScene<D> shelf(const Kind<D>& kind, Real dt) {
 }
 
 struct Unrest {
-  double way = 0, energy = 0;  // m, J: the largest of a minute
+  double way = 0, energy = 0;  // m, J: maxima over a minute
 };
 
-// First half a minute in honey, which end wherever this joint rests.
+// First damps the bodies strongly for half a minute, until the joint has found its rest position.
 template <int D>
 Unrest unrestOf(const Kind<D>& kind, const std::string& text) {
   const auto solver = createStage<Solver<D>>(Spec::parse(text));
   auto s = shelf(kind, Real(1) / 60);
-  s.field.spring = 4;  // so that everything rests somewhere: what slides along a level rail would rest anywhere
+  s.field.spring = 4;  // without it a body on a level rail has no rest position
   for (int i = 0; i < 1800; ++i) {
     stepJoined(s, *solver);
     for (Motion<D>& m : s.bodies.motion) m.v *= Real(0.95), m.w *= Real(0.95);
@@ -56,8 +56,8 @@ Unrest unrestOf(const Kind<D>& kind, const std::string& text) {
 }
 bool rests(const Unrest& u) { return u.way <= 1e-3 && u.energy <= 1e-5; }
 
-// Of the kinds under each solver a third, others under the next and in the other dimension; fewer where LPC_TEST_CASES
-// is below 100, all where it is above.
+// Tests a third of the kinds under each solver; the next solver and the other dimension get other kinds. LPC_TEST_CASES
+// below 100 tests fewer, above 100 all.
 class Share {
  public:
   explicit Share(int dimension) : m_from(dimension) {}
@@ -73,7 +73,7 @@ template <int D>
 void everyKindRests() {
   Share among(D);
   for (const std::string& solver : everySolverOfJoints<D>()) {
-    // The order of 2009 ends each step with a fall of g dt^2.
+    // The order of operations of 2009 ends each step with a fall of g dt^2.
     if (solver.find("resolve_then_force_move") != solver.npos) continue;
     among.next();
     int restless = 0;
@@ -95,7 +95,7 @@ void everyKindRests() {
 TEST(JointMotion, Rests2) { everyKindRests<2>(); }
 TEST(JointMotion, Rests3) { everyKindRests<3>(); }
 
-// Where the second body is, eight times in half a second.
+// Position of the second body at eight times within half a second.
 template <int D>
 std::vector<Vec<D>> track(const Kind<D>& kind, const std::string& text, int stepsPerSecond) {
   const auto solver = createStage<Solver<D>>(Spec::parse(text));
@@ -114,7 +114,7 @@ double apart(const std::vector<Vec<D>>& a, const std::vector<Vec<D>>& b) {
   return worst;
 }
 
-// A quarter of the step: of a method of first order 0.2 of the distance to a sixteenth of it.
+// Error ratio for a quarter of the step, against a run with a sixteenth. A first-order method gives 0.2.
 template <int D>
 double gain(const Kind<D>& kind, const std::string& solver) {
   const auto limit = track<D>(kind, solver, 3840);
@@ -144,7 +144,7 @@ void everyKindConverges() {
       EXPECT_FALSE(right) << solver;
     }
   }
-  // The ablations of what tgs_ngs and pgs_soft declare.
+  // Ablations of the failures that tgs_ngs and pgs_soft declare.
   EXPECT_TRUE(converges<D>(kindOf<D>("hinge{lower=-0.1,upper=0.2}"), "tgs_ngs{position_iterations=8}"));
   const std::string rigid = "pgs_soft{joints=rigid}";
   EXPECT_TRUE(converges<D>(kindOf<D>("hinge{lower=-0.1,upper=0.2}"), rigid));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Joints in a world: they break, they let sleep and wake, they say how far they are off.
+// Joints in a world: they break, they let bodies sleep and wake them, they report their error.
 #include <gtest/gtest.h>
 
 #include "framework/world/invariants.h"
@@ -11,7 +11,7 @@ constexpr Real kDt = Real(1) / 60;
 const char* const kSolvers[] = {"solver=split_solver", "solver=split_solver{velocity=naive}",
                                 "solver=split_solver{velocity=millington}", "solver=soft_step"};
 
-/// A ball of 1 kg (0.5 m wide) hangs from the world by `kind`, which holds `share` of its weight.
+/// A ball of 1 kg, 0.5 m wide, hangs from the world on a joint `kind` that breaks at `share` of its weight.
 template <int D>
 struct Hanging {
   World<D> world;
@@ -47,7 +47,7 @@ void breaks() {
 TEST(Joints, BreakAboveTheirForceAndNotBelow2) { breaks<2>(); }
 TEST(Joints, BreakAboveTheirForceAndNotBelow3) { breaks<3>(); }
 
-// A weld that carries a lever: the force is within its limit, the torque is not.
+// A weld holds a lever: the force is within its limit, the torque is not.
 template <int D>
 void breaksByTorque() {
   for (const Real limit : {Real(0.8), Real(1.2)}) {
@@ -62,8 +62,8 @@ void breaksByTorque() {
 }
 TEST(Joints, BreakAboveTheirTorque) { breaksByTorque<2>(), breaksByTorque<3>(); }
 
-// Two bodies that a joint kept from colliding do collide when it is broken, and who slept on it wakes.
-TEST(Joints, WhatIsBrokenHoldsNobody) {
+// A joint disables the collision of its bodies; once it is broken, they collide.
+TEST(Joints, BrokenJointsLetBodiesCollide) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);
   const Handle low = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
@@ -79,7 +79,8 @@ TEST(Joints, WhatIsBrokenHoldsNobody) {
   EXPECT_GT((world.pose(high).p - world.pose(low).p).norm(), 0.95) << "they collide again";
 }
 
-// A ball of 1 kg flies into its rope at v and is stopped within one step, which takes m v / dt, in whatever sub-steps.
+// A ball of 1 kg reaches the end of its rope at speed v and is stopped within one step. This takes the force m v / dt,
+// however many sub-steps there are.
 TEST(Joints, BreakByTheWholeStep) {
   for (const char* solver : kSolvers) {
     for (const Real share : {Real(0.9), Real(1.1)}) {
@@ -100,7 +101,7 @@ TEST(Joints, BreakByTheWholeStep) {
   }
 }
 
-// The load of a sleeper was measured in a step of another length.
+// The load of a sleeping body was measured in a step of another length.
 TEST(Joints, SleepersDoNotBreak) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);
@@ -115,8 +116,8 @@ TEST(Joints, SleepersDoNotBreak) {
   EXPECT_FALSE(world.joints()[0].broken);
 }
 
-// What a scene does not need keeps nobody awake.
-TEST(Joints, ThatAreSwitchedOffKeepNobodyAwake) {
+// Joints that the model switches off keep no body awake.
+TEST(Joints, ThatAreSwitchedOffKeepNoBodyAwake) {
   for (const bool joints : {false, true}) {
     WorldSettings<2> settings;
     settings.features.joints = joints;
@@ -132,7 +133,7 @@ TEST(Joints, ThatAreSwitchedOffKeepNobodyAwake) {
   }
 }
 
-// A rope that pulled, and whose ends meet now, has no row and so no impulse.
+// A rope that was taut and is now slack has no row and so no impulse.
 TEST(Joints, WithoutRowsHaveNoImpulse) {
   for (const char* solver : {"solver=split_solver", "solver=soft_step"}) {
     Hanging<2> hanging(solver, "distance{mode=rope,length=1}", 100);
@@ -147,7 +148,7 @@ TEST(Joints, WithoutRowsHaveNoImpulse) {
   }
 }
 
-// A joint that is added may pull at once.
+// A new joint may pull in its first step.
 TEST(Joints, NewOnesWakeSleepers) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);
@@ -162,7 +163,7 @@ TEST(Joints, NewOnesWakeSleepers) {
   EXPECT_GT(world.pose(box).p[1], 0.6);
 }
 
-TEST(Joints, ErrorsInMetresAndRadiansAreApart) {
+TEST(Joints, ErrorsInMetresAndRadiansAreSeparate) {
   World<3> world;
   const Handle a = world.add(body<3>(Shape<3>::sphere(1), at<3>(0, 0)));
   const Handle b = world.add(body<3>(Shape<3>::sphere(1), at<3>(2, 0)));

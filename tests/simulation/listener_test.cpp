@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What listeners may change of one contact, and whom they hear of.
+// What a listener may change of one contact, and which events it receives.
 #include <gtest/gtest.h>
 
 #include "tests/expect_caught.h"
@@ -20,10 +20,10 @@ TYPED_TEST_SUITE(ListenerTest, Dimensions);
 
 template <int D>
 struct Mixer final : ContactListener<D> {
-  std::int32_t of = -1;  // this body alone
+  std::int32_t of = -1;  // only contacts of this body
   PairMaterial to, came;
   int mixed = 0, begun = 0, persisted = 0;
-  bool forgets = false;  // a planted bug: writes once
+  bool forgets = false;  // a planted bug: writes only in the first step
   void mix(const World<D>&, const Manifold<D>& m, PairMaterial& material) override {
     if (of >= 0 && m.bodyA != of && m.bodyB != of) return;
     came = material;
@@ -35,7 +35,7 @@ struct Mixer final : ContactListener<D> {
   bool persist(const World<D>&, const Manifold<D>&) override { return ++persisted, true; }
 };
 
-// Two boxes slide on one floor, of which a listener takes the friction of one: it alone goes on.
+// Two boxes slide on one floor. A listener removes the friction of one: only that box keeps sliding.
 template <int D>
 bool oneSlides(bool forgets) {
   World<D> world;
@@ -51,7 +51,7 @@ bool oneSlides(bool forgets) {
   slippery.of = boxes[1].slot, slippery.forgets = forgets;
   world.addListener(&slippery);
   for (int i = 0; i < 90; ++i) world.step(kDt);
-  EXPECT_NEAR(double(slippery.came.friction), 0.5, 1e-6);  // as the shapes have it, in every step
+  EXPECT_NEAR(double(slippery.came.friction), 0.5, 1e-6);  // the shapes' value, in every step
   return std::abs(world.motion(boxes[0]).v[0]) < 0.01 && world.motion(boxes[1]).v[0] > 2.99;
 }
 
@@ -80,7 +80,7 @@ TYPED_TEST(ListenerTest, ChangesTheRestitutionOfOneContact) {
   EXPECT_GT(highest, 2.7);
 }
 
-TYPED_TEST(ListenerTest, OfABodyHearsOfItAlone) {
+TYPED_TEST(ListenerTest, BodyListenersReceiveOnlyTheirBody) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle ground = addGround(world);
@@ -94,7 +94,7 @@ TYPED_TEST(ListenerTest, OfABodyHearsOfItAlone) {
   world.step(kDt);
   EXPECT_EQ(one.begun, 1);
   EXPECT_EQ(all.begun, 3);
-  EXPECT_EQ(twice.begun, 3);  // once for each pair, however often it is registered
+  EXPECT_EQ(twice.begun, 3);  // once per pair, however often it is registered
   world.removeListener(&all);
   world.remove(balls[1]);  // with its listeners
   const Handle next = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3, 0.5)));
@@ -117,7 +117,7 @@ struct Sides final : ContactListener<D> {
   void end(const World<D>& world, const Manifold<D>& last) override { hear(world, last); }
 };
 
-TYPED_TEST(ListenerTest, KnowsWhichOfTheTwoIsItsOwn) {
+TYPED_TEST(ListenerTest, KnowsWhichBodyItListensTo) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle ground = addGround(world);  // the lower slot: A of all pairs
@@ -126,7 +126,7 @@ TYPED_TEST(ListenerTest, KnowsWhichOfTheTwoIsItsOwn) {
   world.addListener(ground, &a), world.addListener(ball, &b), world.addListener(&all);
   world.addListener(ground, &both), world.addListener(ball, &both);
   world.step(kDt);
-  world.remove(ball);  // a listener is still the body's when it hears of the end
+  world.remove(ball);  // a listener still belongs to the body when it receives the end
   using Heard = std::vector<std::array<bool, 2>>;
   EXPECT_EQ(a.heard, (Heard{{true, false}, {true, false}}));
   EXPECT_EQ(b.heard, (Heard{{false, true}, {false, true}}));
@@ -137,7 +137,7 @@ TYPED_TEST(ListenerTest, KnowsWhichOfTheTwoIsItsOwn) {
   EXPECT_FALSE(world.isListenerOf(1000, &b));
 }
 
-TYPED_TEST(ListenerTest, WhatIsNoMaterialIsRefused) {
+TYPED_TEST(ListenerTest, InvalidMaterialsAreRefused) {
   constexpr int D = TypeParam::D;
   for (const Real bad : {Real(-1), std::numeric_limits<Real>::quiet_NaN()}) {
     World<D> world;
@@ -150,7 +150,7 @@ TYPED_TEST(ListenerTest, WhatIsNoMaterialIsRefused) {
   }
 }
 
-// Recycled contacts are those of an earlier step, as a listener left them then.
+// Recycled contacts come from an earlier step, with the values that a listener wrote then.
 TYPED_TEST(ListenerTest, MaterialOfKeptContactsIsThatOfTheirShapes) {
   constexpr int D = TypeParam::D;
   World<D> world(Pipeline::parse("cache=recycling"));
@@ -174,7 +174,7 @@ TYPED_TEST(ListenerTest, MaterialOfKeptContactsIsThatOfTheirShapes) {
   EXPECT_EQ(world.manifolds()[0].friction, std::sqrt(Real(0.5) * Real(0.02)));
 }
 
-// Moves bodies in two halves, and has contacts made again after each.
+// Moves bodies in two half steps and detects contacts again after each.
 template <int D>
 class LooksAgain final : public Solver<D> {
  public:
@@ -210,8 +210,8 @@ struct Story final : ContactListener<D> {
   void end(const World<D>&, const Manifold<D>&) override { told += 'e'; }
 };
 
-// A ball comes within reach of another in the middle of a step, slantwise, so that their boxes have met before, and
-// leaves it in the middle of another.
+// A ball approaches another diagonally, so that their boxes overlap first. It comes within contact range in the middle
+// of one step and leaves it in the middle of another.
 template <int D>
 std::string storyOfAgain(const std::string& pipeline) {
   World<D> world(Pipeline::parse(pipeline + " continuous=none"));
@@ -231,7 +231,7 @@ std::string storyOfAgain(const std::string& pipeline) {
   return story.told;
 }
 
-TYPED_TEST(ListenerTest, ContactsThatBeginOrEndWithinAStepAreTold) {
+TYPED_TEST(ListenerTest, ContactsThatBeginOrEndWithinAStepGiveEvents) {
   constexpr int D = TypeParam::D;
   for (const std::string cache : {"by_feature", "recycling"}) {
     EXPECT_EQ(storyOfAgain<D>("solver=looks_again cache=" + cache), "b/p/pe//b/") << cache;
@@ -240,8 +240,9 @@ TYPED_TEST(ListenerTest, ContactsThatBeginOrEndWithinAStepAreTold) {
                storyOfAgain<D>("solver=looks_again{forgets=true}") == "b/p/pe//b/");
 }
 
-// Of sleepers that are asked anew in every step: they sleep on, silently, and what was changed of their contacts stays.
-TYPED_TEST(ListenerTest, SleepersContactsAreMadeWhereAsked) {
+// Contacts of sleeping bodies that are generated again in each step: the bodies stay asleep, listeners receive nothing,
+// and changes to the contacts stay.
+TYPED_TEST(ListenerTest, SleepersContactsCanBeGeneratedEachStep) {
   constexpr int D = TypeParam::D;
   std::array<std::uint64_t, 2> tests{};
   std::array<std::uint64_t, 2> hashes{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What the length of a step may change, for every solver: a spring's motion converges (R17), and a pendulum's energy
-// and joint error go to zero with the step (R16).
+// Convergence of every solver with the step length: the motion of a spring converges (R17); the energy drift and the
+// joint error of a pendulum go to zero (R16).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +14,8 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace orde
 
 constexpr double kG = 9.81;
 
-// A ball of mass 1 on a spring of rest length 1 and stiffness 20 to the origin, thrown aside: after 1 s. The referee is
-// a Runge-Kutta of its own in ten thousand steps.
+// A ball of mass 1, on a spring of rest length 1 and stiffness 20 to the origin, is thrown sideways. Returns its
+// position after 1 s by an independent Runge-Kutta method in ten thousand steps.
 Eigen::Vector2d springReference() {
   struct State {
     Eigen::Vector2d x, v;
@@ -48,7 +48,7 @@ double springError(const std::string& solver, int steps, const Eigen::Vector2d& 
   return std::hypot(double(p[0]) - expected[0], double(p[1]) - expected[1]);
 }
 
-// How many times half the step halves the error.
+// Order of convergence: log2 of the error ratio for half the step.
 template <int D>
 double springOrder(const std::string& solver) {
   const Eigen::Vector2d expected = springReference();
@@ -56,10 +56,10 @@ double springOrder(const std::string& solver) {
 }
 
 struct Swing {
-  double energy, joint;  // worst error, as a share of m g l, and m
+  double energy, joint;  // worst errors: share of m g l; m
 };
 
-// A cube on a pivot at arm's length, let go at the height of the pivot, for 2 s.
+// A cube on a pivot, 1 m from it, is released at the pivot's height; 2 s.
 template <int D>
 Swing pendulum(const std::string& solver, int stepsPerSecond) {
   World<D> world(Pipeline::parse("solver=" + solver));
@@ -78,8 +78,8 @@ Swing pendulum(const std::string& solver, int stepsPerSecond) {
   return worst;
 }
 
-// A quarter of the step: about a quarter of the drift of energy, and of the joint's error down to what a position
-// resolver leaves on purpose.
+// With a quarter of the step: about a quarter of the energy drift and of the joint error, down to the error that a
+// position resolver leaves on purpose.
 template <int D>
 bool pendulumConverges(const std::string& solver) {
   const Swing coarse = pendulum<D>(solver, 120), fine = pendulum<D>(solver, 480);

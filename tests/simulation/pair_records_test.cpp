@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a world remembers of pairs from step to step. That a loaded world continues bit for bit, records and all, is
-// shown by replay_test.cpp for every generator.
+// The records of pairs that a world keeps from step to step. replay_test.cpp shows for every generator that a loaded
+// world continues bit for bit, including the records.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair
 
 constexpr Real kDt = Real(1) / 60;
 
-// The pairs that have a record, by the slots of their shapes and the numbers of their parts.
+// The pairs that have a record: slots of their shapes and indices of their parts.
 template <int D>
 std::vector<std::array<int, 4>> recorded(const World<D>& world) {
   std::vector<std::array<int, 4>> out;
@@ -25,7 +25,7 @@ bool remembersSomething(std::span<const PairRecord> records) {
   return std::all_of(records.begin(), records.end(), [](const PairRecord& r) { return r.memory != PairMemory{}; });
 }
 
-// A box lies on a floor, a ball flies by above it.
+// A box lies on a floor; a ball passes above it.
 template <int D>
 void comesAndGoes() {
   World<D> world(Pipeline::parse("contacts=query_clip"));
@@ -43,7 +43,7 @@ void comesAndGoes() {
 }
 TEST(PairRecords, ComeAndGoWithCandidates) { comesAndGoes<2>(), comesAndGoes<3>(); }
 
-// Those who sleep, and those whose contacts the cache keeps, are not asked about, and keep what was remembered.
+// Sleeping pairs, and pairs with contacts kept by the cache, are not queried and keep their records.
 template <int D>
 void outlast(const std::string& pipeline, bool sleeping) {
   SCOPED_TRACE(pipeline);
@@ -69,7 +69,7 @@ TEST(PairRecords, OutlastRestAndRecycling) {
   outlast<3>("contacts=query_clip cache=recycling", false);
 }
 
-// Each pair of parts has its own.
+// Each pair of parts has its own record.
 template <int D>
 void parts() {
   World<D> world(Pipeline::parse("contacts=deepest_point"));
@@ -83,7 +83,7 @@ void parts() {
 }
 TEST(PairRecords, ArePerPairOfParts) { parts<2>(), parts<3>(); }
 
-// What a scene does not need is not kept: nobody remembers, or no cache is wanted.
+// No records if no method uses memory, or if the model has no cache.
 template <int D>
 void none() {
   for (const char* pipeline : {"contacts=sat_clip", "contacts=deepest_point{query=mpr}", "contacts=query_clip"}) {
@@ -96,9 +96,9 @@ void none() {
     EXPECT_TRUE(world.pairRecords().empty()) << pipeline;
   }
 }
-TEST(PairRecords, AreNotKeptForNobody) { none<2>(), none<3>(); }
+TEST(PairRecords, AreNotKeptWithoutMemoryOrCache) { none<2>(), none<3>(); }
 
-// A save of somebody else's memory is of no harm, and no use.
+// Records of another method in a saved world do no harm and are dropped.
 template <int D>
 void otherPipelines() {
   World<D> first(Pipeline::parse("contacts=query_clip"));
@@ -114,8 +114,8 @@ void otherPipelines() {
     EXPECT_EQ(world.pairRecords().empty(), std::string_view(pipeline) == "contacts=sat_clip") << pipeline;
   }
 }
-// Also when all of them rest, and nobody is asked about.
-TEST(PairRecords, OfSleepersAreForgottenByWhoKeepsNone) {
+// Also if all bodies sleep and no pair is queried.
+TEST(PairRecords, OfSleepersAreDroppedByMethodsWithoutMemory) {
   WorldSettings<2> settings;
   settings.features.sleeping = true;
   World<2> first(Pipeline::parse("contacts=query_clip sleep=split_average"), settings);

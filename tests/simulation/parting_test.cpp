@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Runs that physics cannot tell apart and rounding can: seen in a mirror (R8), and far from the origin (S8). Up to the
-// first impact they agree to rounding, for every solver; how fast a heap makes them part after it is printed, and goes
-// into the test's XML.
+// Runs that are equal in physics but not in rounding: mirrored (R8), and far from the origin (S8). Every solver agrees
+// to rounding up to the first impact. How fast a heap then makes the runs diverge is printed and written to the test's
+// XML.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -18,8 +18,8 @@ constexpr Real kDt = Real(1) / 60;
 
 template <int D>
 struct Change {
-  std::function<BodyDef<D>(BodyDef<D>)> of;  // of a body as it is added
-  std::function<Vec<D>(Vec<D>)> back;        // of a place, to compare
+  std::function<BodyDef<D>(BodyDef<D>)> of;  // changes a body before it is added
+  std::function<Vec<D>(Vec<D>)> back;        // maps a position back, for comparison
 };
 
 template <int D>
@@ -55,7 +55,7 @@ Real impulses(const World<D>& world) {
   return sum;
 }
 
-// The same bodies twice.
+// The same bodies in two worlds.
 template <int D>
 struct Pair {
   World<D> here, there;
@@ -83,8 +83,8 @@ BodyDef<D> ground() {
   return body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed);
 }
 
-// One body, tilted and turning, onto the ground: until it has bounced. Only where it hits with one point: of several,
-// the mirror changes the order in which they are solved.
+// One tilted, rotating body falls on the ground until it has bounced. Only impacts at one point count: with several
+// points the mirror changes the order in which they are solved.
 template <int D>
 void agreesUntilTheFirstImpact(const std::string& pipeline, const Change<D>& change, Real limit, Draw& draw) {
   const Shape<D> shapes[] = {Shape<D>::box(Vec<D>::Constant(Real(0.4))), Shape<D>::sphere(Real(0.4)),
@@ -111,7 +111,7 @@ void agreesUntilTheFirstImpact(const std::string& pipeline, const Change<D>& cha
 
 template <int D>
 void everySolverAgrees() {
-  // Rounding: of places in the mirror, of places 1e5 m away over forty steps.
+  // Limits for rounding: of mirrored positions, and of positions 1e5 m away over forty steps.
   const struct {
     const char* name;
     Change<D> change;
@@ -149,14 +149,14 @@ void everySolverAgrees() {
 TEST(Parting, EverySolverAgreesUntilTheFirstImpact2) { everySolverAgrees<2>(); }
 TEST(Parting, EverySolverAgreesUntilTheFirstImpact3) { everySolverAgrees<3>(); }
 
-// A heap of ten: how far apart after 0.5, 1, 1.5 and 2 s.
+// A heap of ten bodies: distance between the runs after 0.5, 1, 1.5 and 2 s.
 template <int D>
 std::vector<double> curve(const std::string& pipeline, const Change<D>& change) {
   std::vector<BodyDef<D>> bodies = {ground<D>()};
   Random random(5);
   for (int i = 0; i < 10; ++i) {
     const Shape<D> shapes[] = {Shape<D>::box(Vec<D>::Constant(Real(0.4))), Shape<D>::capsule(Real(0.3), Real(0.25))};
-    const double z = random.uniform(-1, 1), x = random.uniform(-1, 1);  // one by one: compilers order arguments freely
+    const double z = random.uniform(-1, 1), x = random.uniform(-1, 1);  // separate: argument order is unspecified
     bodies.push_back(body<D>(shapes[i % 2], at<D>(x, 1 + 0.8 * i, z)));
     bodies.back().angularVelocity = Ang<D>::Constant(static_cast<Real>(random.uniform(-2, 2)));
   }
@@ -181,7 +181,7 @@ void curves() {
                     name, D, c[0], c[1], c[2], c[3]);
       std::printf("%s\n", text);
       testing::Test::RecordProperty(std::string("apart_") + solver + '_' + name[0] + name[2] + std::to_string(D), text);
-      // Rounding of a place far away is all that differs there; a mirror also changes the order of contacts.
+      // Far away, only the rounding of positions differs; a mirror also changes the order of contacts.
       EXPECT_LT(c[0], name[0] == 'm' ? 1e-2 : 1e-9) << text;
       EXPECT_GT(c[3], c[0]) << text;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A world whose contacts come one a step. That it continues bit for bit when it is loaded is shown by replay_test.cpp,
-// what its manifolds are by tests/conformance/contact_history_test.cpp.
+// A world with a generator that adds one contact point a step. replay_test.cpp shows that it continues bit for bit when
+// loaded; tests/conformance/contact_history_test.cpp tests its manifolds.
 #include <gtest/gtest.h>
 
 #include "framework/world/invariants.h"
@@ -20,8 +20,7 @@ BodyDef<D> askew(const Vec<D>& position) {
   return def;
 }
 
-// Two boxes fall on a floor, the lower one askew: after ten seconds they lie there, one on the other, and nothing
-// moves.
+// Two boxes fall on a floor, the lower one tilted. After ten seconds they are stacked and at rest.
 template <int D>
 bool boxesComeToRest(const std::string& pipeline) {
   World<D> world(Pipeline::parse(pipeline));
@@ -43,7 +42,7 @@ TEST(PersistentManifold, BoxesComeToRest) {
   expectCaught("PersistentManifold one point 3D", boxesComeToRest<3>("contacts=deepest_point"));
 }
 
-// Most points that the manifold of a box has within two seconds of its fall on a floor.
+// Largest number of points of a box's manifold in the two seconds after its release above a floor.
 template <int D>
 int mostPoints(const std::string& pipeline, bool cache) {
   WorldSettings<D> settings;
@@ -58,7 +57,7 @@ int mostPoints(const std::string& pipeline, bool cache) {
   }
   return most;
 }
-// What a scene without a cache forgets is points as well as impulses; a cache that forgets impulses leaves the points.
+// A model without a cache loses points as well as impulses. A cache method that drops impulses keeps the points.
 TEST(PersistentManifold, PointsAreForgottenWithTheCache) {
   EXPECT_EQ(mostPoints<2>("contacts=persistent_manifold", false), 1);
   EXPECT_EQ(mostPoints<3>("contacts=persistent_manifold", false), 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Same history, same bits (S1, S3, S4, S6, S7, S10, S11, S12), for every solver and every other stage. Each property
-// says whether it holds, so that planted stages can be seen to break it.
+// The same history gives the same bits (S1, S3, S4, S6, S7, S10, S11, S12), for every solver and every other stage.
+// Each property returns whether it holds, so that planted stages can be shown to break it.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -15,7 +15,7 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace replay_test { namespace {
 
 constexpr Real kDt = Real(1) / 60;
-constexpr int kSteps = 75;  // enough for limits shared by disjoint scenes to be met
+constexpr int kSteps = 75;  // enough to reach limits that disjoint scenes share
 
 template <int D>
 struct Run {
@@ -46,8 +46,8 @@ bool sameAgain(const std::string& pipeline) {
   return heapHashes<D>(pipeline, 3) == once;
 }
 
-// S3: the same bytes at every later step, and saving does not disturb. One body that was removed and one that was added
-// leave a hole and a reused slot.
+// S3: saved bytes are equal after every later step, and saving changes nothing. One removed and one added body leave a
+// free and a reused slot.
 template <int D>
 bool savedIsContinued(const std::string& pipeline) {
   Run<D> a(pipeline), b(pipeline);
@@ -68,8 +68,8 @@ bool savedIsContinued(const std::string& pipeline) {
   return true;
 }
 
-// S3 of forces: one of each kind, on one body or on all, and the hole that a removed one has left. Saves of before had
-// none of them.
+// S3 for forces: one of each kind, on one body or on all, and the free slot of a removed one. Early versions did not
+// save forces.
 template <int D>
 bool forcesAreSaved(bool lost) {
   Run<D> a(""), b("");
@@ -103,7 +103,7 @@ TEST(Replay, ForcesAreSaved) {
   expectCaught("Replay.ForcesAreSaved forces that nobody saves 3D", forcesAreSaved<3>(true));
 }
 
-// S4: a frame of the recording is the state of a run that went so far and no farther.
+// S4: a frame of the recording equals the state of a run that stops there.
 template <int D>
 bool recordingIsTheRun(const std::string& pipeline) {
   std::ostringstream out;
@@ -137,7 +137,7 @@ bool sameBodies(const World<D>& a, std::size_t firstA, const World<D>& b, std::s
   return true;
 }
 
-// S6: somebody who falls a kilometre away.
+// S6: a body that falls a kilometre away changes nothing.
 template <int D>
 bool strangersDoNotMatter(const std::string& pipeline) {
   Run<D> alone(pipeline), watched(pipeline);
@@ -147,7 +147,7 @@ bool strangersDoNotMatter(const std::string& pipeline) {
   return sameBodies(alone.world, 0, watched.world, 0, 13);
 }
 
-// S7: two scenes that do not touch, in one world, are two worlds. Without a tolerance `nonlinear` reaches its limit of
+// S7: two scenes that do not touch behave in one world as in two. With tolerance 0, `nonlinear` reaches its limit of
 // moves in these heaps.
 template <int D>
 bool disjointScenesAreTwoWorlds(const std::string& pipeline) {
@@ -168,7 +168,7 @@ bool watchingDoesNotMatter(const std::string& pipeline) {
   return watched.steps().hashes == heapHashes<D>(pipeline, 3);
 }
 
-// A profile without its columns of seconds.
+// A profile without its time columns.
 std::string withoutTimes(const std::string& csv) {
   std::istringstream lines(csv);
   std::string line, out;
@@ -187,7 +187,7 @@ std::string withoutTimes(const std::string& csv) {
   return out;
 }
 
-// S12: a script with bodies that come and go, run again.
+// S12: a script that adds and removes bodies, run twice.
 template <int D>
 bool scriptIsTheSameAgain(const std::string& pipeline) {
   const auto play = [&] {
@@ -213,7 +213,7 @@ template <int D>
 struct Named {
   const char* name;
   bool (*holds)(const std::string& pipeline);
-  const char* bug;  // a stage that breaks it
+  const char* bug;  // a planted stage that breaks it
 };
 template <int D>
 std::vector<Named<D>> properties() {
@@ -236,7 +236,7 @@ void everyPipelineReplays() {
     pipelines.push_back("sleep=split_average contacts=persistent_manifold cache=recycling");
     pipelines.push_back("solver=split_solver{position=nonlinear{tolerance=0}}");
     for (const std::string& pipeline : pipelines) {
-      // One draw per contact: another number of contacts, another order.
+      // One random draw per contact: another number of contacts changes the order.
       if (p.holds == disjointScenesAreTwoWorlds<D> && pipeline.find("order=random") != pipeline.npos) continue;
       const bool fails = declares<D>(Pipeline::parse(pipeline)[StageKind::solver].text(), p.name);
       EXPECT_EQ(p.holds(pipeline), !fails) << p.name << ' ' << pipeline << ' ' << D << 'D';
@@ -250,13 +250,13 @@ void everyPipelineReplays() {
 TEST(Replay, EveryPipeline2) { everyPipelineReplays<2>(); }
 TEST(Replay, EveryPipeline3) { everyPipelineReplays<3>(); }
 
-// Points of earlier steps that a generator keeps must be the world's.
+// Points that a generator keeps from earlier steps must be part of the world's state.
 TEST(Replay, KeptPointsAreSaved) {
   expectCaught("Replay.SavedIsContinued contacts=planted_keeper 2D", savedIsContinued<2>("contacts=planted_keeper"));
   expectCaught("Replay.SavedIsContinued contacts=planted_keeper 3D", savedIsContinued<3>("contacts=planted_keeper"));
 }
 
-// Arms of before are those of points that a cache has kept: they change what recycling does, and nothing else.
+// soft_step{arms=as_made} only matters for points that a cache has kept: it changes recycling and nothing else.
 template <int D>
 bool armsOfBeforeMatter(const std::string& cache) {
   Run<D> turning("cache=" + cache + " solver=soft_step"), asMade("cache=" + cache + " solver=soft_step{arms=as_made}");
@@ -264,13 +264,13 @@ bool armsOfBeforeMatter(const std::string& cache) {
   turning.steps(), asMade.steps();
   return !sameBodies(turning.world, 0, asMade.world, 0, turning.world.bodies().pose.size());
 }
-TEST(Recycling, ArmsOfBeforeAreThoseOfKeptPoints) {
+TEST(Recycling, ArmsAsMadeMatterOnlyForKeptPoints) {
   EXPECT_TRUE(armsOfBeforeMatter<2>("recycling") && armsOfBeforeMatter<3>("recycling"));
   EXPECT_FALSE(armsOfBeforeMatter<2>("by_feature") || armsOfBeforeMatter<3>("by_feature"));
 }
 
-// Points that were made while a listener forbade them have arms like all others once it allows them. The ground lies on
-// its side, so that arms of a body that never turned would be wrong by a quarter of a turn.
+// Points that were made while a listener vetoed them have valid arms once it allows them. The ground is rotated by 90
+// degrees: arms computed for an unrotated body would be wrong by a quarter turn.
 template <int D>
 struct ForbidsTheFirst final : ContactListener<D> {
   bool begin(const World<D>&, const Manifold<D>&) override { return false; }
@@ -290,28 +290,29 @@ Real spinOfWhatWasForbidden(const std::string& arms) {
   for (int i = 0; i < 20; ++i) most = std::max(most, run.steps(1).world.bodies().motion[1].w.norm());
   return most;
 }
-TEST(Recycling, ArmsAreRememberedOfForbiddenPointsToo) {
+TEST(Recycling, VetoedPointsKeepTheirArms) {
   for (const char* arms : {"as_made", "turning"}) {
     EXPECT_LT(spinOfWhatWasForbidden<2>(arms), Real(0.01)) << arms;
     EXPECT_LT(spinOfWhatWasForbidden<3>(arms), Real(0.01)) << arms;
   }
 }
 
-// S10: pairs are found in any order and contacts are sorted, so every exact broadphase gives the same trajectory.
+// S10: a broadphase may find pairs in any order, and contacts are sorted. So every exact broadphase gives the same
+// trajectory.
 template <int D>
 void sameForAllBroadphases() {
   for (const Registered* cache : Registry::instance().list(StageKind::cache, D)) {
     const std::string with = " cache=" + cache->info.name;
     const auto expected = heapHashes<D>("broadphase=naive" + with, 3);
     for (const Registered* r : Registry::instance().list(StageKind::broadphase, D)) {
-      const bool right = !r->info.name.starts_with("planted");  // a build may have witnesses, which are right, too
+      const bool right = !r->info.name.starts_with("planted");  // witnesses that a build may contain are right, too
       EXPECT_EQ(heapHashes<D>("broadphase=" + r->info.name + with, 3) == expected, right) << r->info.name << with << D;
     }
   }
 }
 TEST(Replay, EveryBroadphaseGivesTheSameTrajectory) { sameForAllBroadphases<2>(), sameForAllBroadphases<3>(); }
 
-// The 2009 engine lost both of a body of a light and a heavy shape.
+// The 2009 engine lost mass and centre of a body with a light and a heavy shape.
 template <int D>
 void lightAndHeavy() {
   World<D> world, loaded;
@@ -322,9 +323,9 @@ void lightAndHeavy() {
   std::stringstream file(saved(world));
   loaded.load(file);
   EXPECT_EQ(loaded.bodies().center[0], world.bodies().center[0]);
-  EXPECT_GT(loaded.bodies().center[0][0], 1.9);  // at the heavy one
+  EXPECT_GT(loaded.bodies().center[0][0], 1.9);  // at the heavy sphere
   EXPECT_EQ(loaded.mass(whole), world.mass(whole));
-  world.at(Vec<D>::Zero()), loaded.at(Vec<D>::Zero());  // brings the boxes up to date
+  world.at(Vec<D>::Zero()), loaded.at(Vec<D>::Zero());  // updates the bounding boxes
   for (const ProxyId i : {0, 1}) {
     EXPECT_EQ(loaded.proxies().box(i).lo, world.proxies().box(i).lo);
     EXPECT_EQ(loaded.proxies().box(i).hi, world.proxies().box(i).hi);
@@ -345,7 +346,7 @@ TEST(Replay, DamagedSavesAreRefusedAndChangeNothing) {
     EXPECT_THROW(world.load(in), UserError);
     EXPECT_EQ(world.hash(), hash);
   }
-  // A save of another format says which.
+  // The error for a save of another format names that format.
   std::string old = bytes;
   old.replace(0, 9, "LPCWORLD4");
   try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// R14: what rests goes on resting, for every solver.
+// R14: bodies at rest stay at rest, for every solver.
 #include <gtest/gtest.h>
 
 #include "framework/world/invariants.h"
@@ -16,8 +16,8 @@ constexpr int kSeconds = 10;
 constexpr int kSeconds = 60;
 #endif
 
-// Three cubes on each other, after a second to settle: the top one stays within a millimetre, nobody has the energy of
-// a fall through a micrometre, nothing sinks in beyond the slop.
+// Three stacked cubes, after a second to settle. The top cube stays within a millimetre, the kinetic energy below that
+// of a fall of 1 um, and penetration within the slop.
 template <int D>
 bool stays(const std::string& solver) {
   World<D> world(Pipeline::parse("solver=" + solver));
@@ -38,12 +38,12 @@ bool stays(const std::string& solver) {
 template <int D>
 void everySolverStays() {
   for (const std::string& solver : everySolver<D>()) {
-    // The order of 2009: contacts first, so that each step ends with a fall of g dt^2.
+    // The order of operations of 2009: contacts first, so each step ends with a fall of g dt^2.
     const bool sinks = solver.find("resolve_then_force_move") != solver.npos;
     const bool declared = declares<D>(solver, "Rest.Stays") || declares<D>(solver, "Rest.StackStays");
     EXPECT_EQ(stays<D>(solver), !sinks && !declared) << solver << ' ' << D << 'D';
   }
-  // The ablation of what shock_propagation declares.
+  // Ablation of the failure that shock_propagation declares.
   EXPECT_TRUE(stays<D>("split_solver{velocity=shock_propagation{warm_start=true}}"));
   EXPECT_TRUE(stays<D>("planted_solver"));
   for (const char* bug : {"planted_solver{bug=creeps}", "planted_solver{bug=hops}"}) {
@@ -53,7 +53,8 @@ void everySolverStays() {
 TEST(Rest, EverySolverStays2) { everySolverStays<2>(); }
 TEST(Rest, EverySolverStays3) { everySolverStays<3>(); }
 
-// A pyramid of base 4 whose boxes overlap by a quarter: in a second nobody gets a speed that would take it 20 m up.
+// A pyramid of base 4 with boxes that overlap by a quarter. Within a second no body exceeds 20 m/s, the speed of a
+// throw 20 m high.
 template <int D>
 bool comesApart(const std::string& solver) {
   World<D> world(Pipeline::parse("solver=" + solver));
@@ -80,8 +81,8 @@ void everySolverComesApart() {
 }
 TEST(Overlap, ComesApartOrSaysThatItDoesNot) { everySolverComesApart<2>(), everySolverComesApart<3>(); }
 
-// A pyramid, base 10, falls 20 cm and 5 cm more with each row, and lands within 30 steps: those in which `position`
-// makes as many moves as it may, four for each contact.
+// A pyramid of base 10 falls 20 cm, each row 5 cm more than the row below, and lands within 30 steps. Returns the
+// number of steps in which `position` reaches its limit of moves, four per contact.
 int stepsAtTheLimit(const std::string& position) {
   World<3> world(Pipeline::parse("solver=split_solver{velocity=catto{iterations=10},position=" + position + "}"));
   addGround(world);
@@ -97,7 +98,7 @@ int stepsAtTheLimit(const std::string& position) {
     long contacts = 0;
     for (const Manifold<3>& m : world.manifolds()) contacts += m.count;
     const auto rows = static_cast<long>(world.profiler().frame().work[WorkCount::rowUpdates]);
-    const long moves = rows - 10 * 3 * contacts;  // less the rows of the velocities
+    const long moves = rows - 10 * 3 * contacts;  // without the row updates of the velocity resolver
     EXPECT_GE(moves, 0);
     atLimit += contacts > 0 && moves >= 4 * contacts;
   }
@@ -105,7 +106,7 @@ int stepsAtTheLimit(const std::string& position) {
 }
 TEST(Rest, NonlinearEndsBeforeItsLimit) {
   EXPECT_EQ(stepsAtTheLimit("nonlinear"), 0);
-  EXPECT_GT(stepsAtTheLimit("nonlinear{tolerance=0}"), 0);  // it mends what it made itself, without an end
+  EXPECT_GT(stepsAtTheLimit("nonlinear{tolerance=0}"), 0);  // it endlessly corrects its own changes
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Sleeping in whole worlds (S5), for every policy: who sleeps, who wakes, and that nothing else changes.
+// Sleeping in whole worlds (S5), for every policy: which bodies sleep and wake, and that nothing else changes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +31,8 @@ struct Tower {
   void run(int steps) {
     for (int i = 0; i < steps; ++i) world.step(kDt);
   }
-  // Until all sleep, if they will: a policy that waits for a tower to stop swaying needs more than a second or two.
+  // Until all bodies sleep, if the policy lets them. A policy that waits for a tower to stop swaying needs several
+  // seconds.
   int settle() {
     run(300);
     for (int i = 0; i < 600 && sleepers() < 5; ++i) world.step(kDt);
@@ -50,8 +51,8 @@ struct Tower {
   }
 };
 
-// Let down from a little height, everybody ends where they do without sleeping, touches the same others, and has lost
-// hardly any energy (the policy may take that of 1.5 m/s). Sleepers do not creep.
+// Boxes released slightly above each other. Each ends at the same place as without sleeping, touches the same bodies,
+// and loses hardly any energy: at most that of 1.5 m/s. Sleeping bodies do not creep.
 template <int D>
 bool restsAsWithoutIt(const std::string& policy) {
   Tower<D> subject(policy, 0.03), awake("none", 0.03);
@@ -75,7 +76,7 @@ bool towerSleeps(const std::string& policy) {
   return tower.sleepers() == 5 && tower.world.profiler().frame().work[WorkCount::rowUpdates] == 0;
 }
 
-// The lowest box is taken away: the others fall by its height, and may sleep again.
+// The lowest box is removed: the others fall by its height and may sleep again.
 template <int D>
 bool nobodyHangsInTheAir(const std::string& policy) {
   Tower<D> tower(policy);
@@ -89,8 +90,8 @@ bool nobodyHangsInTheAir(const std::string& policy) {
   return tower.sleepers() == std::min(before, 4);
 }
 
-// A beam lies on two posts, and a ball hangs under it by a pivot. The pivot is removed while they sleep: the ball
-// falls, with every solver.
+// A beam lies on two posts, and a ball hangs from it on a pivot. When the pivot is removed while they sleep, the ball
+// falls, under every solver.
 template <int D>
 bool nobodyHangsOnARemovedJoint(const std::string& policy) {
   for (const Registered* solver : Registry::instance().list(StageKind::solver, D)) {
@@ -115,8 +116,8 @@ bool nobodyHangsOnARemovedJoint(const std::string& policy) {
   return true;
 }
 
-// A sleeper is drawn along by what it is jointed to, and stays awake as long as that moves, however slowly; it wakes
-// when that is put elsewhere.
+// A sleeping body is towed by a joint. It stays awake as long as the tug moves, however slowly, and it wakes when the
+// user moves the tug.
 template <int D>
 bool sleepersAreTowed(const std::string& policy) {
   World<D> world(Pipeline::parse("sleep=" + policy));
@@ -141,8 +142,8 @@ bool sleepersAreTowed(const std::string& policy) {
   return run(1) > Real(1.05);
 }
 
-// Three boxes sleep on a sledge, which is drawn away under them, faster and slower: they go along as if awake. With a
-// load that sleeps the sledge would rub past a wall.
+// Three boxes sleep on a sledge that is pulled away, slowly or fast. They move as if they had been awake. A load that
+// stayed asleep would brake the sledge like a static body.
 template <int D>
 bool sledgesTakeTheirLoad(const std::string& policy) {
   const auto draw = [](const std::string& sleep, Real speed, bool& asleep) {
@@ -176,7 +177,7 @@ bool sledgesTakeTheirLoad(const std::string& policy) {
     for (std::size_t i = 0; i < subject.size(); ++i) {
       if (std::abs(subject[i] - awake[i]) > 4 * kLinearSlop) return false;
     }
-    if (!sleeps && policy != "none") return false;  // nothing would be asked
+    if (!sleeps && policy != "none") return false;  // otherwise this tests nothing
   }
   return true;
 }
@@ -193,8 +194,7 @@ bool groundIsMovedAway(const std::string& policy) {
   return true;
 }
 
-// Thrown up along a wall, and two boxes on each other in the air: the same bits as without sleeping, top of the flight
-// included.
+// A box thrown up along a wall and two stacked boxes in flight: the same bits as without sleeping, including the apex.
 template <int D>
 bool throwsAreNotStopped(const std::string& policy) {
   const auto fly = [](const std::string& sleep) {
@@ -209,7 +209,7 @@ bool throwsAreNotStopped(const std::string& policy) {
   return fly(policy) == fly("none");
 }
 
-// A row of sleepers is struck, a stack from above: within one step of the blow all are awake.
+// A sleeping row is struck from the side, a sleeping stack from above: one step after the blow all are awake.
 template <int D>
 bool blowsWakeARow(const std::string& policy) {
   const auto strike = [&](bool upright) {
@@ -237,7 +237,7 @@ bool blowsWakeARow(const std::string& policy) {
   return strike(false) && strike(true);
 }
 
-// Three boxes on a lift at rest; it starts at 10 cm/s, which is no blow, and takes them along as if they were awake.
+// Three boxes rest on a lift. It starts at 10 cm/s, too slow for a blow, and carries them as if they were awake.
 template <int D>
 bool liftsTakeAStackAlong(const std::string& policy) {
   World<D> world(Pipeline::parse("sleep=" + policy));
@@ -262,7 +262,7 @@ bool liftsTakeAStackAlong(const std::string& policy) {
   return true;
 }
 
-// A box sleeps on a gate at rest, until a listener takes its contact out of the world.
+// A box sleeps on a gate at rest until a listener vetoes their contact.
 template <int D>
 bool vetoesLetFall(const std::string& policy) {
   struct Gate final : ContactListener<D> {
@@ -283,7 +283,7 @@ bool vetoesLetFall(const std::string& policy) {
   return world.pose(box).p[1] < -3;
 }
 
-// Whatever the user does to a sleeper, it does as if it had been awake.
+// A sleeping body reacts to every change by the user as an awake one does.
 template <int D>
 bool userWakes(const std::string& policy) {
   const auto after = [&](int what) {
@@ -299,11 +299,11 @@ bool userWakes(const std::string& policy) {
     }
     return world.pose(box).p;
   };
-  // Faster than any policy takes for rest; slid, fallen and pushed against friction for a tenth of a second.
+  // All faster than any policy's rest: sliding, falling, and pushed against friction, for a tenth of a second.
   return after(0)[0] > Real(0.3) && after(1)[1] < Real(4.99) && after(2)[0] > Real(0.03);
 }
 
-// MuJoCo's two tests: who is far away plays no part, asleep or awake.
+// MuJoCo's two tests: distant bodies do not matter, asleep or awake.
 template <int D>
 bool farBodiesDoNotMatter(const std::string& policy) {
   const auto heights = [&](bool visitor) {
@@ -367,7 +367,8 @@ TEST(Sleeping, ATowerFallsAsleepAndCostsNothing) {
   }
 }
 
-// Where everybody sleeps nobody's box is looked at, and contacts are neither made nor copied: they lie where they lay.
+// If all bodies sleep, no bounding box is tested, and contacts are neither generated nor copied: they stay in place in
+// memory.
 template <int D>
 bool sleepersAreLeftAlone(bool anew) {
   WorldSettings<D> settings;
@@ -390,7 +391,7 @@ void leftAlone() {
 }
 TEST(Sleeping, SleepersAreLeftAlone) { leftAlone<2>(), leftAlone<3>(); }
 
-// What a sleeper's contacts bore is told on, also where they are made anew in each step.
+// The loads of a sleeping body's contacts stay, also if the contacts are generated again in each step.
 template <int D>
 void loadsStay() {
   for (const char* cache : {"by_feature", "by_distance", "recycling"}) {
@@ -414,8 +415,8 @@ void loadsStay() {
 }
 TEST(Sleeping, LoadsOfSleepersStay) { loadsStay<2>(), loadsStay<3>(); }
 
-// The last one of a row of sleepers moves as it does when nobody sleeps. With the report's 1.5 m/s the boxes would
-// freeze as sliders do (Sleep.SlowSliderStaysAwake).
+// The last box of a struck sleeping row moves as far as without sleeping. With the report's 1.5 m/s the boxes would
+// freeze like sliders (Sleep.SlowSliderStaysAwake).
 template <int D>
 void blowsGoThroughARow() {
   const auto strike = [](const std::string& sleep) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Worlds with a mesh or chain: the same bits by every broadphase and after a save, a cost that does not grow with the
-// surface, listeners that are told once, and fast bodies that do not fall through.
+// Worlds with a mesh or chain: the same bits with every broadphase and after saving, a cost that hardly grows with the
+// surface, one event per pair, and fast bodies that do not fall through.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -69,7 +69,7 @@ TEST(Surface, SavedIsContinued) {
   }
 }
 
-// Level ground of so many parts, and a box on it.
+// Work per step of a box on level ground with 2 n^2 parts.
 template <int D>
 std::uint64_t workOnLevelGround(int n) {
   Shape<D> ground = Shape<D>::sphere(1);
@@ -94,7 +94,7 @@ std::uint64_t workOnLevelGround(int n) {
   World<D> world(Pipeline::parse("continuous=cast"));
   world.add(body<D>(ground, Vec<D>::Zero(), BodyType::fixed));
   BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.4))), at<D>(0.3, 0.4, 0.2));
-  def.velocity = at<D>(40, 0);  // fast: what lies ahead is looked for, too
+  def.velocity = at<D>(40, 0);  // fast: the swept region counts, too
   def.canSleep = false;
   world.add(def);
   std::uint64_t most = 0;
@@ -106,7 +106,7 @@ std::uint64_t workOnLevelGround(int n) {
   return most;
 }
 TEST(Surface, CostGrowsWithTheLogarithm) {
-  // Of 156 times as many parts.
+  // With 156 times as many parts.
   EXPECT_LT(workOnLevelGround<2>(100), 3 * workOnLevelGround<2>(8));
   EXPECT_LT(workOnLevelGround<3>(100), 3 * workOnLevelGround<3>(8));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Single stages without a world: a broadphase on boxes of one's own, a pair query on two shapes.
+// Single stages without a world: a broadphase on the caller's own boxes, and a pair query on two shapes.
 #include <lpc/stage_broadphase.h>
 #include <lpc/stage_narrowphase.h>
 

@@ -1,4 +1,4 @@
-# An algorithm: one file, that of the guide.
+# An algorithm: one file, the example of the guide.
 set(at_most 1)
 set(guide algorithms/broadphase/bucket_sort.cpp)
 set(name bucket_sort)

@@ -1,4 +1,4 @@
-# All that the guide tells its reader to type. What is done is not done again.
+# All commands of the guide. Finished trials do not run again.
 follow_guide("In ten minutes: a broadphase")
 foreach(part IN ITEMS "equal buckets along x" "100% tests passed" "6 run, 0 of these not ok")
   if(NOT output MATCHES "${part}")

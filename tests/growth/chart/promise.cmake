@@ -1,4 +1,4 @@
-# A chart: one file, which says what it needs and is made of every sweep that has it. Nothing runs again.
+# A chart: one file. It states what data it needs and is drawn for every sweep that has them. No trial runs again.
 set(at_most 1)
 set(name report_tallest)
 set(targets "")

@@ -1,2 +1,2 @@
-# It needs a series that nobody stores, and would be a chart that is never made.
+# Needs a series that no trial stores, so the chart is never drawn.
 edit(reports/charts/tallest.py "series=(\"height\",)" "series=(\"hieght\",)")

@@ -1,4 +1,4 @@
-# An engine: its adapter. It falls, slides, collides and carries as all engines must.
+# An engine: its adapter. Bodies fall, slide, collide and carry others as in every engine.
 set(at_most 1)
 set(name inner_world)
 set(targets lpc-engine-worker-f64 test_engines_f64)

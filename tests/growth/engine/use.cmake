@@ -1,4 +1,4 @@
-# It stands in a sweep where a pipeline stands, and what it cannot set alike stands in the row.
+# A sweep names it in place of a pipeline, and the row lists the settings that it lacks.
 new_sweep(engines [[
 summary = "a new engine"
 kind = "world"

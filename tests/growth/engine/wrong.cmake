@@ -1,2 +1,2 @@
-# It forgets the sign of gravity.
+# Reverses gravity.
 edit(oracles/engines/inner_world.cpp "inner.gravity *= Real(1);" "inner.gravity *= Real(-1);")

@@ -1,4 +1,4 @@
-# A kind of joint: one file. Every solver takes it, scenes name it, sweeps over kinds hold it, and the tests of kinds try it.
+# A joint kind: one file. Every solver supports it, scenes name it, sweeps over kinds contain it, and the tests of kinds cover it.
 set(at_most 1)
 set(name slider)
 set(targets test_joint_f64)

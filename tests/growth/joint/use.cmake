@@ -1,4 +1,4 @@
-# A scene that names it has its file in its key, and runs.
+# A scene that names it runs, and its key includes the joint's file.
 file(WRITE ${work}/rail.toml [=[
 name = "rail"
 summary = "a box slides down a rail that leans by 45 degrees"
@@ -18,6 +18,6 @@ b = "sled"
 anchor = [0, 0, 0]
 ]=])
 must_say("outcome +ok" ${bin}/lpc run ${work}/rail.toml)
-# Wherever a scene leaves the kind to a parameter it can be asked for, and the shipped sweep has it: nobody has told it.
+# Scenes with the joint kind as a parameter accept it, and the shipped sweep contains it without an edit.
 must_say("outcome +ok" ${bin}/lpc run bridge --param joint=slider --steps 5)
 must_say("joints +[1-9][0-9]* trials, [1-9][0-9]* timed, 0 unsupported" ${bin}/lpc sweep joints --only slider --dry-run)

@@ -1,4 +1,4 @@
-# A metric over what trials have stored: one entry. Nothing is compiled and nothing runs again.
+# A metric computed from stored trials: one entry. Nothing is compiled, and no trial runs again.
 set(at_most 1)
 set(name highest)
 set(targets "")

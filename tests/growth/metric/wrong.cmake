@@ -1,2 +1,2 @@
-# It reads a series that nobody stores.
+# Reads a series that no trial stores.
 edit(reports/metrics.py "np.max(trial.series(\"height\"))" "np.max(trial.series(\"hieght\"))")

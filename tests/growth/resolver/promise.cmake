@@ -1,4 +1,4 @@
-# A velocity resolver on kernels of the solvers: one file, that of the guide.
+# A velocity resolver built on the solvers' kernels: one file, the example of the guide.
 set(at_most 1)
 set(guide algorithms/velocity/backward.cpp)
 set(name backward)

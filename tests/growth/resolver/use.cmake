@@ -1,4 +1,4 @@
-# All that the guide tells its reader to type. The shipped sweeps have it, and nobody has told them.
+# All commands of the guide. The shipped sweeps contain it without an edit.
 follow_guide("A resolver")
 foreach(part IN ITEMS "100% tests passed" "resolvers +[1-9][0-9]* trials, [1-9][0-9]* timed, 0 unsupported"
         "breaking_points_stack +[^\n]*[1-9][0-9]* cells")

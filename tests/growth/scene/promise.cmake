@@ -1,4 +1,4 @@
-# A scene: one file, and nothing is compiled. Its limits hold what must hold.
+# A scene: one file, and nothing is compiled. Its limits state what must hold.
 set(at_most 1)
 set(name stairs)
 set(targets "")

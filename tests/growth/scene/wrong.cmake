@@ -1,2 +1,2 @@
-# The boxes lie one step too low: inside the stairs.
+# The boxes start one step too low, inside the stairs.
 edit(experiments/scenes/stairs.toml "(i + 1) * rise + 0.3" "i * rise + 0.3")

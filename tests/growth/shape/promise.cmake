@@ -1,5 +1,5 @@
-# A convex shape kind: its core in one file, its row and its name. A bicone that lies on its side on a plane stays where
-# it is, by everything that nobody has told of bicones. It is put down half a degree aslant: its twin has no side.
+# A convex shape kind: its core in one file, its row and its name. A bicone lying on its side on a plane stays in place, with
+# code that does not mention bicones. It starts tilted by half a degree: the planted bug has no side to lie on.
 set(at_most 3)
 set(name bicone)
 set(targets lpc)

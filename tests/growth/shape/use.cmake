@@ -1,4 +1,4 @@
-# No library knows the kind: its witness is not asked, and says so. The referee judges ours on it.
+# No library supports the kind: witnesses are skipped with a message. The referee judges LPC's methods on it.
 new_sweep(bicones "
 summary = \"a kind that no witness knows\"
 kind = \"pairs\"

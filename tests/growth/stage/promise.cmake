@@ -1,5 +1,5 @@
-# A stage: its interface, its row in the list, its first algorithm, and the place in the world that calls it. Its default
-# changes no history: the pinned ones are the proof.
+# A stage: its interface, its row in the list, its first algorithm, and its call in the world. Its default changes no result, as
+# the pinned histories show.
 set(at_most 4)
 set(name speed_limit)
 set(targets determinism_f64)

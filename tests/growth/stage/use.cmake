@@ -1,4 +1,4 @@
-# Pipelines name it, and it acts: 0.001 m in 1/60 s, and what gravity adds afterwards in one step.
+# Pipelines name it, and it takes effect: 0.001 m in 1/60 s, plus the speed that gravity adds in one step.
 function(max_speed out)
   must_say("max_speed +([0-9.e+-]+)" ${bin}/lpc run box_drop --steps 30 ${ARGN})
   string(REGEX MATCH "max_speed +([0-9.e+-]+)" match "${output}")
@@ -13,7 +13,7 @@ run(result output ${bin}/lpc run box_drop --pipeline speed_limit=no_limit)
 if(NOT result EQUAL 2 OR NOT output MATCHES "no speed_limit 'no_limit' in 2D; valid: longest_step")
   message(FATAL_ERROR "a wrong name in the new stage:\n${output}")
 endif()
-# Sweeps have it as an axis.
+# It can be an axis of a sweep.
 new_sweep(limits [[
 summary = "two limits"
 kind = "world"

@@ -1,2 +1,2 @@
-# It lengthens the velocities that it should leave alone.
+# Increases velocities that it should not change.
 edit(algorithms/speed_limit/longest_step.cpp "way > m_length" "way < m_length")

@@ -1,2 +1,2 @@
-# An axis that nobody knows.
+# An unknown axis.
 edit(experiments/sweeps/drop_iterations.toml "steps = 20" "stepz = 20")

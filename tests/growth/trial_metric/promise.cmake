@@ -1,4 +1,4 @@
-# A metric that trials measure: one entry. It changes what a trial holds, so every trial runs again.
+# A metric measured during trials: one entry. It changes the content of a trial, so every trial runs again.
 set(at_most 1)
 set(name highest_end)
 set(targets lpc)

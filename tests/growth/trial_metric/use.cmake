@@ -1,5 +1,5 @@
 must_say("\"highest_end\": ?2\\.[45]" ${proof})
-# The store says what it is, so that every report knows it.
+# The store describes the metric, so that every report can show it.
 new_sweep(measured [[
 summary = "one trial"
 kind = "world"

@@ -1,2 +1,2 @@
-# It reads a series that nobody stores.
+# Reads a series that no trial stores.
 edit(experiments/trial/measure/world_metrics.cpp "return r.end(\"height\")" "return r.end(\"hieght\")")

@@ -1,4 +1,4 @@
-# A witness: its adapter, and its verdicts on the corpus. It answers in our conventions, and its error bars are measured.
+# A witness: its adapter, and its verdicts on the corpus. It answers in LPC's conventions, with measured error bars.
 set(at_most 2)
 set(name alternating_projections)
 set(targets test_properties_f64 test_regressions_f64)

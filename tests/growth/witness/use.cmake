@@ -1,4 +1,4 @@
-# Its verdicts are the pinned ones, and it is swept as any other.
+# Its verdicts are the pinned ones, and sweeps accept it.
 must_say("PASSED" ${bin}/test_regressions_f64 --gtest_filter=Corpus.VerdictsAreThePinnedOnes)
 new_sweep(witness [[
 summary = "a new witness"

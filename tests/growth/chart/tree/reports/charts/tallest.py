@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""How high the highest body ever was, method by method."""
+"""The greatest height of any body, by method."""
 
 import math
 

@@ -5,7 +5,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A world of our own, as somebody else's engine.
+// A world of LPC that plays the part of an external engine.
 template <int D>
 class InnerWorld final : public Engine<D> {
  public:

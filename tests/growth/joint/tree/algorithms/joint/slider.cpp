@@ -4,7 +4,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// B moves along the first axis of A's frame and does not turn against it.
+// B slides along the first axis of A's frame and does not rotate relative to A.
 template <int D>
 class Slider final : public JointKind<D> {
  public:
@@ -22,7 +22,7 @@ class Slider final : public JointKind<D> {
     const JointFrames<D> at(joint, X_WA, X_WB);
     for (int i = 1; i < D; ++i) {
       const Vec<D> d = at.qA * Vec<D>(Vec<D>::Unit(i));
-      out.point(d, Vec<D>(at.rA + at.gap), at.rB, d.dot(at.gap));  // A pushes where B is
+      out.point(d, Vec<D>(at.rA + at.gap), at.rB, d.dot(at.gap));  // A is pushed at B's anchor
     }
     const Ang<D> turn = turnOf(at.qB * at.qA.inverse());
     for (int i = 0; i < kAngDim<D>; ++i) out.turn(Ang<D>::Unit(i), turn[i]);

@@ -6,7 +6,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
-// A solid of two cones along x, base on base: tips at x = -half_length and x = half_length.
+// Two solid cones along x, base to base: tips at x = -half_length and x = half_length.
 template <int D>
 class Bicone final : public CurvedBase<D, Bicone<D>> {
  public:
@@ -28,7 +28,7 @@ class Bicone final : public CurvedBase<D, Bicone<D>> {
   void supportFace(const Vec<3>& d, std::vector<Vec<3>>& corners) const override {
     const Real h = m_sizes[0], r = m_sizes[1], across = d.tail<2>().norm(), tip = d[0] < 0 ? -h : h;
     corners.assign(1, Vec<3>(tip, 0, 0));
-    if (2 * h * across > r * std::abs(d[0])) {  // the line of a side
+    if (2 * h * across > r * std::abs(d[0])) {  // on the side line
       corners.push_back({0, r * (d[1] / across), r * (d[2] / across)});
     }
   }

@@ -6,15 +6,15 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Holds velocities to what discrete steps can bear, so that nobody passes through a wall between two of them. Called
-/// once a step, before the solver.
+/// Limits velocities so that no body passes through a static body between two steps. Called once a step, before the
+/// solver.
 template <int D>
 class SpeedLimit : public Stage {
  public:
   static constexpr StageKind kStage = StageKind::speedLimit;
   static constexpr int kDimension = D;
 
-  /// Shortens velocities (m/s) of active bodies, and lengthens none.
+  /// Reduces velocities (m/s) of active bodies and increases none.
   virtual void limit(Real dt, Bodies<D>& bodies) = 0;
 };
 

@@ -7,9 +7,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Spheres and capsules are rounded segments. From a point of one segment to the nearest of the other and back again, a
-// fixed number of times: the points come as near to each other as the segments are (Cheney and Goldstein, 1959), slowly
-// where these are nearly parallel. Segments hardly ever meet, so their distance minus the radii is the signed one.
+// Spheres and capsules are rounded segments. A point is projected onto the nearest point of the other segment and back,
+// a fixed number of times. The points converge to the segments' closest points (Cheney and Goldstein, 1959), slowly for
+// nearly parallel segments. Segments hardly ever intersect, so their distance minus the radii is the signed distance.
 template <int D>
 class AlternatingProjections final : public IsolatedWitness<3> {
  public:
@@ -58,7 +58,7 @@ class AlternatingProjections final : public IsolatedWitness<3> {
     Eigen::Vector3d a = m_a.middle, b = m_b.middle;
     for (int i = 0; i < m_params.rounds; ++i) a = m_a.nearest(b), b = m_b.nearest(a);
     const double apart = (b - a).norm();
-    const Eigen::Vector3d normal = (b - a).normalized();  // zero where the segments meet: no direction
+    const Eigen::Vector3d normal = (b - a).normalized();  // zero if the segments meet: no direction
     PairAnswer<3> answer;
     answer.status = QueryStatus::converged;
     answer.distance = static_cast<Real>(apart - m_radiusA - m_radiusB);
