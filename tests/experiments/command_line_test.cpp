@@ -175,7 +175,7 @@ TEST(CommandLine, drawsTheTimeline) {
   EXPECT_GE(slow.median.at("findPairs"), 2) << slow.text;
   EXPECT_TRUE(isStacked(slow)) << slow.text;
   EXPECT_EQ(slow.rows[0].size(), 90u) << slow.text;
-  EXPECT_NE(slow.text.find("the median of each column's 3 steps\n"), std::string::npos) << slow.text;
+  EXPECT_NE(slow.text.find("each column is the median of 3 steps\n"), std::string::npos) << slow.text;
   EXPECT_NE(slow.text.find(" 200  step\n"), std::string::npos) << slow.text;
   EXPECT_NE(slow.text.find(" bodies |"), std::string::npos) << slow.text;
   EXPECT_EQ(slow.text.find("\nkinetic "), std::string::npos) << "no series beside it";
@@ -202,7 +202,7 @@ TEST(CommandLine, drawsTheTimeline) {
           "[[body]]\nposition = [0, 0.5]\nshapes = [{ kind = \"box\", half = [0.5, 0.5] }]\n");
   const Timeline rest = timelineOf(w, "run rest.toml --pipeline sleep=split_average");
   EXPECT_NE(rest.text.find("  0 .. 1\n"), std::string::npos) << rest.text;
-  EXPECT_TRUE(w.lpc("run rest.toml --steps 0 --plot timeline").text.ends_with("\ntimeline: this run has no step\n"));
+  EXPECT_TRUE(w.lpc("run rest.toml --steps 0 --plot timeline").text.ends_with("\ntimeline: this run has no steps\n"));
 }
 
 // The user's mistakes: exit code 2 and one line that names the mistake and what would be valid.
@@ -219,7 +219,7 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"run pyramid --pipeline velocity=catto{iterations=4}", {"solver=split_solver{velocity=catto{iterations=4}}"}},
       {"run pyramid --pipeline solver=catto", {"no solver 'catto'", "solver=split_solver{velocity=catto}"}},
       {"run pyramid --pipeline \"cache=none engine=box2d\"", {"alone", "engine=box2d"}},
-      {"run pyramid --pipeline joint=hinge", {"joint is no part of a pipeline", "scenes"}},
+      {"run pyramid --pipeline joint=hinge", {"joint is not part of a pipeline", "scenes"}},
       {"run pyramid --dimension 2 --pipeline contacts=query_clip{query=gjk}", {"in 2D", "did you mean 'gjk_epa'?"}},
       {"run pyramid --plot hieght", {"'hieght'", "did you mean 'height'?"}},
       {"run pyramid --plot timelnie", {"'timelnie'", "did you mean 'timeline'?"}},
@@ -245,7 +245,7 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"verify --dimension 4", {"4", "2, 3"}},
       {"verify --role judge", {"'judge'", "witness"}},
       {"verify --methods gjk_epa{iterations=many}", {"iterations", "many"}},
-      {"verify --dimension 2 --stage contacts --role witness", {"no method of that role"}},
+      {"verify --dimension 2 --stage contacts --role witness", {"no method has this role"}},
       {"verify --cases nowhere.json --pairs 5", {"--cases", "excludes", "--pairs"}},
       {"list --into nowhere.md --stage velocity", {"--into", "excludes", "--stage"}},
       {"list --into nowhere.md --name catto", {"--into", "excludes", "--name"}},

@@ -60,8 +60,8 @@ TEST(SavedScene, WhatItCannotBeIsTold) {
     EXPECT_NE(out.text.find(said), std::string::npos) << arguments << out.text;
     EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
   };
-  refused("pyramid --save 20", "valid: a step and a name");
-  refused("pyramid --save x:b.toml", "valid: a step and a name");
+  refused("pyramid --save 20", "valid: a step and a file name");
+  refused("pyramid --save x:b.toml", "valid: a step and a file name");
   refused("pyramid --save 20:b.world", "valid: NAME.toml");
   refused("pyramid --steps 10 --save 20:b.toml", "no step 20");
   refused("./a.toml --save 1:a.toml", "a.toml");  // it would be written over
