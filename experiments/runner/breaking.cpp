@@ -228,8 +228,7 @@ void addLadder(PlannedSweep& sweep, Ladder ladder) {
     const bool same = o.parameter == q.parameter && o.falling == q.falling && o.seeds == q.seeds &&
                       o.truth == q.truth && (o.limit ? o.limit->text : "") == (q.limit ? q.limit->text : "");
     if (o.title() == q.title() && !same) {
-      throw UserError(q.place +
-                      ": two questions have the name '" + q.title() +
+      throw UserError(q.place + ": two questions have the name '" + q.title() +
                       "'; valid: a unique name, question = \"...\"");
     }
   }

@@ -343,7 +343,7 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       {"[[body]]\nname = \"b\"\nremove = 3\n" + kBall + force("drag", "b = \"b\"\nfrom = 4\n"),
        {"t.toml:8: ", "'b' does not exist", "removed at 3"}},
       {kNamed + "[[spring]]\nb = \"a\"\nstiffness = 1\n",
-       {"t.toml:7: ", "[[spring]] is not supported", "[[force]] with kind"}},
+       {"t.toml:7: ", "unknown block [[spring]]", "[[force]] with kind"}},
       {kNamed + kPivot, {"t.toml:7: ", "a joint", "'needs' with \"joints\""}},
       {kNamed + "[[event]]\ndo = \"joint\"\nstep = 1\nkind = \"pivot\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n",
        {"t.toml:7: ", "a joint", "'needs' with \"joints\""}},

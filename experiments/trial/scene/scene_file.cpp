@@ -96,8 +96,7 @@ class Builder {
     for (const toml::table* t : m_top.blocks("joint")) jointBlock(*t);
     for (const toml::table* t : m_top.blocks("force")) forceBlock(*t);
     if (const toml::node* old = m_top.find("spring")) {
-      m_top.fail(*old,
-                 "[[spring]] is not supported; valid: [[force]] with kind = \"spring\" and its parameters = { ... }");
+      m_top.fail(*old, "unknown block [[spring]]; valid: [[force]] with kind = \"spring\", parameters = { ... }");
     }
     events(own, scripted, false);
     m_presence.check(m_scene, m_parsed.path);
@@ -107,8 +106,7 @@ class Builder {
     m_top.finish(), m_script.finish();
     m_scene.seeded = m_numbers.expressions.drew();
     if (m_perturb > 0 && !m_scene.saved.empty()) {
-      m_top.fail(*m_top.find("saved"),
-                 "'perturb' moves bodies at the start, but a saved world has already started; valid: perturb = 0");
+      m_top.fail(*m_top.find("saved"), "'perturb' moves start poses, which a saved world has not; valid: perturb = 0");
     }
     perturb(m_scene, m_perturb, m_seed);
     m_bodies.write(m_scene);
@@ -421,9 +419,7 @@ class Builder {
   }
   typename SceneSpec<D>::Joint readJointOf(TableReader& block) {
     if (!m_parsed.needs.joints) {
-      block.fail(
-          "a joint in a scene without \"joints\" in 'needs', where joints are disabled; valid: 'needs' with "
-          "\"joints\"");
+      block.fail("a joint, but joints are disabled in this scene; valid: 'needs' with \"joints\"");
     }
     m_numbers.count(block.raw(), "joints");
     typename SceneSpec<D>::Joint joint;
@@ -442,8 +438,7 @@ class Builder {
     if (bodyA == bodyB) {
       block.fail("a joint between a body and itself; valid: two bodies, or \"world\" and a body");
     }
-    if (!moves(bodyA) && !moves(bodyB))
-      block.fail("a joint between two bodies that cannot move; valid: at least one dynamic body");
+    if (!moves(bodyA) && !moves(bodyB)) block.fail("a joint of two bodies that cannot move; valid: one dynamic body");
   }
   void forceBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[force]]");
