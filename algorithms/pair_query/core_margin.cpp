@@ -99,7 +99,7 @@ class CoreMargin final : public PairQuery<D> {
     fails("the margins just touch, or the shrunk shapes just prove a gap",
           "rounding decides whether the shrunk or the whole shapes give the answer",
           {"N1 swap", "N2 motion of both", "N3 scale", "N16 vertex order"});
-    fails("the same box as a box, whose faces move inwards, and as a hull, which is scaled",
+    fails("the same box as a box, with faces moved inwards, and as a hull, which is scaled",
           "the two shrunk shapes differ", {"N14 box as hull"});
     return out;
   }

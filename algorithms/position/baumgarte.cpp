@@ -32,7 +32,7 @@ class Baumgarte final : public PositionResolver<D> {
             .guarantee = Guarantee::approximate,
             .failures = {{"deep overlap", "bodies leave with the speed of separation", "PositionError.AddsNoVelocity"},
                          {"deep overlap, after some steps", "bodies end separated", "PositionError.EndsInTouch"},
-                         {"a joint whose error is corrected", "its bodies keep the correction speed",
+                         {"a joint error that is corrected", "its bodies keep the correction speed",
                           "JointStep.PullsLeaveNoSpeed"}},
             .noEffort = "it only sets targets, which the velocity resolver meets"};
   }

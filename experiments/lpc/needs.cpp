@@ -52,7 +52,7 @@ void printRow(const std::string& what, const std::string& time, const std::strin
 
 void printModel(const ModelSeen& m, const ModelSeen& again) {
   const bool compared = m.trials > m.failed;
-  printRow(m.model.empty() ? "minimal, repeated" : m.model, spread(m.time),
+  printRow(m.model.empty() ? "minimal, again" : m.model, spread(m.time),
            m.rows.empty() ? "-" : number("%.3f", quantile(m.rows, 0.5)),
            compared ? number("%.2g", quantile(m.median, 0.5)) : "-", compared ? number("%.2g", most(m.largest)) : "-",
            remarkOn(m, again));

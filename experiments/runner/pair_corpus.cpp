@@ -18,7 +18,7 @@ constexpr const char* kAbout[][2] = {
     {"units", "metres; angles do not occur"},
     {"shapes",
      "centred at the origin of its own frame: sphere radius; capsule radius, half_length, axis x; segment points; box "
-     "half_extents; convex points, whose hull is the shape; cylinder radius, half_length, along x; cone radius, "
+     "half_extents; convex points, with their hull as shape; cylinder radius, half_length, along x; cone radius, "
      "half_height, tip at +x; ellipsoid half_x, half_y, half_z; half_space y <= 0. The radius around a polyhedral core "
      "is its "
      "radius, "

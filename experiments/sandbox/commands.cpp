@@ -49,7 +49,7 @@ std::vector<Command<D>> makeCommands() {
   add("World", "Reload", SDLK_r, "loads the scene's file again", [](A& a) { a.reload(); });
   add("World", "Clear", SDLK_x, "removes all bodies", [](A& a) { a.clear(); });
   add("World", "Save", SDLK_F1, "saves the world as a scene, sandbox.toml", [](A& a) { a.save(); });
-  add("World", "Load", SDLK_F2, "sandbox.toml", [](A& a) { a.load(); });
+  add("World", "Load", SDLK_F2, "loads sandbox.toml", [](A& a) { a.load(); });
   add("World", "Wake all", SDLK_w, "wakes all bodies", [](A& a) { a.hand.wake(); });
   add("World", "Slower", SDLK_COMMA, "half as fast", [](A& a) { a.timeScale = std::max(a.timeScale / 2, 1.0 / 64); });
   add("World", "Faster", SDLK_PERIOD, "twice as fast", [](A& a) { a.timeScale = std::min(a.timeScale * 2, 4.0); });

@@ -422,8 +422,7 @@ TrialResult runWorld(const TrialRequest& request) {
     memory = memoryCounter();
     if (!memory)
       throw UserError(
-          "--memory: this build has sanitizers, whose allocations cannot be counted; valid: a build without "
-          "sanitizers");
+          "--memory: this build has sanitizers, which allocate uncounted memory; valid: a build without sanitizers");
   }
   try {
     return WorldTrial<D>(request, std::move(scene), restsAfter, memory).run();

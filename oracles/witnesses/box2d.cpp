@@ -90,13 +90,13 @@ class Box2dPairs final : public IsolatedWitness<2> {
         .paper = "",
         .complexity = "GJK, or corners x faces",
         .guarantee = Guarantee::approximate,
-        .failures = {{.when = "a polytope of more than eight corners",
-                      .symptom = "refused (b2_maxPolygonVertices)",
-                      .test = "Witnesses.Box2dRefusesNineCorners"},
-                     {.when =
-                          "polygons whose least depths along a face of A and of B differ by less than 5e-4 of the size",
-                      .symptom = "the depth along A's face is returned",
-                      .test = "Witnesses.Box2dPrefersFacesOfTheFirst"}},
+        .failures =
+            {{.when = "a polytope of more than eight corners",
+              .symptom = "refused (b2_maxPolygonVertices)",
+              .test = "Witnesses.Box2dRefusesNineCorners"},
+             {.when = "polygons with least depths along a face of A and of B that differ by less than 5e-4 of the size",
+              .symptom = "the depth along A's face is returned",
+              .test = "Witnesses.Box2dPrefersFacesOfTheFirst"}},
         .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {

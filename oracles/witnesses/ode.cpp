@@ -78,10 +78,10 @@ class Ode final : public IsolatedWitness<3> {
             .paper = "",
             .complexity = "O(1)",
             .guarantee = Guarantee::approximate,
-            .failures = {{.when = "boxes whose least depth is between two edges, by less than 5 %",
+            .failures = {{.when = "boxes with the least depth between two edges, by less than 5 %",
                           .symptom = "the depth of a face is returned, because edges are weighted by 1.05",
                           .test = "Witnesses.OdePrefersFaces"},
-                         {.when = "a capsule whose axis passes through a box",
+                         {.when = "a capsule with its axis through a box",
                           .symptom = "the depth is not the least, off by a tenth of the size",
                           .test = "Witnesses.OdeDepthOfCapsulesInBoxesIsOff"}},
             .role = AlgorithmRole::witness};

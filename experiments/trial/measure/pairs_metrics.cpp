@@ -32,7 +32,7 @@ const Measure<PairsSeen> kPairsMetrics[] = {
     {{"failed", "without an answer", "1", "queries that ended without an answer", MetricRole::error,
       "fewer without an answer"},
      [](SeenPairs s) { return s.failed; }},
-    {{"wrong_boolean", "wrong yes or no", "1", "queries whose overlap answer is proved wrong", MetricRole::error,
+    {{"wrong_boolean", "wrong yes or no", "1", "queries with a provably wrong overlap answer", MetricRole::error,
       "fewer wrong answers"},
      [](SeenPairs s) { return s.wrongSide; }},
     {{"wrong", "wrong answers", "1",

@@ -15,7 +15,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr std::string_view kTurns = "turns of loops", kEmptyTurns = "turns of loops whose inner loops are empty";
+constexpr std::string_view kTurns = "turns of loops", kEmptyTurns = "turns of loops with empty inner loops";
 constexpr double kRightAngle = 1.5707963267948966;  // rad
 
 using Entries = std::vector<std::pair<std::string, const toml::node*>>;

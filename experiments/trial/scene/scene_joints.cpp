@@ -56,7 +56,7 @@ Spec readChosen(TableReader& joint, const std::string& chosen) {
     joint.fail(joint.require("kind"), "the scene has no parameter 'joint' with a kind of joint as text");
   if (const toml::node* given = joint.find("parameters")) {
     joint.fail(*given,
-               "'parameters' of a joint whose kind is a scene parameter; valid: parameters in the text of 'joint'");
+               "'parameters' of a joint with the scene parameter 'joint' as kind; valid: in the text of 'joint'");
   }
   return atBlock(joint, [&] { return Spec::parse(chosen); });
 }

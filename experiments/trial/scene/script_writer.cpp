@@ -62,7 +62,7 @@ bool sameHull(const Polytope<3>& a, const Polytope<3>& b) {
   return a.vertices == b.vertices && a.loop == b.loop &&
          std::equal(a.faces.begin(), a.faces.end(), b.faces.begin(), b.faces.end(), same);
 }
-constexpr const char* kOtherHull = "a polytope whose corners give a different hull cannot be written into a script";
+constexpr const char* kOtherHull = "a polytope with corners that give a different hull cannot be written into a script";
 
 std::string normalsField(ShapeKind kind, const Polytope<2>& hull) {
   if (sameHull(hull, *Shape<2>::ofCorners(kind, hull.vertices).view().hull)) return "";
