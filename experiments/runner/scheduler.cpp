@@ -44,7 +44,7 @@ std::string askedOf(const TrialRequest& request, bool sidesAreRight) {
     const Spec* const asked = p.role == ParamRole::tolerance ? spec.find(p.name) : nullptr;
     if (asked && std::stod(asked->name) > judged && sidesAreRight) return "at a looser tolerance";
   }
-  return at->second.info.guarantee == Guarantee::exact ? "of exact ones of ours" : "of approximate ones of ours";
+  return at->second.info.guarantee == Guarantee::exact ? "of LPC's exact methods" : "of LPC's approximate methods";
 }
 
 class Scheduler {
