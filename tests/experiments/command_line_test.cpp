@@ -57,6 +57,31 @@ TEST(CommandLine, listsOneStageAlone) {
   EXPECT_EQ(out.text.find("velocity"), std::string::npos) << out.text;
 }
 
+// Every failure that a method declares is listed, with all tests that show it and the dimension where it is limited to
+// one.
+TEST(CommandLine, listsDeclaredFailures) {
+  Workspace w;
+  const std::string text = w.lpc("list --name catto").text;
+  const auto all = nlohmann::json::parse(w.lpc("list --name catto --json").text);
+  std::set<std::string> failures;
+  for (const auto& f : all["algorithms"][0]["failures"]) {
+    const std::string when = f["when"], symptom = f["symptom"], test = f["test"];
+    const std::string where = f["dimensions"].size() == 2 ? "" : " in " + f["dimensions"][0].dump() + "D";
+    const std::string told = "      declared failure" + where + ": " + when + "\n          " + symptom + " (shown by ";
+    const std::size_t at = text.find(told);
+    ASSERT_NE(at, text.npos) << told << text;
+    const std::size_t tests = at + told.size();
+    EXPECT_NE(text.substr(tests, text.find('\n', tests) - tests).find(test), std::string::npos) << test << text;
+    failures.insert(told);
+  }
+  EXPECT_GE(failures.size(), 4u);
+  const std::string word = "declared failure";
+  std::size_t lines = 0;
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) ++lines;
+  EXPECT_EQ(lines, failures.size()) << text;
+  EXPECT_EQ(w.lpc("list --name sat").text.find(word), std::string::npos) << "it declares none";
+}
+
 // Names alone fit a screen; the parameters of one thing, or of all, are asked for.
 TEST(CommandLine, listsNamesAndTellsOnRequest) {
   Workspace w;
