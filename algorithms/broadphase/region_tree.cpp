@@ -27,7 +27,8 @@ class RegionTree final : public Broadphase<D> {
     Real looseness = 2;
     void visit(ParamVisitor& v) {
       v.choice("mode", mode, {"tight", "multi", "loose"},
-               "where a box across a border is stored: in the parent, in every region, or in a loose region");
+               "where a box is stored: smallest region that contains it, every leaf that it touches, or enlarged "
+               "region of its size");
       v.integer("max_depth", maxDepth, 0, 16, "largest depth of the tree");
       v.integer("capacity", capacity, 1, 1000, "boxes in a region before it is divided");
       v.real("looseness", looseness, Real(1.125), 4, "1",

@@ -29,10 +29,11 @@ class Bilateral final : public TimeOfImpact<D> {
   explicit Bilateral(const Params& params) : m_params(params), m_query(createStage<PairQuery<D>>(params.query)) {}
 
   static AlgorithmInfo info() {
-    return {.name = "bilateral",
-            .summary = "root of the separation along the normal of the gap, proved first by a bound on curvature",
-            .paper = "catto2013",
-            .complexity = "a few distance queries, about ten support points along each axis"};
+    return {
+        .name = "bilateral",
+        .summary = "root of the separation along a fixed axis; a bound on its curvature proves that it is the first",
+        .paper = "catto2013",
+        .complexity = "a few distance queries, about ten support points along each axis"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_query->supports(a, b); }

@@ -25,7 +25,7 @@ class Jacobi final : public VelocityResolver<D> {
       v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts", ParamRole::effort);
       v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
       v.choice("splitting", splitting, {"none", "averaged", "mass"},
-               "how a body's mass is split between its contacts: not, by their number, or by mass");
+               "how contacts share a body: none: full mass for each; averaged: averaged impulses; mass: split mass");
     }
   };
   explicit Jacobi(const Params& params) : m_params(params) {}
