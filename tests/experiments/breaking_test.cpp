@@ -318,7 +318,7 @@ TEST(Breaking, MistakesAreOneLine) {
   refused(w, "break bridge --parameter joint " + pipeline, {"holds a text"});
   refused(w, "break slope --parameter friction --from 2 --to 1 " + pipeline, {"'from' is 2", "above 0"});
   refused(w, "break slope --parameter friction --from 1 --to 11 " + pipeline, {"is 11", "0 to 10"});
-  refused(w, good + pipeline + "--param friction=1", {"--param friction is what is searched"});
+  refused(w, good + pipeline + "--param friction=1", {"--param friction is the searched parameter"});
   for (const char* name : {"dimension", "model", "precision", "scene", "seed"}) {
     refused(w, std::string("break slope --parameter ") + name + " --from 2 --to 3 --store never.db " + pipeline,
             {"'" + std::string(name) + "' cannot be searched", "$NAME"});

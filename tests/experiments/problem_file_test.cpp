@@ -267,7 +267,8 @@ TEST(Record, RefusesInOneLine) {
   refused(w, "record no_scene --steps 3" + p, {"no_scene"});
   refused(w, "record s.toml --steps 3" + p, {"no step of 's.toml' has a velocity problem"});
   refused(w, "record s.toml --steps 3 --problems s.toml", {"over the scene s.toml"});
-  refused(w, "record vertical_stack --steps 3 --pipeline solver=soft_step" + p, {"the solver owns its loop"});
+  refused(w, "record vertical_stack --steps 3 --pipeline solver=soft_step" + p,
+          {"a solver without a separate velocity stage"});
   refused(w, "record vertical_stack --steps 3 --pipeline engine=box2d" + p,
           {"an engine gives no access to velocity problems"});
   refused(w, "record vertical_stack --steps 3 --problems none/p.json", {"none/p.json: cannot be written"});

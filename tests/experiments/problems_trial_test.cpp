@@ -251,7 +251,7 @@ TEST(ProblemsTrial, SweepsNameProblemsBesideThem) {
     EXPECT_EQ(trial.canonical["dimension"], 2);
     if (trial.unsupported.empty()) continue;
     ++unsupported;
-    EXPECT_NE(trial.unsupported.find("soft_step owns its loop"), std::string::npos);
+    EXPECT_NE(trial.unsupported.find("soft_step integrates between its passes"), std::string::npos);
   }
   EXPECT_EQ(unsupported, 2u);
   const test::Outcome ran = w.lpc("sweep s.toml --store s.db");

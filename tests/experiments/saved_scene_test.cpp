@@ -75,7 +75,7 @@ TEST(SavedScene, WhatItCannotBeIsTold) {
   with("gravity = [0, -1]\n", "'gravity' beside 'saved'");
   with("settings = \"2009\"\n", "'settings' beside 'saved'");
   w.write("b.toml", scene.substr(0, scene.find("dt = ")) + "\n");
-  refused("./b.toml", "'saved' without 'dt'");
+  refused("./b.toml", "'saved' needs 'dt'");
   w.write("a.world", world.substr(0, world.size() / 2));
   refused("./a.toml", "a.toml:");
   w.write("a.world", "LPCWORLD3" + world.substr(9));

@@ -261,9 +261,9 @@ TEST(SweepRun, OneLineSaysWhatRunsAgain) {
   EXPECT_EQ(w.lpc(run).text.find(again), std::string::npos) << "of an empty store";
   EXPECT_EQ(w.lpc(run).text.find(again), std::string::npos) << "of a store that is whole";
   w.write("drop.toml", scene + "\n# changed\n");
-  EXPECT_EQ(
-      w.lpc(run).text.find("lpc: 2 trials of s.db run again: their scene, code, compiler or options have changed\n"),
-      0u);
+  EXPECT_EQ(w.lpc(run).text.find(
+                "lpc: 2 trials of s.db run again, because their scene, code, compiler or options have changed\n"),
+            0u);
 }
 
 // A program in the place of all workers, in the folder "workers".
