@@ -93,7 +93,7 @@ TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
       {"[[body]]\nevery = 1\nuntil = 1e9\nwhen = 0\n" + kBall, {"t.toml:4: ", "more than 1000000"}},
       {"[[body]]\nrepeat = 1e9\n" + kBall, {"t.toml:5: ", "a loop runs 1e+09 times"}},
       {"[[body]]\nname = \"a\"\n" + kBall + "[measures.slope]\nbody = \"b\"\nangle = 0\nfriction = 0\n",
-       {"t.toml:8: ", "no body named 'b'", "valid: a"}},
+       {"t.toml:8: ", "unknown body 'b'", "valid: a"}},
       {"[[body]]\nname = \"a\"\ntype = \"fixed\"\n" + kBall +
            "[measures.slope]\nbody = \"a\"\nangle = 0\nfriction = 0\n",
        {"t.toml:", "'body' does not move", "dynamic"}},

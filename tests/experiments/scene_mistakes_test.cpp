@@ -332,7 +332,7 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       {kNamed + "[[body]]\nname = \"wall\"\n" + fixed + kBall + force("spring", "a = \"world\"\nb = \"wall\"\n"),
        {"t.toml:11: ", "'spring' acts on bodies that cannot move; valid: at least one dynamic body"}},
       {kNamed + force("spring", "a = \"a\"\n"), {"t.toml:7: ", "'spring' needs a body to act on", "valid: b"}},
-      {kNamed + force("spring", "b = \"c\"\n"), {"t.toml:9: ", "no body named 'c'"}},
+      {kNamed + force("spring", "b = \"c\"\n"), {"t.toml:9: ", "unknown body 'c'"}},
       {kNamed + force("drag", "a = \"a\"\n"), {"t.toml:7: ", "'drag' takes no body a"}},
       {kNamed + force("drag", "anchor_b = [1, 0]\nb = \"a\"\n"), {"t.toml:7: ", "'drag' takes no anchors"}},
       {kNamed + force("attraction", "anchor_b = [1, 0]\na = \"a\"\n"), {"t.toml:7: ", "centres of mass"}},
