@@ -23,25 +23,25 @@ class Bsp final : public Broadphase<D> {
     int leaf = 16, depth = 24;
     Real balance = Real(0.8), cut = Real(0.3);
     void visit(ParamVisitor& v) {
-      v.integer("leaf", leaf, 1, 1000, "boxes that a region holds before it is divided");
-      v.integer("depth", depth, 0, 32, "divisions above a region at most");
+      v.integer("leaf", leaf, 1, 1000, "boxes in a region before it is divided");
+      v.integer("depth", depth, 0, 32, "largest depth of the tree");
       v.real("balance", balance, Real(0.625), Real(0.95), "1",
-             "share of a region's boxes that stand on one side of its plane at most");
-      v.real("cut", cut, 0, Real(0.75), "1", "share of a region's boxes that its plane cuts at most");
+             "largest fraction of a region's boxes on one side of its plane");
+      v.real("cut", cut, 0, Real(0.75), "1", "largest fraction of a region's boxes that its plane cuts");
     }
   };
   explicit Bsp(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "bsp",
-            .summary = "binary space partition whose planes are kept while they divide well",
+            .summary = "binary space partition; planes persist between steps while they divide well",
             .paper = "luque2005",
-            .complexity = "n log n + pairs in the same leaf; cut boxes stand in several",
-            .failures = {{.when = "a crowd that goes far in a step",
-                          .symptom = "leaves its planes behind: all are chosen anew",
+            .complexity = "n log n + pairs in the same leaf; a cut box is in several leaves",
+            .failures = {{.when = "many boxes that move far in a step",
+                          .symptom = "the planes no longer fit, so the whole tree is rebuilt",
                           .test = "bsp_flying_crowd_work"},
                          {.when = "every plane cuts many boxes, as in a lattice of long sticks",
-                          .symptom = "nothing is divided, every pair is tested",
+                          .symptom = "no plane is accepted, so every pair is tested",
                           .test = "bsp_lattice_work"}}};
   }
 

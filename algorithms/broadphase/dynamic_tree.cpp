@@ -21,26 +21,26 @@ class DynamicTree final : public Broadphase<D> {
     Real margin = Real(0.1), stretch = 4;
     bool rotate = true;
     void visit(ParamVisitor& v) {
-      v.real("margin", margin, 0, 10, "m", "by which a fat box is larger on every side");
-      v.real("stretch", stretch, 0, 100, "1", "steps ahead that a fat box reaches, at most by the size of its box");
-      v.flag("rotate", rotate, "exchange nodes on the way up from an insertion where that lessens the surface");
+      v.real("margin", margin, 0, 10, "m", "margin of a fat box on every side");
+      v.real("stretch", stretch, 0, 100, "1", "steps of motion that a fat box covers, limited to the size of its box");
+      v.flag("rotate", rotate, "tree rotations after an insertion where they reduce the surface area");
     }
   };
   explicit DynamicTree(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "dynamic_tree",
-            .summary = "tree of fat boxes kept from step to step, and the pairs of these",
+            .summary = "persistent tree of fat boxes, with the pairs of fat boxes kept between steps",
             .paper = "catto2019",
-            .complexity = "pairs of fat boxes + log n per box that leaves its own",
-            .failures = {{.when = "all boxes leave their fat ones in each step, since they are fast or turn",
-                          .symptom = "all are taken out and put in again",
+            .complexity = "pairs of fat boxes + log n per box that leaves its fat box",
+            .failures = {{.when = "all boxes are fast or rotate, and leave their fat boxes in each step",
+                          .symptom = "every box is removed and inserted again",
                           .test = "tree_all_fast_work"},
-                         {.when = "rotate=false and boxes that come in sorted order",
+                         {.when = "rotate=false and boxes inserted in sorted order",
                           .symptom = "a deep tree: each insertion visits many nodes",
                           .test = "tree_sorted_insertion_work"},
-                         {.when = "boxes that have changed places again and again",
-                          .symptom = "a tree that a new one would not be",
+                         {.when = "boxes that have changed places many times",
+                          .symptom = "a tree of worse quality than a rebuilt one",
                           .test = "tree_history_work"}}};
   }
 

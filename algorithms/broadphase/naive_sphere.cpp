@@ -22,8 +22,8 @@ class NaiveSphere final : public Broadphase<D> {
             .paper = "",
             .complexity = "n^2/2 distance tests",
             .guarantee = Guarantee::conservative,
-            .failures = {{.when = "long thin shapes: a plank fills a small part of its sphere",
-                          .symptom = "most of the pairs that it reports are false",
+            .failures = {{.when = "long thin shapes, which fill a small part of their spheres",
+                          .symptom = "most reported pairs are false",
                           .test = "sphere_planks_false_pairs"}}};
   }
 

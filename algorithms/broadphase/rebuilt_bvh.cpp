@@ -24,10 +24,11 @@ class RebuiltBvh final : public Broadphase<D> {
     Build build = Build::morton;
     int leaf = 16, bins = 16, refit = 0;
     void visit(ParamVisitor& v) {
-      v.choice("build", build, {"median", "sah", "morton"}, "where the boxes of a node are divided");
-      v.integer("leaf", leaf, 1, kMostInLeaf, "boxes in a leaf at most");
-      v.integer("bins", bins, 2, kMostBins, "sah only: slices of a node's centres");
-      v.integer("refit", refit, 0, 1000, "updates that only refit the boxes of the tree before it is built again");
+      v.choice("build", build, {"median", "sah", "morton"},
+               "how the boxes of a node are divided: median, surface area heuristic, Morton codes");
+      v.integer("leaf", leaf, 1, kMostInLeaf, "largest number of boxes in a leaf");
+      v.integer("bins", bins, 2, kMostBins, "sah only: bins for the centres of a node's boxes");
+      v.integer("refit", refit, 0, 1000, "updates that only refit the tree between two builds");
     }
   };
   explicit RebuiltBvh(const Params& params) : m_params(params) {}
@@ -37,11 +38,11 @@ class RebuiltBvh final : public Broadphase<D> {
             .summary = "binary tree of tight boxes, rebuilt each step",
             .paper = "lauterbach2009",
             .complexity = "n log n + pairs of nodes that overlap",
-            .failures = {{.when = "build=morton and more than a twentieth of the boxes far from all others",
-                          .symptom = "the others have one code and stand in the order of their slots",
+            .failures = {{.when = "build=morton, and more than a twentieth of the boxes lie far from all others",
+                          .symptom = "the others share one Morton code and stay in the order of their slots",
                           .test = "morton_far_crowd_work"},
-                         {.when = "refit > 0 and boxes that change places",
-                          .symptom = "nodes grow over each other until the next build",
+                         {.when = "refit > 0, and boxes change places",
+                          .symptom = "nodes overlap more and more until the next build",
                           .test = "refit_shuffled_work"}}};
   }
 

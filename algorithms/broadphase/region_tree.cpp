@@ -26,10 +26,13 @@ class RegionTree final : public Broadphase<D> {
     int maxDepth = 12, capacity = 6;
     Real looseness = 2;
     void visit(ParamVisitor& v) {
-      v.choice("mode", mode, {"tight", "multi", "loose"}, "where a box that crosses a border between regions stands");
-      v.integer("max_depth", maxDepth, 0, 16, "halvings of the root at most");
-      v.integer("capacity", capacity, 1, 1000, "boxes that a region holds before it is divided");
-      v.real("looseness", looseness, Real(1.125), 4, "1", "loose only: edge of a grown region in edges of the region");
+      v.choice("mode", mode, {"tight", "multi", "loose"},
+               "where a box is stored: smallest region that contains it, every leaf that it touches, or enlarged "
+               "region of its size");
+      v.integer("max_depth", maxDepth, 0, 16, "largest depth of the tree");
+      v.integer("capacity", capacity, 1, 1000, "boxes in a region before it is divided");
+      v.real("looseness", looseness, Real(1.125), 4, "1",
+             "loose only: edge of a loose region over the edge of the region");
     }
   };
   explicit RegionTree(const Params& params) : m_params(params) {}
@@ -38,9 +41,9 @@ class RegionTree final : public Broadphase<D> {
     return {.name = "region_tree",
             .summary = "quadtree or octree, rebuilt each step",
             .paper = "finkel1974",
-            .complexity = "n log n; tight: boxes across a high border meet all boxes",
-            .failures = {{.when = "mode=tight and bodies on the centre line of the world",
-                          .symptom = "all of them stay in the root, every pair is tested",
+            .complexity = "n log n; tight: a box across a border near the root is tested with all boxes",
+            .failures = {{.when = "mode=tight, and bodies lie on the centre line of the world",
+                          .symptom = "all of them stay in the root, so every pair is tested",
                           .test = "tree_centre_line_work"}}};
   }
 

@@ -19,7 +19,7 @@ class SortAndSweep final : public Broadphase<D> {
   struct Params {
     int axis = -1;
     void visit(ParamVisitor& v) {
-      v.integer("axis", axis, -1, D - 1, "axis of the sweep; -1: where the centres vary most");
+      v.integer("axis", axis, -1, D - 1, "axis of the sweep; -1: the axis of largest variance of the centres");
     }
   };
   explicit SortAndSweep(const Params& params) : m_params(params) {}
@@ -29,8 +29,8 @@ class SortAndSweep final : public Broadphase<D> {
             .summary = "full sort on one axis each step, then a sweep over the sorted boxes",
             .paper = "baraff1992",
             .complexity = "n log n + pairs that overlap on the axis",
-            .failures = {{.when = "all boxes share an interval of the axis, as a tower swept along x",
-                          .symptom = "tests every pair",
+            .failures = {{.when = "all boxes overlap along the axis, such as a tower swept along x",
+                          .symptom = "every pair is tested",
                           .test = "sweep_shared_interval_work"}}};
   }
 

@@ -24,29 +24,29 @@ class SpatialHash final : public Broadphase<D> {
     Real cell = 0, table = 2;
     int most = 16;
     void visit(ParamVisitor& v) {
-      v.real("cell", cell, 0, Real(1e6), "m", "edge of a cell; 0: from the sizes of the boxes that are awake");
+      v.real("cell", cell, 0, Real(1e6), "m", "edge of a cell; 0: derived from the sizes of the awake boxes");
       v.real("table", table, Real(0.0078125), 16, "1", "slots per box, before rounding up to a power of two");
-      v.integer("most", most, 1, 1000, "cells that a box may cover before it stands apart");
+      v.integer("most", most, 1, 1000, "cells that a box may cover; larger boxes are kept in a separate list");
     }
   };
   explicit SpatialHash(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "spatial_hash",
-            .summary = "cells of one size hashed into a table, rebuilt each step by counting sort",
+            .summary = "uniform cells hashed into a table, rebuilt each step by counting sort",
             .paper = "teschner2003",
             .complexity = "n + pairs in the same cell + n per large box",
             .failures = {{.when = "many boxes are far larger than most",
-                          .symptom = "each of them is tested with all boxes",
+                          .symptom = "each large box is tested with all boxes",
                           .test = "hash_many_large_work"},
-                         {.when = "most boxes are large and small ones stand close together",
-                          .symptom = "the small ones share a cell, every pair of them is tested",
+                         {.when = "most boxes are large, and small ones lie close together",
+                          .symptom = "the small boxes share a cell, so every pair of them is tested",
                           .test = "hash_crowded_cell_work"},
                          {.when = "boxes are long and thin",
-                          .symptom = "a cell is as long as they are, and many of them share it",
+                          .symptom = "a cell is as long as a box, so many boxes share it",
                           .test = "hash_planks_work"},
                          {.when = "table=0.0078125: far fewer slots than boxes",
-                          .symptom = "cells share slots, and their boxes are tested",
+                          .symptom = "unrelated cells share slots, and their boxes are tested with each other",
                           .test = "hash_collisions_work"}}};
   }
 

@@ -22,18 +22,18 @@ class UniformGrid final : public Broadphase<D> {
   struct Params {
     Real cell = 0;
     void visit(ParamVisitor& v) {
-      v.real("cell", cell, 0, Real(1e6), "m", "edge of a cell; 0: from the sizes of the boxes that are awake");
+      v.real("cell", cell, 0, Real(1e6), "m", "edge of a cell; 0: derived from the sizes of the awake boxes");
     }
   };
   explicit UniformGrid(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "uniform_grid",
-            .summary = "one flat grid, rebuilt each step by counting sort; larger boxes apart",
+            .summary = "flat uniform grid, rebuilt each step by counting sort; large boxes in a separate list",
             .paper = "",
             .complexity = "n + pairs in neighbouring cells + n per large box",
             .failures = {{.when = "many boxes are far larger than most",
-                          .symptom = "tests every pair of the large ones",
+                          .symptom = "every pair of large boxes is tested",
                           .test = "grid_many_large_work"}}};
   }
 

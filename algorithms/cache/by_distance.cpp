@@ -15,19 +15,19 @@ class ByDistance final : public ContactCache<D> {
   struct Params {
     Real distance = Real(0.02);
     void visit(ParamVisitor& v) {
-      v.real("distance", distance, 0, 1000, "m", "how far a point may have moved on the body on which it moved less");
+      v.real("distance", distance, 0, 1000, "m",
+             "largest motion of a matched point, measured on the body on which it moved less");
     }
   };
   explicit ByDistance(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "by_distance",
-            .summary = "a point inherits from the nearest old point of the same shapes",
+            .summary = "a point inherits the impulse of the nearest old point of the same shapes",
             .paper = "bullet",
-            .complexity = "m old + m fresh manifolds, points squared in each",
-            .failures = {{"a body that rolls or turns farther than `distance` in a step",
-                          "its points start cold, though their features would tell which they are",
-                          "Cache.CarriesAcrossAJump"}}};
+            .complexity = "old and new manifolds, points squared in each",
+            .failures = {{"a body that rolls or rotates by more than `distance` in a step",
+                          "its points start cold, although their features would match", "Cache.CarriesAcrossAJump"}}};
   }
 
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {

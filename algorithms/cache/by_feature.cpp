@@ -13,11 +13,11 @@ class ByFeature final : public ContactCache<D> {
 
   static AlgorithmInfo info() {
     return {.name = "by_feature",
-            .summary = "a point inherits from the old point with the same shapes and feature number",
+            .summary = "a point inherits the impulse of the old point with the same shapes and feature id",
             .paper = "catto2006",
-            .complexity = "m old + m fresh manifolds",
+            .complexity = "old and new manifolds",
             .failures = {{"a body that slides over a vertex or rolls over an edge",
-                          "the same place has a new feature and starts cold", "Cache.CarriesWhereFeaturesChange"}}};
+                          "the contact gets a new feature id and starts cold", "Cache.CarriesWhereFeaturesChange"}}};
   }
 
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {

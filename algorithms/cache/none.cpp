@@ -12,16 +12,16 @@ class NoCache final : public ContactCache<D> {
   explicit NoCache(const Params&) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "none",
-        .summary = "forgets all impulses: every step starts cold",
-        .paper = "",
-        .complexity = "0",
-        .failures = {{"any contact that lasts", "the solver starts from zero each step, stacks need more iterations",
-                      "Cache.CarriesImpulses"},
-                     {"a contact on a slope", "friction starts from zero, too", "Cache.CarriesFrictionAsAVector"},
-                     {"a sliding body", "it forgets all the same", "Cache.CarriesWhereFeaturesChange"},
-                     {"a body that jumps", "it forgets all the same", "Cache.CarriesAcrossAJump"}}};
+    return {.name = "none",
+            .summary = "no warm starting: impulses start from zero in each step",
+            .paper = "",
+            .complexity = "0",
+            .failures = {
+                {"any contact that lasts", "the solver starts from zero in each step, so stacks need more iterations",
+                 "Cache.CarriesImpulses"},
+                {"a contact on a slope", "friction starts from zero in each step", "Cache.CarriesFrictionAsAVector"},
+                {"a sliding body", "impulses are not kept", "Cache.CarriesWhereFeaturesChange"},
+                {"a body that is moved at once", "impulses are not kept", "Cache.CarriesAcrossAJump"}}};
   }
 
   void carry(const CacheInput<D>&, std::vector<Manifold<D>>&) override {}

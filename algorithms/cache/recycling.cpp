@@ -20,19 +20,19 @@ class Recycling final : public ContactCache<D> {
     Real distance = Real(0.05);
     Real angle = Real(0.2);
     void visit(ParamVisitor& v) {
-      v.real("distance", distance, 0, 1000, "m", "how far a place of the common face may have moved since");
-      v.real("angle", angle, 0, 3, "rad", "how far the shapes may have turned against each other since");
+      v.real("distance", distance, 0, 1000, "m", "largest motion of the contact area since its points were made");
+      v.real("angle", angle, 0, 3, "rad", "largest relative rotation since the points were made");
     }
   };
   explicit Recycling(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "recycling",
-            .summary = "flat shapes that hardly moved against each other keep their points; others as by_feature",
+            .summary = "flat shapes with little relative motion keep their points; others match as by_feature",
             .paper = "box2d",
-            .complexity = "m old + m fresh manifolds; the kept ones need no contacts made",
+            .complexity = "old and new manifolds; kept ones skip the contact generator",
             .failures = {{"a body that slides over a vertex or rolls over an edge",
-                          "the same place has a new feature and starts cold", "Cache.CarriesWhereFeaturesChange"}}};
+                          "the contact gets a new feature id and starts cold", "Cache.CarriesWhereFeaturesChange"}}};
   }
 
   void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) override {

@@ -12,26 +12,29 @@ class DeepestPoint final : public ContactGenerator<D> {
  public:
   struct Params {
     Spec query{"gjk_epa", {}};
-    void visit(ParamVisitor& v) { v.stage("query", query, StageKind::pairQuery, "finds the witnesses"); }
+    void visit(ParamVisitor& v) {
+      v.stage("query", query, StageKind::pairQuery, "pair query that gives the closest points");
+    }
   };
   explicit DeepestPoint(const Params& params) : m_batches(params.query) {}
 
   static AlgorithmInfo info() {
-    return {.name = "deepest_point",
-            .summary = "one contact per pair: the witnesses of the pair query",
-            .paper = "vandenbergen2001",
-            .complexity = "one pair query",
-            .failures = {{"a body that is more than half through a thin one",
-                          "the shortest way out is the far side: it is pushed through",
-                          "Contacts.DeepBodiesGoBackWhereTheyCameFrom"},
-                         {"a face that rests on a face", "one point cannot carry it: a box on a plane rocks for ever",
-                          "Contacts.FaceContactsSpanThePatch"},
-                         {"a face that rocks on a face", "the one point runs from corner to corner",
-                          "Contacts.RockingFacesSpanThePatch"},
-                         {"a face that slides on a face", "it drags on one point and turns about it",
-                          "Contacts.FastFacesSpanThePatch"},
-                         {"two edges that lie along each other", "one point instead of two",
-                          "Contacts.ParallelEdgesTouchInTwoPoints"}}};
+    return {
+        .name = "deepest_point",
+        .summary = "one contact per pair: the closest points of the pair query",
+        .paper = "vandenbergen2001",
+        .complexity = "one pair query",
+        .failures = {
+            {"a body more than halfway through a thin one",
+             "the shortest way out is on the far side, so the body is pushed through",
+             "Contacts.DeepBodiesGoBackWhereTheyCameFrom"},
+            {"a face that rests on a face", "one point cannot support a face: a box on a plane rocks for ever",
+             "Contacts.FaceContactsSpanThePatch"},
+            {"a face that rocks on a face", "the point jumps from corner to corner",
+             "Contacts.RockingFacesSpanThePatch"},
+            {"a face that slides on a face", "friction acts at one point, so the body turns about it",
+             "Contacts.FastFacesSpanThePatch"},
+            {"two parallel edges in contact", "one point instead of two", "Contacts.ParallelEdgesTouchInTwoPoints"}}};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }

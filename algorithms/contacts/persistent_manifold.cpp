@@ -20,29 +20,30 @@ class PersistentManifold final : public ContactGenerator<D> {
     Real breaking = kContactMargin;
     Reduction reduction = Reduction::area;  // `spread` may leave three of five corners
     void visit(ParamVisitor& v) {
-      v.stage("query", query, StageKind::pairQuery, "finds the one point of a step");
+      v.stage("query", query, StageKind::pairQuery, "pair query that gives the new point of a step");
       v.real("breaking", breaking, 0, 1000, "m",
-             "how far a point's anchors may slide apart, and how near to an old point a new one takes its place");
+             "distance at which a point's anchors separate and it is dropped, and within which a new point replaces an "
+             "old one");
       visitReduction(v, reduction);
     }
   };
   explicit PersistentManifold(const Params& params) : m_params(params), m_batches(params.query) {}
 
   static AlgorithmInfo info() {
-    AlgorithmInfo out = {
-        .name = "persistent_manifold",
-        .summary = "the witnesses of the pair query, and those of earlier steps that have not come apart",
-        .paper = "bullet",
-        .complexity = "one pair query, points squared",
-        .failures = {{"a body that is more than half through a thin one",
-                      "the shortest way out is the far side: it is pushed through",
-                      "Contacts.DeepBodiesGoBackWhereTheyCameFrom"},
-                     {"the first step of a face on a face", "one point: a box that falls flat tips before it rests",
-                      "Contacts.FaceContactsSpanThePatch"},
-                     {"the first step of two edges along each other", "one point instead of two",
-                      "Contacts.ParallelEdgesTouchInTwoPoints"},
-                     {"a face that slides over `breaking` in a step", "all points but that of the step are gone",
-                      "Contacts.FastFacesSpanThePatch"}}};
+    AlgorithmInfo out = {.name = "persistent_manifold",
+                         .summary = "closest points of the pair query, accumulated over steps until they separate",
+                         .paper = "bullet",
+                         .complexity = "one pair query, points squared",
+                         .failures = {{"a body more than halfway through a thin one",
+                                       "the shortest way out is on the far side, so the body is pushed through",
+                                       "Contacts.DeepBodiesGoBackWhereTheyCameFrom"},
+                                      {"the first step of a face on a face",
+                                       "only one point: a box that lands flat tips before it rests",
+                                       "Contacts.FaceContactsSpanThePatch"},
+                                      {"the first step of two parallel edges in contact", "one point instead of two",
+                                       "Contacts.ParallelEdgesTouchInTwoPoints"},
+                                      {"a face that slides over `breaking` in a step",
+                                       "all points except the newest are dropped", "Contacts.FastFacesSpanThePatch"}}};
     if constexpr (D == 3) declareNarrowRules(out.failures);
     return out;
   }

@@ -29,9 +29,9 @@ class QueryClip final : public ContactGenerator<D> {
     Real bias = kBias;
     Reduction reduction = Reduction::spread;
     void visit(ParamVisitor& v) {
-      v.stage("query", query, StageKind::pairQuery, "gives distance, normal and witnesses");
+      v.stage("query", query, StageKind::pairQuery, "pair query that gives distance, normal and closest points");
       v.real("bias", bias, 0, kLinearSlop, "m",
-             "depths that differ by less are alike; corners beside a face by less, too");
+             "depths within this bias count as equal; so do corners within it beside a face");
       visitReduction(v, reduction);
     }
   };
@@ -39,11 +39,11 @@ class QueryClip final : public ContactGenerator<D> {
 
   static AlgorithmInfo info() {
     AlgorithmInfo out = {.name = "query_clip",
-                         .summary = "any pair query for the normal, then clips the two faces that meet along it",
+                         .summary = "contact normal from any pair query, then clips the two faces that meet along it",
                          .paper = "gregorius2015",
                          .complexity = "one pair query, f + c^2 for faces with c corners",
-                         .failures = {{"a body that is more than half through a thin one",
-                                       "the shortest way out is the far side: it is pushed through",
+                         .failures = {{"a body more than halfway through a thin one",
+                                       "the shortest way out is on the far side, so the body is pushed through",
                                        "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
     if constexpr (D == 3) declareNarrowRules(out.failures);
     return out;

@@ -331,20 +331,20 @@ class RoundedPolygon final : public ContactGenerator<D> {
   struct Params {
     Real bias = kBias;
     void visit(ParamVisitor& v) {
-      v.real("bias", bias, 0, kLinearSlop, "m", "depths that differ by less are alike: the first body's edge wins");
+      v.real("bias", bias, 0, kLinearSlop, "m",
+             "depths within this bias count as equal: the first body's edge is preferred");
     }
   };
   explicit RoundedPolygon(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "rounded_polygon",
-        .summary = "every shape a polygon with a radius: normals of edges, then the nearest vertices; no curved cores",
-        .paper = "lpc2009",
-        .complexity = "e + v",
-        .failures = {{"a body that is more than half through a thin one",
-                      "the shortest way out is the far side: it is pushed through",
-                      "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
+    return {.name = "rounded_polygon",
+            .summary = "treats shapes as rounded polygons: edge normals, then nearest vertices; no curved cores",
+            .paper = "lpc2009",
+            .complexity = "e + v",
+            .failures = {{"a body more than halfway through a thin one",
+                          "the shortest way out is on the far side, so the body is pushed through",
+                          "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {

@@ -28,7 +28,7 @@ class SatClip final : public ContactGenerator<D> {
     Reduction reduction = Reduction::spread;
     void visit(ParamVisitor& v) {
       v.real("bias", bias, 0, kLinearSlop, "m",
-             "depths that differ by less are alike: faces win over edges, the first body over the second");
+             "depths within this bias count as equal: faces are preferred to edges, the first body to the second");
       visitReduction(v, reduction);
     }
   };
@@ -40,8 +40,8 @@ class SatClip final : public ContactGenerator<D> {
         .summary = "separating axis test, then clips the incident face against the reference face; no curved cores",
         .paper = "gregorius2013",
         .complexity = "f v + e^2 per pair of hulls, 15 axes per pair of boxes",
-        .failures = {{"a body that is more than half through a thin one",
-                      "the shortest way out is the far side: it is pushed through",
+        .failures = {{"a body more than halfway through a thin one",
+                      "the shortest way out is on the far side, so the body is pushed through",
                       "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
     if constexpr (D == 3) declareNarrowRules(out.failures);
     return out;

@@ -24,12 +24,15 @@ class Cast final : public ContinuousCollision<D> {
     Real threshold = Real(0.5), depth = 2 * kLinearSlop;
     int iterations = 1000;
     void visit(ParamVisitor& v) {
-      v.stage("method", method, StageKind::timeOfImpact, "finds the time");
-      v.real("threshold", threshold, 0, 1000, "1",
-             "share of its inner ball that a part may go unseen in a step, and into another");
-      v.real("depth", depth, 0, 1000, "m", "that a part may go into another, where its inner ball is not the limit");
-      v.stage("query", query, StageKind::pairQuery, "tells how deep they are");
-      v.integer("iterations", iterations, 1, 1000000, "steps until they are too deep", ParamRole::effort);
+      v.stage("method", method, StageKind::timeOfImpact, "time of impact method");
+      v.real(
+          "threshold", threshold, 0, 1000, "1",
+          "motion per step that needs no test, and allowed penetration, over the radius of the part's inscribed ball");
+      v.real("depth", depth, 0, 1000, "m",
+             "allowed penetration of a part, where its inscribed ball sets no smaller limit");
+      v.stage("query", query, StageKind::pairQuery, "pair query that measures the penetration");
+      v.integer("iterations", iterations, 1, 1000000, "largest number of steps of the search for that penetration",
+                ParamRole::effort);
     }
   };
   explicit Cast(const Params& params)
@@ -39,9 +42,9 @@ class Cast final : public ContinuousCollision<D> {
 
   static AlgorithmInfo info() {
     return {.name = "cast",
-            .summary = "fast bodies are stopped at their first time of impact",
+            .summary = "stops fast bodies at their first time of impact",
             .paper = "catto2013",
-            .complexity = "fast parts, a query of boxes each; a time of impact for each pair"};
+            .complexity = "a broadphase query per fast part, a time of impact per pair"};
   }
 
   Lookout lookout() const override { return Lookout::after; }

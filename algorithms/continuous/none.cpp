@@ -12,19 +12,20 @@ class None final : public ContinuousCollision<D> {
   explicit None(const Params&) {}
 
   static AlgorithmInfo info() {
-    return {.name = "none",
-            .summary = "bodies meet at the ends of steps only",
-            .paper = "",
-            .complexity = "nothing",
-            .failures = {{"a ball that goes farther in a step than it and its obstacle are thick", "it passes through",
-                          "Continuous.BallIsStopped"},
-                         {"bullets of other shapes", "they pass through", "Continuous.BulletIsStopped"},
-                         {"a wall's end in the way of half a box", "it passes through", "Continuous.EdgeIsMet"},
-                         {"a turning rod at a post", "it passes through", "Continuous.SpinningRodIsStopped"},
-                         {"two bullets head on", "they pass through each other", "Continuous.FastOnesMeet"},
-                         {"a body that is hit and flies off", "it passes through", "Continuous.SentOnItsWayIsStopped"},
-                         {"a rod that turns once in a step", "it passes through", "Continuous.WholeTurnsAreSeen"},
-                         {"several bullets in a row", "they pass through", "Continuous.QueueIsStopped"}}};
+    return {
+        .name = "none",
+        .summary = "no continuous collision: contacts are found at the ends of steps only",
+        .paper = "",
+        .complexity = "nothing",
+        .failures = {{"a ball that moves farther in a step than its thickness plus the obstacle's", "it passes through",
+                      "Continuous.BallIsStopped"},
+                     {"bullets of other shapes", "they pass through", "Continuous.BulletIsStopped"},
+                     {"the end of a wall in the path of half a box", "it passes through", "Continuous.EdgeIsMet"},
+                     {"a rotating rod beside a post", "it passes through", "Continuous.SpinningRodIsStopped"},
+                     {"two bullets head on", "they pass through each other", "Continuous.FastOnesMeet"},
+                     {"a body that is struck and moves off", "it passes through", "Continuous.SentOnItsWayIsStopped"},
+                     {"a rod that makes a whole turn in a step", "it passes through", "Continuous.WholeTurnsAreSeen"},
+                     {"several bullets in a row", "they pass through", "Continuous.QueueIsStopped"}}};
   }
 
   Lookout lookout() const override { return Lookout::never; }

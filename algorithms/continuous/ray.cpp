@@ -18,24 +18,24 @@ class Ray final : public ContinuousCollision<D> {
     Real threshold = Real(0.5);
     void visit(ParamVisitor& v) {
       v.real("threshold", threshold, 0, 1000, "1",
-             "a part is fast that may go farther than this share of its inner ball");
+             "a part counts as fast above this fraction of its inscribed ball's radius per step");
     }
   };
   explicit Ray(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "ray",
-            .summary = "the way of a fast body's centre as a ray: the 2009 report's plan",
+            .summary = "casts a ray along the path of a fast body's centre, as planned in the 2009 report",
             .paper = "lpc2009",
-            .complexity = "fast parts, a query of boxes each; a ray for each pair",
+            .complexity = "a broadphase query per fast part, a ray cast per pair",
             .failures = {
-                {"a long body that turns about where it has hit", "it passes through by its ends",
+                {"a long body that rotates about its point of impact", "its ends pass through",
                  "Continuous.BulletIsStopped"},
-                {"an obstacle beside the way of the centre", "it is not seen", "Continuous.EdgeIsMet"},
-                {"a rod that turns once in a step, its centre standing", "the end passes through",
+                {"an obstacle beside the path of the centre", "the obstacle is missed", "Continuous.EdgeIsMet"},
+                {"a rod that makes a whole turn in a step while its centre rests", "its end passes through",
                  "Continuous.WholeTurnsAreSeen"},
-                {"bullets that touch and are pressed on", "they sink into each other", "Continuous.QueueIsStopped"},
-                {"a rod whose end is fast and whose centre stands still", "the end passes through",
+                {"bullets in contact that are pushed on", "they penetrate each other", "Continuous.QueueIsStopped"},
+                {"a rod with a fast end, while its centre rests", "its end passes through",
                  "Continuous.SpinningRodIsStopped"}}};
   }
 

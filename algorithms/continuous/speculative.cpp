@@ -14,27 +14,28 @@ class Speculative final : public ContinuousCollision<D> {
     Real threshold = Real(0.5);
     void visit(ParamVisitor& v) {
       v.real("threshold", threshold, 0, 1000, "1",
-             "a part is fast that may go farther than this share of its inner ball");
+             "a part counts as fast above this fraction of its inscribed ball's radius per step");
     }
   };
   explicit Speculative(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "speculative",
-        .summary = "contacts with all that fast bodies would reach in the step",
-        .paper = "catto2013",
-        .complexity = "fast parts, a query of boxes each; contacts of those pairs",
-        .failures = {
-            {"a body that passes by an edge", "it bounces off the plane of a face beside it", "Continuous.PassesBy"},
-            {"a floor of tiles", "the side of the next tile stops who slides", "Continuous.SlidesOverSeams"},
-            {"a body that is hit and flies off within the step", "it passes through",
-             "Continuous.SentOnItsWayIsStopped"},
-            {"two of one speed, of which the first is stopped", "the second passes through it",
-             "Continuous.StoppedOnesStandInTheWay"},
-            {"a long body that turns about where it has hit", "it passes through by its ends",
-             "Continuous.BulletIsStopped"},
-            {"several bullets in a row", "who is hit from behind passes through", "Continuous.QueueIsStopped"}}};
+    return {.name = "speculative",
+            .summary = "speculative contacts with everything that fast bodies could reach in the step",
+            .paper = "catto2013",
+            .complexity = "a broadphase query per fast part, contacts of those pairs",
+            .failures = {{"a body that passes by an edge", "it bounces off the extended plane of a neighbouring face",
+                          "Continuous.PassesBy"},
+                         {"a floor of tiles", "a sliding body is stopped by the side of the next tile",
+                          "Continuous.SlidesOverSeams"},
+                         {"a body that is struck and moves off within the step", "it passes through",
+                          "Continuous.SentOnItsWayIsStopped"},
+                         {"two bodies of equal speed, one behind the other, and the first is stopped",
+                          "the second passes through the first", "Continuous.StoppedOnesStandInTheWay"},
+                         {"a long body that rotates about its point of impact", "its ends pass through",
+                          "Continuous.BulletIsStopped"},
+                         {"several bullets in a row", "a bullet that is hit from behind passes through",
+                          "Continuous.QueueIsStopped"}}};
   }
 
   Lookout lookout() const override { return Lookout::before; }

@@ -16,18 +16,17 @@ class Attraction final : public ForceKind<D> {
     int exponent = 2;
     void visit(ParamVisitor& v) {
       v.real("strength", strength, Real(-1e12), Real(1e12), "N m^exponent/kg^2",
-             "G of G m M / r^exponent; < 0: repels");
-      v.integer("exponent", exponent, 0, 8, "of the distance");
-      v.real("floor", floor, Real(1e-6), Real(1e6), "m", "nearer than this the force falls in proportion to r");
-      v.real("mass", mass, 0, Real(1e12), "kg",
-             "M where that end has none: the world, or a body that forces do not move");
+             "G in the force G m M / r^exponent; < 0: repulsion");
+      v.integer("exponent", exponent, 0, 8, "exponent of the distance r");
+      v.real("floor", floor, Real(1e-6), Real(1e6), "m", "distance below which the force is proportional to r");
+      v.real("mass", mass, 0, Real(1e12), "kg", "M for an end without mass: the world, a static or a kinematic body");
     }
   };
   explicit Attraction(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "attraction",
-            .summary = "gravity of a body, or of a point of the world, on another one or on all",
+            .summary = "gravity of a body or of a world point, on one body or on all",
             .paper = "lpc2009",
             .complexity = "1, or the number of bodies"};
   }

@@ -13,16 +13,16 @@ class Drag final : public ForceKind<D> {
     Real linear = Real(0.01), quadratic = Real(0.01), angularLinear = Real(0.01), angularQuadratic = Real(0.01);
     void visit(ParamVisitor& v) {
       v.real("linear", linear, 0, Real(1e12), "N s/m", "a of -(a + b |v|) v");
-      v.real("quadratic", quadratic, 0, Real(1e12), "N s^2/m^2", "b of that");
-      v.real("angular_linear", angularLinear, 0, Real(1e12), "N m s", "the same on the rotation");
-      v.real("angular_quadratic", angularQuadratic, 0, Real(1e12), "N m s^2", "the same on the rotation");
+      v.real("quadratic", quadratic, 0, Real(1e12), "N s^2/m^2", "b of -(a + b |v|) v");
+      v.real("angular_linear", angularLinear, 0, Real(1e12), "N m s", "a for the angular velocity");
+      v.real("angular_quadratic", angularQuadratic, 0, Real(1e12), "N m s^2", "b for the angular velocity");
     }
   };
   explicit Drag(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "drag",
-            .summary = "air at rest: brakes by speed and its square, and the rotation, too",
+            .summary = "drag in still air, linear and quadratic in velocity and angular velocity",
             .paper = "lpc2009",
             .complexity = "1, or the number of bodies"};
   }

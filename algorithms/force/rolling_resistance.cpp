@@ -19,14 +19,14 @@ class RollingResistance final : public ForceKind<D> {
   struct Params {
     Real coefficient = Real(0.01);
     void visit(ParamVisitor& v) {
-      v.real("coefficient", coefficient, 0, Real(1e6), "m", "lever of the load against the rolling");
+      v.real("coefficient", coefficient, 0, Real(1e6), "m", "lever arm of the normal load");
     }
   };
   explicit RollingResistance(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "rolling_resistance",
-            .summary = "a torque of a lever times the load against the rolling of whatever touches",
+            .summary = "rolling resistance: a torque of a lever arm times the normal load, against rolling",
             .paper = "",
             .complexity = "contacts"};
   }

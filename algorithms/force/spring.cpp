@@ -14,16 +14,16 @@ class LinearSpring final : public ForceKind<D> {
     Real stiffness = 100, damping = 0, restLength = 0;
     void visit(ParamVisitor& v) {
       constexpr Real kAny = std::numeric_limits<Real>::max();  // a blow-up is a result, too
-      v.real("stiffness", stiffness, 0, kAny, "N/m", "pulls its ends to their distance");
-      v.real("damping", damping, 0, kAny, "N s/m", "of the speed along it");
-      v.real("rest_length", restLength, 0, kAny, "m", "at which it neither pulls nor pushes");
+      v.real("stiffness", stiffness, 0, kAny, "N/m", "stiffness of the spring");
+      v.real("damping", damping, 0, kAny, "N s/m", "damping of the speed along the spring");
+      v.real("rest_length", restLength, 0, kAny, "m", "length without force");
     }
   };
   explicit LinearSpring(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "spring",
-            .summary = "linear spring with a damper, between two points of bodies, or the world and a body",
+            .summary = "linear spring and damper between points of two bodies, or of the world and a body",
             .paper = "lpc2009",
             .complexity = "1"};
   }
@@ -34,7 +34,7 @@ class LinearSpring final : public ForceKind<D> {
     const Vec<D> a = X_WA * force.localA, b = X_WB * force.localB;
     const Real rounding = 4 * std::numeric_limits<Real>::epsilon() * (a.norm() + b.norm());
     if (m_params.restLength > 0 && (b - a).norm() <= rounding) {
-      throw UserError("a spring whose ends meet has no direction to push in; valid: rest_length 0, or ends apart");
+      throw UserError("the ends of the spring coincide, so it has no direction; valid: rest_length=0, or ends apart");
     }
   }
 

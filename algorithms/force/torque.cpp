@@ -19,33 +19,36 @@ class TorqueGenerator final : public ForceKind<D> {
     Real torque = 1, speed = 1;
     Ang<D> axis = Ang<D>::Unit(kAngDim<D> - 1);
     void visit(ParamVisitor& v) {
-      v.choice("mode", mode, {"constant", "speed"}, "the torque as it is, or as much of it as a speed needs");
+      v.choice("mode", mode, {"constant", "speed"},
+               "a constant torque, or the torque that reaches `speed`, limited by `torque`");
       v.real("torque", torque, Real(-1e12), Real(1e12), "N m",
-             "on B about the axis, and back on A; in 'speed' at most");
-      v.real("speed", speed, Real(-1e6), Real(1e6), "rad/s", "of B against A, or the world: the target of 'speed'");
+             "torque on B about the axis, with the reaction on A; for mode=speed the limit");
+      v.real("speed", speed, Real(-1e6), Real(1e6), "rad/s",
+             "mode=speed: target angular velocity of B relative to A or the world");
       if constexpr (D == 3) {
         constexpr const char* kNames[] = {"x", "y", "z"};
         for (int i = 0; i < 3; ++i)
           v.real(kNames[i], axis[i], -1, 1, "1",
-                 i < 2 ? "of the axis, in A's own frame, or the world's" : "of the axis; about x or y alone, z=0");
+                 i < 2 ? "axis component in A's frame, or the world's"
+                       : "axis component; set 0 for an axis in the x-y plane");
       }
     }
   };
   explicit TorqueGenerator(const Params& params) : m_params(params) {
     if (params.mode == TorqueMode::speed && params.torque < 0) {
-      throw UserError("'torque' drives to a speed by less than no torque; valid: torque >= 0");
+      throw UserError("'torque' with mode=speed has a negative limit; valid: torque >= 0");
     }
     if (params.mode == TorqueMode::constant && params.speed != Params{}.speed) {
-      throw UserError("'torque' has a speed, but no target; valid: mode=speed");
+      throw UserError("'torque' has a speed, but mode=constant ignores it; valid: mode=speed");
     }
     const Real length = params.axis.norm();
-    if (!(length > Real(1e-6))) throw UserError("'torque' has an axis of no length; valid: such as x=0,y=0,z=1");
+    if (!(length > Real(1e-6))) throw UserError("'torque' has a zero axis; valid: such as x=0,y=0,z=1");
     m_params.axis /= length;
   }
 
   static AlgorithmInfo info() {
     return {.name = "torque",
-            .summary = "turns a body, against the world or another one, evenly or to a speed by a limited torque",
+            .summary = "constant torque, or motor with a target speed and a torque limit, on a body",
             .paper = "lpc2009",
             .complexity = "1, or the number of bodies"};
   }
@@ -54,7 +57,7 @@ class TorqueGenerator final : public ForceKind<D> {
 
   void begin(const ForceRecord<D>& force, const Pose<D>&, const Pose<D>&) const override {
     if (force.bodyA < 0 || force.bodyB >= 0) return;
-    throw UserError("force 'torque' from one body turns one other; valid: both, or no body that it comes from");
+    throw UserError("force 'torque' has a body a but no body b; valid: both, or b alone");
   }
 
   void apply(const ForceRecord<D>& force, const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {

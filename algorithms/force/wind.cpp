@@ -17,20 +17,20 @@ class Wind final : public ForceKind<D> {
     void visit(ParamVisitor& v) {
       constexpr const char* kNames[] = {"x", "y", "z"};
       for (int i = 0; i < D; ++i) {
-        v.real(kNames[i], velocity[i], Real(-1e6), Real(1e6), "m/s",
-               "velocity of the air along this axis of the world");
+        v.real(kNames[i], velocity[i], Real(-1e6), Real(1e6), "m/s", "air velocity along this world axis");
       }
-      v.real("linear", linear, 0, Real(1e12), "N s/m", "a of -(a + b |u|) u, of the velocity u in the air");
-      v.real("quadratic", quadratic, 0, Real(1e12), "N s^2/m^2", "b of that");
-      v.real("gust", gust, 0, 1, "1", "share of the velocity by which it rises and falls");
-      v.real("period", period, Real(1e-6), Real(1e6), "s", "of the gusts");
+      v.real("linear", linear, 0, Real(1e12), "N s/m",
+             "a of -(a + b |u|) u, where u is the velocity relative to the air");
+      v.real("quadratic", quadratic, 0, Real(1e12), "N s^2/m^2", "b of -(a + b |u|) u");
+      v.real("gust", gust, 0, 1, "1", "amplitude of the gusts as a fraction of the velocity");
+      v.real("period", period, Real(1e-6), Real(1e6), "s", "period of the gusts");
     }
   };
   explicit Wind(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "wind",
-            .summary = "air that moves, in gusts or evenly: takes bodies along by speed in it and its square",
+            .summary = "steady or gusty wind: drag linear and quadratic in the velocity relative to the air",
             .paper = "",
             .complexity = "1, or the number of bodies"};
   }

@@ -17,21 +17,22 @@ class ExplicitEuler final : public Integrator<D> {
   explicit ExplicitEuler(const Params&) {}
 
   static AlgorithmInfo info() {
-    return {.name = "explicit_euler",
-            .summary = "x by the old v, v by the old force; no gyroscopic term",
-            .paper = "euler1768",
-            .complexity = "1 force evaluation",
-            .guarantee = Guarantee::approximate,
-            .failures = {
-                {"any oscillator", "the amplitude grows by sqrt(1 + (w dt)^2) a step", "Oscillator.Bounded"},
-                {"any oscillator", "its energy doubles again and again", "Oscillator.KeepsEnergy"},
-                {"a body at rest", "it hops: contacts stop the new velocity, it travels by the old one", "Rest.Stays"},
-                {"a box on a slope that holds it", "climbs by g dt^2 sin(angle) a step for the same reason",
-                 "Slope.HoldsOrSaysThatItDoesNot"},
-                {"a spinning body in 3D", "angular momentum is not kept", "FreeTop.KeepsAngularMomentum"},
-                {"bodies that press on each other and turn together",
-                 "gain angular momentum: they travel without what their forces give them in this step",
-                 "Solver.TurningKeepsAngularMomentum"}}};
+    return {
+        .name = "explicit_euler",
+        .summary = "explicit Euler: x from the old v, v from the old force; no gyroscopic term",
+        .paper = "euler1768",
+        .complexity = "1 force evaluation",
+        .guarantee = Guarantee::approximate,
+        .failures = {
+            {"any oscillator", "the amplitude grows by sqrt(1 + (w dt)^2) a step", "Oscillator.Bounded"},
+            {"any oscillator", "its energy keeps doubling", "Oscillator.KeepsEnergy"},
+            {"a body at rest", "it hops: contacts stop the new velocity, but the old one moves the body", "Rest.Stays"},
+            {"a box on a slope below the critical angle", "it climbs by g dt^2 sin(angle) a step for the same reason",
+             "Slope.HoldsOrSaysThatItDoesNot"},
+            {"a spinning body in 3D", "angular momentum is not kept", "FreeTop.KeepsAngularMomentum"},
+            {"bodies in contact that rotate together",
+             "they gain angular momentum: this step's forces do not act on this step's motion",
+             "Solver.TurningKeepsAngularMomentum"}}};
   }
 
   void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {

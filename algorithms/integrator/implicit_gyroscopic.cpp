@@ -21,21 +21,22 @@ class ImplicitGyroscopic final : public Integrator<D> {
   struct Params {
     int iterations = 1;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 1, 100, "of Newton's, in each step", ParamRole::effort);
+      v.integer("iterations", iterations, 1, 100, "Newton iterations per step", ParamRole::effort);
     }
   };
   explicit ImplicitGyroscopic(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {.name = "implicit_gyroscopic",
-            .summary = "semi-implicit Euler, with an implicit gyroscopic term; in 2D there is none",
-            .paper = "catto2015",
-            .complexity = "1 force evaluation, and in 3D a system of 3 for each body and iteration",
-            .guarantee = Guarantee::approximate,
-            .failures = {{"a spinning body in 3D",
-                          "angular momentum and energy shrink, by 97 % within a second at 1.7 rad a step, and the less "
-                          "the shorter it is",
-                          "FreeTop.KeepsAngularMomentum"}}};
+    return {
+        .name = "implicit_gyroscopic",
+        .summary = "semi-implicit Euler with an implicit gyroscopic term (3D)",
+        .paper = "catto2015",
+        .complexity = "1 force evaluation, and in 3D a system of 3 for each body and iteration",
+        .guarantee = Guarantee::approximate,
+        .failures = {
+            {"a spinning body in 3D",
+             "angular momentum and energy shrink: by 97 % within a second at 1.7 rad a step, less with shorter steps",
+             "FreeTop.KeepsAngularMomentum"}}};
   }
 
   void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {

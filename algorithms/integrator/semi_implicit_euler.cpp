@@ -18,7 +18,7 @@ class SemiImplicitEuler final : public Integrator<D> {
 
   static AlgorithmInfo info() {
     return {.name = "semi_implicit_euler",
-            .summary = "v by the old force, x by the new v; no gyroscopic term",
+            .summary = "semi-implicit Euler: v from the old force, x from the new v; no gyroscopic term",
             .paper = "hairer2003",
             .complexity = "1 force evaluation",
             .guarantee = Guarantee::approximate,

@@ -19,22 +19,22 @@ class VelocityVerlet final : public Integrator<D> {
   explicit VelocityVerlet(const Params&) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "velocity_verlet",
-        .summary = "x by v and half a step of the old force, v by the mean of both forces; with the gyroscopic term",
-        .paper = "hairer2003",
-        .complexity = "2 force evaluations",
-        .guarantee = Guarantee::approximate,
-        .failures = {
-            {"a body at rest", "it hops: contacts stop the new velocity, it travels by the one between", "Rest.Stays"},
-            {"a box on a slope that holds it", "climbs by half of g dt^2 sin(angle) a step for the same reason",
-             "Slope.HoldsOrSaysThatItDoesNot"},
-            {"a thin rod that turns by 1.7 rad a step",
-             "its attitude drifts about the angular momentum, until its energy is 45 times as large",
-             "FreeTop.AddsNoEnergy"},
-            {"bodies that press on each other and turn together",
-             "do not keep their angular momentum: forces are those of where they would be without contacts",
-             "Solver.TurningKeepsAngularMomentum"}}};
+    return {.name = "velocity_verlet",
+            .summary =
+                "velocity Verlet: x from v and the old force, v from the mean of both forces; with the gyroscopic term",
+            .paper = "hairer2003",
+            .complexity = "2 force evaluations",
+            .guarantee = Guarantee::approximate,
+            .failures = {
+                {"a body at rest", "it hops: contacts stop the new velocity, but the half-step velocity moves the body",
+                 "Rest.Stays"},
+                {"a box on a slope below the critical angle",
+                 "it climbs by half of g dt^2 sin(angle) a step for the same reason", "Slope.HoldsOrSaysThatItDoesNot"},
+                {"a thin rod that rotates by 1.7 rad a step",
+                 "its orientation drifts until its energy is 45 times as large", "FreeTop.AddsNoEnergy"},
+                {"bodies in contact that rotate together",
+                 "they do not keep their angular momentum: forces are evaluated at poses without contacts",
+                 "Solver.TurningKeepsAngularMomentum"}}};
   }
 
   void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {

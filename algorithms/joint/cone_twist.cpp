@@ -15,22 +15,22 @@ class ConeTwist final : public JointKind<D> {
   struct Params {
     Real swing = 1, twist = Real(0.5), friction = 0;
     void visit(ParamVisitor& v) {
-      v.real("swing", swing, 0, kFree, "rad", "largest angle between the x of both frames, > 0; 3.1416: any");
-      v.real("twist", twist, 0, kFree, "rad", "largest turn about x, to either side; 3.1416: any; 2D has none");
-      v.real("friction", friction, 0, Real(1e12), "N m", "torque that brakes, at most, about each axis of A's frame");
+      v.real("swing", swing, 0, kFree, "rad", "largest angle between the x axes of both frames, > 0; 3.1416: no limit");
+      v.real("twist", twist, 0, kFree, "rad", "largest rotation about x in either direction (3D); 3.1416: no limit");
+      v.real("friction", friction, 0, Real(1e12), "N m", "largest friction torque about each axis of A's frame");
     }
   };
   explicit ConeTwist(const Params& params) : m_params(params) {
-    if (params.swing == 0) throw UserError("'cone_twist' has a cone of no width; valid: swing > 0, or a hinge or weld");
+    if (params.swing == 0) throw UserError("'cone_twist' has swing 0; valid: swing > 0, or a hinge or weld");
   }
 
   static AlgorithmInfo info() {
     return {.name = "cone_twist",
-            .summary = "a point stays together, a bone within a cone and a twist: ragdolls; in 2D a pivot with limits",
+            .summary = "ball joint with cone and twist limits, for ragdolls; in 2D a pivot with limits",
             .paper = "baerlocher2001",
             .complexity = "D rows, solved as one block, and 2 in 2D, 5 in 3D for limits and friction",
             .guarantee = Guarantee::approximate,
-            .failures = {{"both sides of the limits within reach of one step", "only the nearer holds",
+            .failures = {{"both limits are within reach of one step", "only the nearer limit is enforced",
                           "JointConformance.OfTwoStopsTheNearerHoldsAlone"}}};
   }
 

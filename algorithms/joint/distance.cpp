@@ -17,24 +17,26 @@ class Distance final : public JointKind<D> {
     DistanceMode mode = DistanceMode::rod;
     Real length = -1, stiffness = 100, damping = 0;
     void visit(ParamVisitor& v) {
-      v.choice("mode", mode, {"rod", "spring", "rope"}, "keeps the length, is pulled towards it, or never exceeds it");
-      v.real("length", length, -1, Real(1e9), "m", "-1: as it is when the joint is made");
-      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "of a spring");
-      v.real("damping", damping, 0, Real(1e12), "N s/m", "of a spring");
+      v.choice("mode", mode, {"rod", "spring", "rope"},
+               "rod: fixed length; spring: damped spring; rope: largest length");
+      v.real("length", length, -1, Real(1e9), "m", "length; -1: the distance at creation");
+      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "stiffness of the spring");
+      v.real("damping", damping, 0, Real(1e12), "N s/m", "damping of the spring");
     }
   };
   explicit Distance(const Params& params) : m_params(params) {
-    if (params.length < 0 && params.length != -1) throw UserError("'distance' has a negative length; valid: -1, >= 0");
+    if (params.length < 0 && params.length != -1)
+      throw UserError("'distance' has a negative length; valid: -1 or >= 0");
     if (params.mode == DistanceMode::spring) return;
-    if (params.damping != 0) throw UserError("'distance' has damping, but is no spring; valid: mode=spring");
+    if (params.damping != 0) throw UserError("'distance' has damping, but its mode is not spring; valid: mode=spring");
     if (params.stiffness != Params().stiffness) {
-      throw UserError("'distance' has stiffness, but is no spring; valid: mode=spring");
+      throw UserError("'distance' has stiffness, but its mode is not spring; valid: mode=spring");
     }
   }
 
   static AlgorithmInfo info() {
     return {.name = "distance",
-            .summary = "two points keep their distance: a rod, a damped spring, a rope",
+            .summary = "distance constraint between two points: rod, damped spring or rope",
             .paper = "catto2011",
             .complexity = "1 row"};
   }
@@ -44,7 +46,7 @@ class Distance final : public JointKind<D> {
     // Two frames made at one point differ by the rounding of their bodies' poses.
     const Real reach = joint.X_CaJ.p.norm() + joint.X_CbJ.p.norm() + X_WA.p.norm() + X_WB.p.norm();
     if (m_params.mode == DistanceMode::rod && !(joint.state[0] > 16 * std::numeric_limits<Real>::epsilon() * reach)) {
-      throw UserError("'distance' is a rod of no length; valid: two points apart, or a pivot");
+      throw UserError("'distance' is a rod of length 0; valid: two points apart, or a pivot");
     }
   }
 

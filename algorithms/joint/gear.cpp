@@ -23,20 +23,22 @@ class Gear final : public JointKind<D> {
   struct Params {
     Real ratio = 1;
     void visit(ParamVisitor& v) {
-      v.real("ratio", ratio, Real(-1e4), Real(1e4), "1", "turns of A for one of B the other way; < 0: the same way");
+      v.real("ratio", ratio, Real(-1e4), Real(1e4), "1",
+             "rotations of A per opposite rotation of B; < 0: same direction");
     }
   };
   explicit Gear(const Params& params) : m_ratio(params.ratio) {
-    if (m_ratio == 0) throw UserError("'gear' has the ratio 0; valid: other numbers");
+    if (m_ratio == 0) throw UserError("'gear' has the ratio 0; valid: any other number");
   }
 
   static AlgorithmInfo info() {
     return {.name = "gear",
-            .summary = "two bodies on hinges turn in a ratio; counts whole turns",
+            .summary = "gear between two bodies on hinges, with a ratio; counts whole rotations",
             .paper = "catto2014",
             .complexity = "1 row",
             .guarantee = Guarantee::approximate,
-            .failures = {{"half a turn in a step", "it is taken for the rest of the turn, the other way",
+            .failures = {{"half a rotation or more in a step",
+                          "it is counted as the rest of the rotation in the opposite direction",
                           "JointConformance.AGearLosesTurnsOfHalfATurnAStep"}}};
   }
 

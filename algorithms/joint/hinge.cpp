@@ -18,30 +18,32 @@ class Hinge final : public JointKind<D> {
  public:
   struct Params : Axis {
     void visit(ParamVisitor& v) {
-      v.real("lower", lower, -kFarLimit, kFarLimit, "rad", "least angle of B against A; counts whole turns");
-      v.real("upper", upper, -kFarLimit, kFarLimit, "rad", "largest angle");
-      v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "rad/s", "that the motor tries to reach");
-      v.real("motor_torque", motorMost, 0, Real(1e12), "N m", "at most; 0: no motor");
-      v.real("stiffness", stiffness, 0, Real(1e12), "N m/rad", "of a spring about the axis");
-      v.real("damping", damping, 0, Real(1e12), "N m s/rad", "of that spring; also without stiffness");
-      v.real("rest", rest, -kFarLimit, kFarLimit, "rad", "angle without torque of the spring");
+      v.real("lower", lower, -kFarLimit, kFarLimit, "rad",
+             "lower limit of the angle of B relative to A; counts whole rotations");
+      v.real("upper", upper, -kFarLimit, kFarLimit, "rad", "upper limit of the angle");
+      v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "rad/s", "target angular velocity of the motor");
+      v.real("motor_torque", motorMost, 0, Real(1e12), "N m", "largest torque of the motor; 0: no motor");
+      v.real("stiffness", stiffness, 0, Real(1e12), "N m/rad", "stiffness of a spring about the axis");
+      v.real("damping", damping, 0, Real(1e12), "N m s/rad", "damping about the axis; also without stiffness");
+      v.real("rest", rest, -kFarLimit, kFarLimit, "rad", "rest angle of the spring");
     }
   };
   explicit Hinge(const Params& params) : m_params(params) { params.check("hinge", "motor_torque"); }
 
   static AlgorithmInfo info() {
     return {.name = "hinge",
-            .summary = "turns about one axis, between limits, by a motor, against a spring",
+            .summary = "rotation about one axis, with limits, motor and spring",
             .paper = "catto2014",
             .complexity = "2 rows in 2D, 5 in 3D, solved as one block, and 3 for limits, motor and spring",
             .guarantee = Guarantee::approximate,
-            .failures = {{"both limits within reach of one step", "only the nearer holds",
+            .failures = {{"both limits are within reach of one step", "only the nearer limit is enforced",
                           "JointConformance.AHingeKeepsTheNearerStopAlone"}}};
   }
 
   void begin(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
     const JointFrames<D> at(joint, X_WA, X_WB);
-    if (!(alignment(at) > 0)) throw UserError("'hinge' has axes more than a right angle apart; valid: axes that agree");
+    if (!(alignment(at) > 0))
+      throw UserError("'hinge' has axes more than 90 degrees apart on the two bodies; valid: equal axes");
     finish(joint, X_WA, X_WB);
   }
 

@@ -20,35 +20,37 @@ class Motor final : public JointKind<D> {
     Real stiffness = 100, damping = 20, maxForce = 1000;
     Real angularStiffness = 100, angularDamping = 20, maxTorque = 1000;
     void visit(ParamVisitor& v) {
-      v.choice("mode", mode, {"target", "friction"}, "drives B's frame to a place in A's, or brakes whatever moves");
+      v.choice("mode", mode, {"target", "friction"},
+               "target: drives B's frame to a pose in A's frame; friction: brakes relative motion");
       constexpr const char* kNames[] = {"x", "y", "z"};
       for (int i = 0; i < D; ++i) {
-        v.real(kNames[i], offset[i], Real(-1e6), Real(1e6), "m", "target of B's frame, along this axis of A's");
+        v.real(kNames[i], offset[i], Real(-1e6), Real(1e6), "m",
+               "target position of B's frame along this axis of A's frame");
       }
-      v.real("angle", angle, Real(-3.14159), Real(3.14159), "rad", "target of B's frame, about A's z");
-      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "of the drive to the place");
-      v.real("damping", damping, 0, Real(1e12), "N s/m", "of that drive");
-      v.real("max_force", maxForce, 0, Real(1e12), "N", "at most, along each axis of A's frame");
-      v.real("angular_stiffness", angularStiffness, 0, Real(1e12), "N m/rad", "of the drive to the attitude");
-      v.real("angular_damping", angularDamping, 0, Real(1e12), "N m s/rad", "of that drive");
-      v.real("max_torque", maxTorque, 0, Real(1e12), "N m", "at most, about each axis of A's frame");
+      v.real("angle", angle, Real(-3.14159), Real(3.14159), "rad", "target angle of B's frame about A's z axis");
+      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "stiffness of the position drive");
+      v.real("damping", damping, 0, Real(1e12), "N s/m", "damping of the position drive");
+      v.real("max_force", maxForce, 0, Real(1e12), "N", "largest force along each axis of A's frame");
+      v.real("angular_stiffness", angularStiffness, 0, Real(1e12), "N m/rad", "stiffness of the angular drive");
+      v.real("angular_damping", angularDamping, 0, Real(1e12), "N m s/rad", "damping of the angular drive");
+      v.real("max_torque", maxTorque, 0, Real(1e12), "N m", "largest torque about each axis of A's frame");
     }
   };
   explicit Motor(const Params& params) : m_params(params) {
     if (params.mode == MotorMode::target) return;
     const Params usual;
     if (params.offset != usual.offset || params.angle != usual.angle) {
-      throw UserError("'motor' has a target, but only brakes; valid: mode=target");
+      throw UserError("'motor' has a target, but mode=friction; valid: mode=target");
     }
     if (params.stiffness != usual.stiffness || params.damping != usual.damping ||
         params.angularStiffness != usual.angularStiffness || params.angularDamping != usual.angularDamping) {
-      throw UserError("'motor' has stiffness or damping, but only brakes; valid: mode=target");
+      throw UserError("'motor' has stiffness or damping, but mode=friction; valid: mode=target");
     }
   }
 
   static AlgorithmInfo info() {
     return {.name = "motor",
-            .summary = "drives a body to a place and an attitude by limited force, or brakes it by friction",
+            .summary = "drives a body to a pose with limited force and torque, or brakes it by friction",
             .paper = "catto2011",
             .complexity = "3 rows in 2D, 6 in 3D, one by one"};
   }

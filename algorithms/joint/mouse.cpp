@@ -15,16 +15,16 @@ class Mouse final : public JointKind<D> {
   struct Params {
     Real hertz = 5, dampingRatio = Real(0.7), maxForce = 1000;
     void visit(ParamVisitor& v) {
-      v.real("hertz", hertz, 0, Real(1e4), "Hz", "at which B would swing about the target, undamped");
-      v.real("damping_ratio", dampingRatio, 0, Real(1e4), "1", "of the critical damping");
-      v.real("max_force", maxForce, 0, Real(1e12), "N", "at most, along each axis of A's frame");
+      v.real("hertz", hertz, 0, Real(1e4), "Hz", "undamped frequency of B about the target");
+      v.real("damping_ratio", dampingRatio, 0, Real(1e4), "1", "damping ratio; 1: critical");
+      v.real("max_force", maxForce, 0, Real(1e12), "N", "largest force along each axis of A's frame");
     }
   };
   explicit Mouse(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "mouse",
-            .summary = "drags a point to a target by a spring of a frequency, of limited force",
+            .summary = "drags a point to a target by a damped spring of limited force",
             .paper = "catto2011",
             .complexity = "D rows, one by one"};
   }

@@ -14,7 +14,7 @@ class Pivot final : public JointKind<D> {
 
   static AlgorithmInfo info() {
     return {.name = "pivot",
-            .summary = "one point of both bodies stays together; all rotations are free",
+            .summary = "ball joint: one common point; all rotations are free",
             .paper = "lpc2009",
             .complexity = "D rows"};
   }

@@ -13,24 +13,24 @@ class Prismatic final : public JointKind<D> {
  public:
   struct Params : Axis {
     void visit(ParamVisitor& v) {
-      v.real("lower", lower, -kFarLimit, kFarLimit, "m", "least way of B's frame along the x of A's");
-      v.real("upper", upper, -kFarLimit, kFarLimit, "m", "largest way");
-      v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "m/s", "that the motor tries to reach");
-      v.real("motor_force", motorMost, 0, Real(1e12), "N", "at most; 0: no motor");
-      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "of a spring along the axis");
-      v.real("damping", damping, 0, Real(1e12), "N s/m", "of that spring; also without stiffness");
-      v.real("rest", rest, -kFarLimit, kFarLimit, "m", "way without force of the spring");
+      v.real("lower", lower, -kFarLimit, kFarLimit, "m", "lower translation limit of B's frame along A's x axis");
+      v.real("upper", upper, -kFarLimit, kFarLimit, "m", "upper translation limit");
+      v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "m/s", "target speed of the motor");
+      v.real("motor_force", motorMost, 0, Real(1e12), "N", "largest force of the motor; 0: no motor");
+      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "stiffness of a spring along the axis");
+      v.real("damping", damping, 0, Real(1e12), "N s/m", "damping along the axis; also without stiffness");
+      v.real("rest", rest, -kFarLimit, kFarLimit, "m", "rest translation of the spring");
     }
   };
   explicit Prismatic(const Params& params) : m_params(params) { params.check("prismatic", "motor_force"); }
 
   static AlgorithmInfo info() {
     return {.name = "prismatic",
-            .summary = "slides along one axis, between limits, by a motor, against a spring; does not turn",
+            .summary = "translation along one axis without rotation, with limits, motor and spring",
             .paper = "catto2014",
             .complexity = "2 rows in 2D, 5 in 3D, solved as one block, and 3 for limits, motor and spring",
             .guarantee = Guarantee::approximate,
-            .failures = {{"both limits within reach of one step", "only the nearer holds",
+            .failures = {{"both limits are within reach of one step", "only the nearer limit is enforced",
                           "JointConformance.OfTwoStopsTheNearerHoldsAlone"}}};
   }
 

@@ -14,17 +14,18 @@ class SpringJoint final : public JointKind<D> {
   struct Params {
     Real stiffness = 100, damping = 1, angularStiffness = 100, angularDamping = 1;
     void visit(ParamVisitor& v) {
-      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "that pulls the frames together; 0: none");
-      v.real("damping", damping, 0, Real(1e12), "N s/m", "of their way");
-      v.real("angular_stiffness", angularStiffness, 0, Real(1e12), "N m/rad", "that turns the frames alike; 0: none");
-      v.real("angular_damping", angularDamping, 0, Real(1e12), "N m s/rad", "of their turn, the shortest");
+      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "translational stiffness; 0: none");
+      v.real("damping", damping, 0, Real(1e12), "N s/m", "translational damping");
+      v.real("angular_stiffness", angularStiffness, 0, Real(1e12), "N m/rad", "angular stiffness; 0: none");
+      v.real("angular_damping", angularDamping, 0, Real(1e12), "N m s/rad",
+             "angular damping; the shorter rotation counts");
     }
   };
   explicit SpringJoint(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "spring",
-            .summary = "damped springs against all that moves two frames apart: a weld that gives",
+            .summary = "soft weld: damped springs against relative translation and rotation of two frames",
             .paper = "catto2011",
             .complexity = "3 rows in 2D, 6 in 3D, one by one"};
   }

@@ -12,7 +12,7 @@ class Weld final : public JointKind<D> {
 
   static AlgorithmInfo info() {
     return {.name = "weld",
-            .summary = "both bodies move as one",
+            .summary = "fixes all relative motion of two bodies",
             .paper = "catto2014",
             .complexity = "3 rows in 2D, 6 in 3D, solved as one block"};
   }

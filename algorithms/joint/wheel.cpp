@@ -14,30 +14,32 @@ class Wheel final : public JointKind<D> {
   struct Params : Axis {
     Params() { stiffness = 100, damping = 10; }
     void visit(ParamVisitor& v) {
-      v.real("lower", lower, -kFarLimit, kFarLimit, "m", "least way of the axle along the x of A's frame");
-      v.real("upper", upper, -kFarLimit, kFarLimit, "m", "largest way");
-      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "of the suspension; 0: the axle slides freely");
-      v.real("damping", damping, 0, Real(1e12), "N s/m", "of the suspension; also without stiffness");
-      v.real("rest", rest, -kFarLimit, kFarLimit, "m", "way without force of the suspension");
-      v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "rad/s", "of the wheel against A, about z");
-      v.real("motor_torque", motorMost, 0, Real(1e12), "N m", "at most; 0: it spins freely");
+      v.real("lower", lower, -kFarLimit, kFarLimit, "m", "lower limit of the axle's travel along A's x axis");
+      v.real("upper", upper, -kFarLimit, kFarLimit, "m", "upper limit of the axle's travel");
+      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "stiffness of the suspension; 0: the axle slides freely");
+      v.real("damping", damping, 0, Real(1e12), "N s/m", "damping of the suspension; also without stiffness");
+      v.real("rest", rest, -kFarLimit, kFarLimit, "m", "rest travel of the suspension");
+      v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "rad/s",
+             "target angular velocity of the wheel relative to A about z");
+      v.real("motor_torque", motorMost, 0, Real(1e12), "N m", "largest torque of the motor; 0: free rotation");
     }
   };
   explicit Wheel(const Params& params) : m_params(params) { params.check("wheel", "motor_torque"); }
 
   static AlgorithmInfo info() {
     return {.name = "wheel",
-            .summary = "an axle on a suspension with limits, whose wheel spins freely or by a motor; no steering",
+            .summary = "wheel on a sprung axle with limits; spins freely or by a motor; no steering",
             .paper = "catto2014",
             .complexity = "1 row in 2D, 4 in 3D, solved as one block, and 3 for limits, suspension and motor",
             .guarantee = Guarantee::approximate,
-            .failures = {{"both limits within reach of one step", "only the nearer holds",
+            .failures = {{"both limits are within reach of one step", "only the nearer limit is enforced",
                           "JointConformance.OfTwoStopsTheNearerHoldsAlone"}}};
   }
 
   void begin(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
     const JointFrames<D> at(joint, X_WA, X_WB);
-    if (!(alignment(at) > 0)) throw UserError("'wheel' has axes more than a right angle apart; valid: axes that agree");
+    if (!(alignment(at) > 0))
+      throw UserError("'wheel' has axes more than 90 degrees apart on the two bodies; valid: equal axes");
   }
 
   void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {

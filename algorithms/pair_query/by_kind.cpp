@@ -19,10 +19,12 @@ class ByKind final : public PairQuery<D> {
   explicit ByKind(const Params&) {}
 
   static AlgorithmInfo info() {
-    return {.name = "by_kind",
-            .summary = "closed_form where it has a formula, sat for boxes and in 2D for polygons, gjk_epa for the rest",
-            .paper = "ericson2004",
-            .complexity = "as the method that is asked"};
+    return {
+        .name = "by_kind",
+        .summary =
+            "chooses per pair of shapes: closed_form if it has a formula, sat for boxes and 2D polygons, else gjk_epa",
+        .paper = "ericson2004",
+        .complexity = "that of the chosen method"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {

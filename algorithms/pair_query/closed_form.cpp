@@ -27,8 +27,8 @@ class ClosedForm final : public PairQuery<D> {
   static AlgorithmInfo info() {
     return {.name = "closed_form",
             .summary =
-                "formulas for rounded points and segments with each other, boxes and triangles, points with cylinders "
-                "and cones, and for planes",
+                "formulas for spheres and capsules against each other, boxes and triangles; spheres against cylinders "
+                "and cones; planes against any shape",
             .paper = "ericson2004",
             .complexity = "O(1)"};
   }

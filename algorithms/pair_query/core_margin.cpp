@@ -70,36 +70,37 @@ class CoreMargin final : public PairQuery<D> {
     int faces = 1024;
     void visit(ParamVisitor& v) {
       v.real("margin", margin, Real(0.01), Real(0.9), "1",
-             "taken off boxes, as a part of the smallest half extent, and off polytopes, of the ball around their "
-             "middle");
+             "margin removed from each shape, as a fraction of a box's smallest half extent or of a polytope's "
+             "inscribed ball");
       v.integer("iterations", iterations, 1, 10000, "support points of GJK", ParamRole::effort);
-      v.integer("faces", faces, 8, 100000, "faces that EPA may make");
+      v.integer("faces", faces, 8, 100000, "largest number of EPA faces");
     }
   };
   explicit CoreMargin(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     AlgorithmInfo out{.name = "core_margin",
-                      .summary = "GJK between cores that a margin is taken off, EPA where these overlap",
+                      .summary = "GJK between shapes shrunk by a margin, EPA where the shrunk shapes overlap",
                       .paper = "vandenbergen2003",
-                      .complexity = "about 3 to 10 support points, until shapes overlap by more than the margins",
+                      .complexity = "about 3 to 10 support points while shapes overlap by less than the margins",
                       .guarantee = Guarantee::approximate};
     const auto fails = [&](const char* when, const char* symptom, std::initializer_list<const char*> properties) {
       for (const char* property : properties) out.failures.push_back({when, symptom, property});
     };
-    fails("shapes in each other by less than the margins, nearest at an edge or a corner",
-          "the depth is the one along the shortest way between the inner cores, up to several times the least",
+    fails("shapes that overlap by less than the margins, closest at an edge or a corner",
+          "the depth is measured along the closest direction of the shrunk shapes: up to several times the least depth",
           {"N5 depth is minimal", "N5 depth suffices", "N6 Lipschitz", "N11 rounding", "N12 superset", "N13 halves",
            "N15 polygon and circle"});
-    fails("shapes that are apart, nearest at an edge or a corner",
-          "the distance is what the shortest way between the inner cores proves", {"N6 convex along lines"});
-    fails("shapes in each other by less than the margins, nearest at an edge or a corner",
-          "the features along that normal need not share a point: a witness is half-way", {"N7 witnesses"});
-    fails("the margins just meet, or the inner cores just prove a gap",
-          "rounding chooses whether that answers or the whole shapes do",
+    fails("separated shapes, closest at an edge or a corner",
+          "the distance is a lower bound along the closest direction of the shrunk shapes", {"N6 convex along lines"});
+    fails("shapes that overlap by less than the margins, closest at an edge or a corner",
+          "the two support features along that normal need not share a point: a closest point lies half-way",
+          {"N7 witnesses"});
+    fails("the margins just touch, or the shrunk shapes just prove a gap",
+          "rounding decides whether the shrunk or the whole shapes give the answer",
           {"N1 swap", "N2 motion of both", "N3 scale", "N16 vertex order"});
-    fails("a box, whose faces move inwards, and its hull, which is drawn together", "two inner cores of one shape",
-          {"N14 box as hull"});
+    fails("the same box as a box, with faces moved inwards, and as a hull, which is scaled",
+          "the two shrunk shapes differ", {"N14 box as hull"});
     return out;
   }
 

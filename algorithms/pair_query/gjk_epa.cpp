@@ -15,14 +15,14 @@ class GjkEpa final : public PairQuery<D> {
 
   static AlgorithmInfo info() {
     return {.name = "gjk_epa",
-            .summary = "GJK for the distance and EPA for the depth of the cores",
+            .summary = "GJK for the distance, EPA for the penetration depth",
             .paper = "gilbert1988",
-            .complexity = "about 4 to 12 support points apart, 10 to 40 when penetrating",
+            .complexity = "about 4 to 12 support points when separated, 10 to 40 when penetrating",
             .failures = {{"simplex=johnson: hulls in single precision",
-                          "points that the nearest one does not lie between: off by a few 1/100,000 of the size",
+                          "the closest point is taken from the wrong simplex: off by a few 1/100,000 of the size",
                           "PairQuery.Properties3"},
                          {"simplex=signed_volumes: hulls in single precision",
-                          "points that the nearest one does not lie between: off by a few 1/100,000 of the size",
+                          "the closest point is taken from the wrong simplex: off by a few 1/100,000 of the size",
                           "PairQuery.Properties3"}}};
   }
 

@@ -218,8 +218,8 @@ class Mpr final : public PairQuery<D> {
     void visit(ParamVisitor& v) {
       v.integer("iterations", iterations, 1, 10000, "support points", ParamRole::effort);
       v.real("tolerance", tolerance, 0, Real(0.1), "1",
-             "how far the last portal lies below the surface, against the largest coordinate; eight roundings at "
-             "least",
+             "allowed gap between the last portal and the surface, relative to the largest coordinate; at least eight "
+             "roundings",
              ParamRole::tolerance);
     }
   };
@@ -228,22 +228,27 @@ class Mpr final : public PairQuery<D> {
   static AlgorithmInfo info() {
     AlgorithmInfo out{
         .name = "mpr",
-        .summary = "portal refinement: overlap or not, and the depth where the line of centres leaves",
+        .summary =
+            "Minkowski portal refinement: overlap test, and depth where the line of centres leaves the Minkowski "
+            "difference",
         .paper = "snethen2008",
-        .complexity = "1 to 8 support points apart, 3 to 12 when penetrating; for the depth of what is round up to 80",
+        .complexity =
+            "1 to 8 support points when separated, 3 to 12 when penetrating; up to 80 for the depth of round shapes",
         .guarantee = Guarantee::approximate};
     const auto fails = [&](const char* when, const char* symptom, std::initializer_list<const char*> properties) {
       for (const char* property : properties) out.failures.push_back({when, symptom, property});
     };
-    fails("shapes that overlap", "the depth is the one where the line of centres leaves, up to several times the least",
+    fails("shapes that overlap",
+          "the depth is measured where the line of centres leaves: up to several times the least depth",
           {"N5 depth is minimal", "N5 depth suffices", "N6 Lipschitz", "N11 rounding", "N12 superset", "N13 halves",
            "N15 polygon and circle", "N18 prisms"});
-    fails("shapes that overlap", "the features along that normal need not share a point: a witness is half-way",
+    fails("shapes that overlap",
+          "the two support features along that normal need not share a point: a closest point lies half-way",
           {"N7 witnesses"});
-    fails("shapes that are apart", "the distance is what the first axis that separates them proves",
+    fails("separated shapes", "the distance is a lower bound, from the first separating axis found",
           {"N6 convex along lines"});
-    fails("the line of centres leaves by an edge, or by a curved face",
-          "rounding chooses the portal, and so the normal",
+    fails("the line of centres leaves through an edge or a curved face",
+          "rounding decides the portal, and so the normal",
           {"N1 swap", "N2 motion of both", "N3 scale", "N4 mirror", "N14 box as hull", "N16 vertex order"});
     return out;
   }

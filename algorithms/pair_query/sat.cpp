@@ -20,12 +20,13 @@ class Sat final : public PairQuery<D> {
   explicit Sat(const Params& params) : m_lanes(params.lanes) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "sat",
-        .summary = "separating axes: face normals, edge-edge normals, and nearest vertices when apart; no curved cores",
-        .paper = "gottschalk1996",
-        .complexity =
-            "boxes O(1); polytopes faces + edges, and for the few that may prove more than the best the vertices"};
+    return {.name = "sat",
+            .summary =
+                "separating axis test: face normals, edge-edge normals, and closest vertices when separated; no curved "
+                "cores",
+            .paper = "gottschalk1996",
+            .complexity =
+                "boxes O(1); polytopes faces + edges, plus the vertices for the few axes that may improve the bound"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {

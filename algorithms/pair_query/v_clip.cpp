@@ -268,17 +268,17 @@ class VClip final : public PairQuery<D> {
   struct Params {
     int iterations = 100;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 1, 10000, "steps of the walk; then separating axes decide",
-                ParamRole::effort);
+      v.integer("iterations", iterations, 1, 10000,
+                "steps of the feature walk; after these, a separating axis test decides", ParamRole::effort);
     }
   };
   explicit VClip(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "v_clip",
-            .summary = "V-Clip's walk to the nearest features, and separating axes for the depth; no curved cores",
+            .summary = "V-Clip: walk to the closest features, and separating axes for the depth; no curved cores",
             .paper = "mirtich1998",
-            .complexity = "apart, a few steps from the last features, each around these alone; else as sat"};
+            .complexity = "when separated, a few local steps from the last features; else that of sat"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {

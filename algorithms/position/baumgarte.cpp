@@ -17,24 +17,24 @@ class Baumgarte final : public PositionResolver<D> {
     Real slop = kLinearSlop;
     Real maxSpeed = 4;
     void visit(ParamVisitor& v) {
-      v.real("factor", factor, 0, 1, "1", "share of the error to remove in one step; near 1 overshoots");
-      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
-      v.real("max_speed", maxSpeed, 0, 1000, "m/s", "limit of the speed of separation");
+      v.real("factor", factor, 0, 1, "1", "fraction of the error corrected per step; near 1 it overshoots");
+      v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
+      v.real("max_speed", maxSpeed, 0, 1000, "m/s", "largest separation speed");
     }
   };
   explicit Baumgarte(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "baumgarte",
-            .summary = "position errors become target velocities",
+            .summary = "Baumgarte stabilisation: position errors become target velocities",
             .paper = "baumgarte1972",
             .complexity = "nothing beyond the velocity resolver",
             .guarantee = Guarantee::approximate,
             .failures = {{"deep overlap", "bodies leave with the speed of separation", "PositionError.AddsNoVelocity"},
-                         {"deep overlap, steps later", "bodies end apart", "PositionError.EndsInTouch"},
-                         {"a joint that is pulled together", "its bodies go on with that speed",
+                         {"deep overlap, after some steps", "bodies end separated", "PositionError.EndsInTouch"},
+                         {"a joint error that is corrected", "its bodies keep the correction speed",
                           "JointStep.PullsLeaveNoSpeed"}},
-            .noEffort = "its targets are met by the velocity resolver"};
+            .noEffort = "it only sets targets, which the velocity resolver meets"};
   }
 
   Real bias(Real separation, Real dt) const override {

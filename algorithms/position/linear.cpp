@@ -19,21 +19,21 @@ class Linear final : public PositionResolver<D> {
     Real slop = kLinearSlop;
     void visit(ParamVisitor& v) {
       v.integer("iterations", iterations, 0, 10000, "passes over all joints and contacts", ParamRole::effort);
-      v.real("factor", factor, 0, 1, "1", "share of the error to remove in one pass");
-      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
+      v.real("factor", factor, 0, 1, "1", "fraction of the error corrected per pass");
+      v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
     }
   };
   explicit Linear(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "linear",
-            .summary = "moves bodies apart along the normal without turning them",
+            .summary = "moves bodies apart along the contact normal without rotating them",
             .paper = "lpc2009",
             .complexity = "iterations x (contacts + joints)",
             .guarantee = Guarantee::approximate,
-            .failures = {{"two pinned bodies", "cannot be moved at all", "PositionError.TurnsPinnedBodies"},
-                         {"a joint that is wrong by an angle", "keeps it", "Joint.ErrorsShrink"},
-                         {"bodies that fly past each other", "what moves them changes their angular momentum",
+            .failures = {{"two pinned bodies", "they cannot be moved at all", "PositionError.TurnsPinnedBodies"},
+                         {"a joint with an angular error", "the error stays", "Joint.ErrorsShrink"},
+                         {"bodies that pass each other", "position correction changes their angular momentum",
                           "PositionError.KeepsAngularMomentum"}}};
   }
 

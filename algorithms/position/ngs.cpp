@@ -15,7 +15,7 @@ class Ngs final : public PositionResolver<D> {
     int iterations = 4;
     NgsShare share;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 10000, "sweeps over all joints and contacts", ParamRole::effort);
+      v.integer("iterations", iterations, 0, 10000, "passes over all joints and contacts", ParamRole::effort);
       share.visit(v);
     }
   };
@@ -23,11 +23,12 @@ class Ngs final : public PositionResolver<D> {
 
   static AlgorithmInfo info() {
     return {.name = "ngs",
-            .summary = "moves and turns bodies out of each contact in turn, measured where they are by then",
+            .summary =
+                "nonlinear Gauss-Seidel: moves and rotates bodies out of each contact, measured at the current poses",
             .paper = "catto2024",
-            .complexity = "iterations x (contacts + joints); once where nothing is wrong",
+            .complexity = "iterations x (contacts + joints); one pass when there is no error",
             .guarantee = Guarantee::approximate,
-            .failures = {{"bodies that fly past each other", "what moves them changes their angular momentum",
+            .failures = {{"bodies that pass each other", "position correction changes their angular momentum",
                           "PositionError.KeepsAngularMomentum"}}};
   }
 

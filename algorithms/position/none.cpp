@@ -13,14 +13,14 @@ class NoPosition final : public PositionResolver<D> {
 
   static AlgorithmInfo info() {
     return {.name = "none",
-            .summary = "leaves penetration and joint errors as they are",
+            .summary = "no position correction",
             .paper = "",
             .complexity = "0",
             .guarantee = Guarantee::approximate,
-            .failures = {{"anything that rests", "sinks in", "PositionError.Shrinks"},
-                         {"pinned bodies that overlap", "stay so", "PositionError.TurnsPinnedBodies"},
-                         {"a joint under load", "drifts apart", "JointError.Shrinks"}},
-            .noEffort = "does nothing"};
+            .failures = {{"any resting body", "it sinks in", "PositionError.Shrinks"},
+                         {"pinned bodies that overlap", "they stay overlapping", "PositionError.TurnsPinnedBodies"},
+                         {"a joint under load", "it drifts apart", "JointError.Shrinks"}},
+            .noEffort = "it does nothing"};
   }
 };
 

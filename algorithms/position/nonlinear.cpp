@@ -23,12 +23,12 @@ class Nonlinear final : public PositionResolver<D> {
     Real angularLimit = Real(0.2);
     ExtremeSearch search = ExtremeSearch::tree;
     void visit(ParamVisitor& v) {
-      v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of moves, as a multiple of the contacts",
-             ParamRole::effort);
-      v.real("slop", slop, 0, 1, "m", "depth that stays; published: 0");
-      v.real("tolerance", tolerance, 0, 1, "m", "a contact is left if it is deeper than the slop by at most this",
+      v.real("iteration_factor", iterationFactor, 0, 10000, "1",
+             "largest number of moves, as a multiple of the contacts", ParamRole::effort);
+      v.real("slop", slop, 0, 1, "m", "penetration left uncorrected; published: 0");
+      v.real("tolerance", tolerance, 0, 1, "m", "a contact is accepted if it is deeper than the slop by at most this",
              ParamRole::tolerance);
-      v.real("angular_limit", angularLimit, 0, 2, "rad", "largest turn in one move; the rest is made up by moving");
+      v.real("angular_limit", angularLimit, 0, 2, "rad", "largest rotation in one move; translation corrects the rest");
       v.choice("search", search, {"scan", "tree"}, "how the deepest contact is found; the result is the same");
     }
   };
@@ -36,16 +36,17 @@ class Nonlinear final : public PositionResolver<D> {
 
   static AlgorithmInfo info() {
     return {.name = "nonlinear",
-            .summary = "moves and turns bodies out of the deepest contact first",
+            .summary = "moves and rotates bodies out of the deepest contact first",
             .paper = "millington2007",
             .complexity = "iterations x (log contacts + neighbours); scan: iterations x contacts",
             .guarantee = Guarantee::approximate,
             .failures = {{"bodies that overlap by more than `tolerance`",
-                          "end a little apart, because a turn moves points along arcs; slop=0.005 keeps them in touch",
+                          "they end slightly separated, because a rotation moves points along arcs; slop=0.005 keeps "
+                          "them in contact",
                           "PositionError.EndsInTouch"},
-                         {"tolerance=0: contacts elsewhere, that do not touch these", "share their limit of moves",
+                         {"tolerance=0: unconnected contacts elsewhere", "they share one limit of moves",
                           "Replay.DisjointScenesAreTwoWorlds"},
-                         {"bodies that fly past each other", "what moves them changes their angular momentum",
+                         {"bodies that pass each other", "position correction changes their angular momentum",
                           "PositionError.KeepsAngularMomentum"}}};
   }
 

@@ -20,22 +20,21 @@ class SplitImpulse final : public PositionResolver<D> {
     Real slop = kLinearSlop;
     Real maxMove = Real(0.2);
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 10000, "sweeps over all joints and contacts", ParamRole::effort);
-      v.real("factor", factor, 0, 1, "1", "share of the error to remove in one step");
-      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
-      v.real("max_move", maxMove, 0, 1000, "m", "largest displacement of one contact in one step");
+      v.integer("iterations", iterations, 0, 10000, "passes over all joints and contacts", ParamRole::effort);
+      v.real("factor", factor, 0, 1, "1", "fraction of the error corrected per step");
+      v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
+      v.real("max_move", maxMove, 0, 1000, "m", "largest correction of one contact per step");
     }
   };
   explicit SplitImpulse(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "split_impulse",
-            .summary = "position errors are removed by pseudo velocities that leave no energy",
+            .summary = "split impulse: position errors are corrected by pseudo-velocities that add no energy",
             .paper = "catto2006",
-            .complexity =
-                "iterations x (contacts + joints); nothing without joints where no contact is deeper than the slop",
+            .complexity = "iterations x (contacts + joints); 0 without joints and contacts deeper than the slop",
             .guarantee = Guarantee::approximate,
-            .failures = {{"bodies that fly past each other", "what moves them changes their angular momentum",
+            .failures = {{"bodies that pass each other", "position correction changes their angular momentum",
                           "PositionError.KeepsAngularMomentum"}}};
   }
 

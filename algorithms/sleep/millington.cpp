@@ -34,31 +34,31 @@ class Millington final : public SleepPolicy<D> {
     Real wakeSeparation = Real(0.05);
     void visit(ParamVisitor& v) {
       v.real("epsilon", epsilon, 0, Real(1e12), "m^2/s^2",
-             "falls asleep below this average of v^2 + w^2, rad/s as m/s");
-      v.real("bias", bias, 0, Real(0.999), "1", "weight of the average so far after a second");
+             "a body falls asleep below this average of v^2 + w^2 (rad/s counts as m/s)");
+      v.real("bias", bias, 0, Real(0.999), "1", "weight of the old average after one second");
       v.real("wake_separation", wakeSeparation, 0, Real(1e6), "m/s",
-             "wakes when a contact opens, or who carries it slides away, faster than this");
+             "wakes when a contact opens, or its support slides away, faster than this");
     }
   };
   explicit Millington(const Params& params) : m_params(params), m_rules(params.wakeSeparation) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "millington",
-        .summary = "one recency-weighted average of v^2 + w^2, by seconds; wakes as split_average does",
-        .paper = "millington2007",
-        .complexity = "bodies + contacts; sweeps over the contacts while somebody may fall asleep",
-        .guarantee = Guarantee::approximate,
-        .failures = {{"a body slides or rolls on, slower than sqrt(`epsilon`)", "it freezes on its way",
-                      "Sleep.SteadySliderStaysAwake"},
-                     {"a ball rolls on at a centimetre per second", "it freezes, too", "Sleep.SlowRollerStaysAwake"},
-                     {"a body is moved by the repair of positions alone", "it falls asleep before its joint has closed",
-                      "Sleep.CreeperStaysAwake"},
-                     {"a sleeper is pushed slower than the restitution threshold, or its load grows",
-                      "it stands like a wall", "Sleep.SlowPushWakes"},
-                     {"a support slides away slower than `wake_separation`", "its load stays where it is, like a wall",
-                      "Sleep.CreepingSupportWakes"},
-                     {"a body hangs on joints alone", "it never falls asleep", "Sleep.PendulumSleeps"}}};
+    return {.name = "millington",
+            .summary = "sleeps by one recency-weighted average of v^2 + w^2, weighted by time; wakes as split_average",
+            .paper = "millington2007",
+            .complexity = "bodies + contacts; passes over the contacts while a body may fall asleep",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"a body slides or rolls slower than sqrt(`epsilon`)", "it falls asleep while moving",
+                          "Sleep.SteadySliderStaysAwake"},
+                         {"a ball rolls at a centimetre per second", "it falls asleep while moving",
+                          "Sleep.SlowRollerStaysAwake"},
+                         {"a body moves by position correction alone",
+                          "it falls asleep before its joint error is corrected", "Sleep.CreeperStaysAwake"},
+                         {"a sleeping body is pushed slower than the restitution threshold, or its load grows",
+                          "it does not wake and acts as a static body", "Sleep.SlowPushWakes"},
+                         {"a support slides away slower than `wake_separation`",
+                          "the sleeping load does not wake and stays in place", "Sleep.CreepingSupportWakes"},
+                         {"a body hangs on joints alone", "it never falls asleep", "Sleep.PendulumSleeps"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {

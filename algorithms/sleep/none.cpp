@@ -16,8 +16,9 @@ class None final : public SleepPolicy<D> {
             .summary = "keeps every body awake",
             .paper = "",
             .complexity = "bodies",
-            .failures = {{"anything that rests", "it costs as much as what moves", "Sleep.PendulumSleeps"},
-                         {"a body rests beside one that does not", "it costs as much", "Sleep.OthersMaySleep"},
+            .failures = {{"any resting body", "it costs as much as a moving one", "Sleep.PendulumSleeps"},
+                         {"a body rests beside a moving one", "the resting body costs as much as the moving one",
+                          "Sleep.OthersMaySleep"},
                          {"a body is added asleep", "it wakes at once", "Sleep.GentleTouchWakesNobody"}}};
   }
 

@@ -15,33 +15,35 @@ class SplitAverage final : public SleepPolicy<D> {
     Real bias = Real(0.5);
     Real wakeSeparation = Real(0.05);
     void visit(ParamVisitor& v) {
-      v.real("linear", linear, 0, Real(1e6), "m/s", "falls asleep below this average speed");
-      v.real("angular", angular, 0, Real(1e6), "rad/s", "and below this average angular speed");
-      v.real("bias", bias, 0, Real(0.999), "1", "weight of the average so far against the present step, per step");
+      v.real("linear", linear, 0, Real(1e6), "m/s", "a body falls asleep below this average speed");
+      v.real("angular", angular, 0, Real(1e6), "rad/s", "and below this average angular velocity");
+      v.real("bias", bias, 0, Real(0.999), "1", "weight of the old average against the current step, per step");
       v.real("wake_separation", wakeSeparation, 0, Real(1e6), "m/s",
-             "wakes when a contact opens, or who carries it slides away, faster than this");
+             "wakes when a contact opens, or its support slides away, faster than this");
     }
   };
   explicit SplitAverage(const Params& params) : m_params(params), m_rules(params.wakeSeparation) {}
 
   static AlgorithmInfo info() {
-    return {.name = "split_average",
-            .summary = "two recency-weighted averages of speed; wakes by blows and when support goes",
-            .paper = "lpc2009",
-            .complexity = "bodies + contacts; sweeps over the contacts while somebody may fall asleep",
-            .guarantee = Guarantee::approximate,
-            .failures = {
-                {"a body slides, without turning, slower than `linear`", "it freezes on the slope",
-                 "Sleep.SlowSliderStaysAwake"},
-                {"a body slides on at a speed below `linear`", "it freezes on its way", "Sleep.SteadySliderStaysAwake"},
-                {"a support slides away slower than `wake_separation`", "its load stays where it is, like a wall",
-                 "Sleep.CreepingSupportWakes"},
-                {"a body is moved by the repair of positions alone", "it falls asleep before its joint has closed",
-                 "Sleep.CreeperStaysAwake"},
-                {"a sleeper is pushed slower than the restitution threshold, or its load grows",
-                 "it stands like a wall", "Sleep.SlowPushWakes"},
-                {"the time step is halved", "the averages forget twice as fast", "Sleep.BySeconds"},
-                {"a body hangs on joints alone", "it never falls asleep", "Sleep.PendulumSleeps"}}};
+    return {
+        .name = "split_average",
+        .summary =
+            "sleeps by recency-weighted averages of speed and angular velocity; wakes on impacts and loss of support",
+        .paper = "lpc2009",
+        .complexity = "bodies + contacts; passes over the contacts while a body may fall asleep",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"a body slides without rotation slower than `linear`", "it falls asleep on the slope",
+                      "Sleep.SlowSliderStaysAwake"},
+                     {"a body slides at a constant speed below `linear`", "it falls asleep while moving",
+                      "Sleep.SteadySliderStaysAwake"},
+                     {"a support slides away slower than `wake_separation`",
+                      "the sleeping load does not wake and stays in place", "Sleep.CreepingSupportWakes"},
+                     {"a body moves by position correction alone",
+                      "it falls asleep before its joint error is corrected", "Sleep.CreeperStaysAwake"},
+                     {"a sleeping body is pushed slower than the restitution threshold, or its load grows",
+                      "it does not wake and acts as a static body", "Sleep.SlowPushWakes"},
+                     {"the time step is halved", "the averages decay twice as fast", "Sleep.BySeconds"},
+                     {"a body hangs on joints alone", "it never falls asleep", "Sleep.PendulumSleeps"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {

@@ -22,9 +22,9 @@ class TimerIsland final : public SleepPolicy<D> {
     Real time = Real(0.5);
     Real wakeSeparation = Real(0.05);
     void visit(ParamVisitor& v) {
-      v.real("linear", linear, 0, Real(1e6), "m/s", "a body faster than this begins to wait anew");
-      v.real("angular", angular, 0, Real(1e6), "rad/s", "and one that turns faster than this");
-      v.real("time", time, 0, Real(1e6), "s", "for which everybody in an island must have been slow");
+      v.real("linear", linear, 0, Real(1e6), "m/s", "a body faster than this restarts its timer");
+      v.real("angular", angular, 0, Real(1e6), "rad/s", "a body that rotates faster than this restarts its timer");
+      v.real("time", time, 0, Real(1e6), "s", "time for which all bodies of an island must be slow before it sleeps");
       v.real("wake_separation", wakeSeparation, 0, Real(1e6), "m/s", "wakes when a contact opens faster than this");
     }
   };
@@ -32,17 +32,18 @@ class TimerIsland final : public SleepPolicy<D> {
 
   static AlgorithmInfo info() {
     return {.name = "timer_island",
-            .summary = "islands of contacts and joints in which everybody has been slow for a while",
+            .summary = "an island of contacts and joints sleeps when all its bodies have been slow for a while",
             .paper = "box2d",
             .complexity = "bodies + contacts + joints",
             .guarantee = Guarantee::approximate,
-            .failures = {{"one body of a heap does not come to rest", "nobody in it may sleep", "Sleep.OthersMaySleep"},
-                         {"a light body comes to rest against sleepers", "all that are connected with them wake",
-                          "Sleep.GentleTouchWakesNobody"},
-                         {"a body is moved by the repair of positions alone",
-                          "it falls asleep before its joint has closed", "Sleep.CreeperStaysAwake"},
-                         {"a body rolls on slower than `linear` and `angular`", "it freezes on its way",
-                          "Sleep.SlowRollerStaysAwake"}}};
+            .failures = {
+                {"one body of a pile does not come to rest", "no body of the pile may sleep", "Sleep.OthersMaySleep"},
+                {"a light body comes to rest against sleeping bodies", "the whole island wakes",
+                 "Sleep.GentleTouchWakesNobody"},
+                {"a body moves by position correction alone", "it falls asleep before its joint error is corrected",
+                 "Sleep.CreeperStaysAwake"},
+                {"a body rolls slower than `linear` and `angular`", "it falls asleep while moving",
+                 "Sleep.SlowRollerStaysAwake"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {

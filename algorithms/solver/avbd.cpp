@@ -36,50 +36,50 @@ class Avbd final : public Solver<D> {
     Real minPenalty = 10, maxPenalty = Real(1e5), slop = Real(0.0005);
     bool postStabilize = true;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 1, 100000, "sweeps over all bodies", ParamRole::effort);
+      v.integer("iterations", iterations, 1, 100000, "passes over all bodies", ParamRole::effort);
       v.integer("tries", tries, 0, 100,
-                "further solves of a body while its rows change between limit and spring; published: 0");
+                "extra solves of a body while its rows switch between limit and spring; published: 0");
       v.choice("rows", rows, {"joints_at_end", "start"},
-               "poses that joints are linearised at: of the last iteration, as published, or of the step's start");
-      v.real("ramp", ramp, 0, Real(1e9), "1/m", "growth of a penalty per sweep and violation (rad counts as m)");
-      v.real("alpha", alpha, 0, 1, "1", "share of an old error that a step leaves, if not post_stabilize");
-      v.real("gamma", gamma, 0, 1, "1", "share of a penalty that the next step starts from");
-      v.real("min_penalty", minPenalty, Real(1e-6), Real(1e6), "1", "least penalty, in masses of the row over dt^2");
+               "poses for the linearisation of joints: last iteration (published) or start of the step");
+      v.real("ramp", ramp, 0, Real(1e9), "1/m", "growth of a penalty per pass and violation (rad counts as m)");
+      v.real("alpha", alpha, 0, 1, "1", "post_stabilize=false only: fraction of an error kept per step");
+      v.real("gamma", gamma, 0, 1, "1", "fraction of a penalty kept for the next step");
+      v.real("min_penalty", minPenalty, Real(1e-6), Real(1e6), "1", "smallest penalty, in row masses over dt^2");
       v.real("max_penalty", maxPenalty, Real(1e-6), Real(1e9), "1", "largest penalty, in the same unit");
-      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
-      v.flag("post_stabilize", postStabilize, "old errors are undone by a last sweep that leaves no velocity");
+      v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
+      v.flag("post_stabilize", postStabilize, "a last pass corrects old errors without adding velocity");
     }
   };
   explicit Avbd(const Params& params) : m_params(params) {
     if (params.minPenalty > params.maxPenalty) {
-      throw UserError("'avbd' has penalties that cross; valid: min_penalty <= max_penalty");
+      throw UserError("'avbd' has min_penalty above max_penalty; valid: min_penalty <= max_penalty");
     }
   }
 
   static AlgorithmInfo info() {
     return {
         .name = "avbd",
-        .summary = "augmented vertex block descent: body by body, penalties that grow, forces that remember",
+        .summary = "augmented vertex block descent: body by body, with growing penalties and warm-started forces",
         .paper = "giles2025",
         .complexity = "iterations x (bodies + contacts + joints)",
         .guarantee = Guarantee::approximate,
-        .failures = {{"bodies that meet", "push each other by what each sees of the other before or after its turn",
-                      "Solver.KeepsLinearMomentum"},
-                     {"the same, off the centre", "the same, in turns", "Solver.KeepsAngularMomentum"},
-                     {"bodies that press on each other and turn together",
-                      "lose angular momentum: rows of contacts are of the step's start, those of joints of its end; "
-                      "rows=start loses less",
-                      "Solver.TurningKeepsAngularMomentum"},
-                     {"a motor of a million times the torque that its body needs, at a stop",
-                      "drives through it: a single solve assumes which rows are at a limit; tries=3 holds",
-                      "Joint.StopHoldsAgainstItsMotor"},
-                     {"a box in space that lands on an edge",
-                      "leaves the plane: a single solve assumes which rows are at a limit; tries=3 stays",
-                      "Extrusion.AgreesOrSaysThatItDoesNot"},
-                     {"a swing on a joint", "loses three times what catto loses", "Order.PendulumKeepsItsEnergy"},
-                     {"a heavy body on a light one", "is thrown up a little", "Solver.HeavyIsNotThrownUp"},
-                     {"the same", "is braked by more than sweeps do", "Solver.ConvergesAsPredicted"},
-                     {"bodies that meet", "multipliers overshoot", "Solver.MoreIsNoWorse"}},
+        .failures =
+            {{"bodies that collide", "solved in turn, they get different forces", "Solver.KeepsLinearMomentum"},
+             {"bodies that collide off-centre", "the torques on the two differ", "Solver.KeepsAngularMomentum"},
+             {"bodies in contact that rotate together",
+              "angular momentum is lost: contact rows use start poses, joint rows end poses; rows=start loses less",
+              "Solver.TurningKeepsAngularMomentum"},
+             {"a motor with a million times the needed torque, at a joint limit",
+              "it drives through the limit: a single solve guesses which rows are at a limit; tries=3 holds",
+              "Joint.StopHoldsAgainstItsMotor"},
+             {"a box in space that lands on an edge",
+              "it leaves the plane: a single solve guesses which rows are at a limit; tries=3 stays",
+              "Extrusion.AgreesOrSaysThatItDoesNot"},
+             {"a pendulum on a joint", "it loses three times as much energy as catto", "Order.PendulumKeepsItsEnergy"},
+             {"a heavy body on a light one", "it is thrown up slightly", "Solver.HeavyIsNotThrownUp"},
+             {"a heavy body that falls on a light one", "it slows down faster than Gauss-Seidel predicts",
+              "Solver.ConvergesAsPredicted"},
+             {"bodies that collide, with more iterations", "multipliers overshoot", "Solver.MoreIsNoWorse"}},
         .friction = FrictionLaw::coulomb};
   }
 

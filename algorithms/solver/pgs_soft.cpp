@@ -26,49 +26,54 @@ class PgsSoft final : public Solver<D> {
     Gaps gaps = Gaps::rigid;
     RelaxAt relaxAt = RelaxAt::start;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts", ParamRole::effort);
+      v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts", ParamRole::effort);
       v.real("hertz", hertz, 0, 100000, "1/s", "stiffness of contacts; limited to half of the step rate");
-      v.real("damping_ratio", dampingRatio, 0, 1000, "1", "of contacts; large: they do not bounce");
-      v.real("push_speed", pushSpeed, 0, 1000, "m/s", "limit of the speed at which overlap is undone");
-      v.choice("joints", joints, {"soft", "rigid"}, "springs of twice the stiffness, as published, or a share a step");
-      v.real("joint_damping_ratio", jointDampingRatio, 0, 1000, "1", "joints=soft only");
-      v.real("joint_factor", jointFactor, 0, 1, "1", "joints=rigid only: share of an error to remove in one step");
+      v.real("damping_ratio", dampingRatio, 0, 1000, "1", "damping ratio of contacts; large values prevent bouncing");
+      v.real("push_speed", pushSpeed, 0, 1000, "m/s", "largest speed at which penetration is corrected");
+      v.choice(
+          "joints", joints, {"soft", "rigid"},
+          "soft: springs with twice the stiffness of contacts (published); rigid: a fraction of the error per step");
+      v.real("joint_damping_ratio", jointDampingRatio, 0, 1000, "1", "joints=soft only: damping ratio of joints");
+      v.real("joint_factor", jointFactor, 0, 1, "1", "joints=rigid only: fraction of an error corrected per step");
       v.choice("gaps", gaps, {"rigid", "soft"},
-               "how a closing gap is stopped: at once, as published, or by its spring");
-      v.integer("relax", relax, 0, 100000, "sweeps without springs and push after the move", ParamRole::effort);
-      v.choice("relax_at", relaxAt, {"start", "end"}, "separations of these sweeps: of the step's start, as published");
-      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+               "how a closing gap is stopped: rigidly (published) or by the contact's spring");
+      v.integer("relax", relax, 0, 100000, "relaxation passes after the move, without springs and position correction",
+                ParamRole::effort);
+      v.choice("relax_at", relaxAt, {"start", "end"},
+               "separations in the relaxation passes: of the step's start (published) or end");
+      v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
     }
   };
   explicit PgsSoft(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {.name = "pgs_soft",
-            .summary = "sequential impulses on soft contacts, relaxed after the move, restitution at the end",
-            .paper = "catto2024",
-            .complexity = "(iterations + relax) x (contacts + joints)",
-            .guarantee = Guarantee::approximate,
-            .failures =
-                {{"a body on a very heavy one", "sinks in deeper than on a fixed one, whose springs are stiffer",
-                  "Symmetry.HeavyIsFixed"},
-                 {"a hinge that is beyond its stop",
-                  "leaves it with a speed: two sweeps take too little out of stop and pivot, which are coupled",
-                  "JointStep.LeavesNoSpeed"},
-                 {"bodies that press on each other and turn together",
-                  "lose angular momentum: they are relaxed after the move by arms of before it",
-                  "Solver.TurningKeepsAngularMomentum"},
-                 {"a motor of a million times the torque that its body needs, at a stop",
-                  "drives through the stop, which is a spring; joints=rigid holds", "Joint.StopHoldsAgainstItsMotor"},
-                 {"a joint in ever shorter steps",
-                  "its error falls slower than the step, because relaxing removes the push of its spring; joints=rigid "
-                  "converges",
-                  "JointMotion.Converges"},
-                 {"a body that lands within rounding of the surface",
-                  "is stopped at once on one side of it and by a spring on the other; gaps=soft has one law",
-                  "Parting.EverySolverAgreesUntilTheFirstImpact"},
-                 {"a heavy body that falls on a light one", "is braked by springs and by relaxing, not as sweeps do",
-                  "Solver.ConvergesAsPredicted"}},
-            .friction = FrictionLaw::coulomb};
+    return {
+        .name = "pgs_soft",
+        .summary = "soft contacts by sequential impulses, relaxed after the position update, then restitution",
+        .paper = "catto2024",
+        .complexity = "(iterations + relax) x (contacts + joints)",
+        .guarantee = Guarantee::approximate,
+        .failures =
+            {{"a body on a very heavy one", "it sinks deeper than on a static body, which gets stiffer springs",
+              "Symmetry.HeavyIsFixed"},
+             {"a hinge beyond its limit",
+              "it keeps a speed after correction: two relaxation passes are too few for the coupled limit and pivot",
+              "JointStep.LeavesNoSpeed"},
+             {"bodies in contact that rotate together",
+              "they lose angular momentum: relaxation after the move uses lever arms from before it",
+              "Solver.TurningKeepsAngularMomentum"},
+             {"a motor with a million times the needed torque, at a joint limit",
+              "it drives through the limit, which is a spring; joints=rigid holds", "Joint.StopHoldsAgainstItsMotor"},
+             {"a joint, with shorter and shorter steps",
+              "its error shrinks slower than the step, because relaxation removes the spring's impulse; joints=rigid "
+              "converges",
+              "JointMotion.Converges"},
+             {"a body that lands within rounding of the surface",
+              "a rigid law stops it on one side of the surface, a spring on the other; gaps=soft has one law",
+              "Parting.EverySolverAgreesUntilTheFirstImpact"},
+             {"a heavy body that falls on a light one",
+              "soft contacts and relaxation slow it, not at the Gauss-Seidel rate", "Solver.ConvergesAsPredicted"}},
+        .friction = FrictionLaw::coulomb};
   }
 
   void step(const StepInput<D>& in) override {

@@ -23,35 +23,35 @@ class SoftStep final : public Solver<D> {
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
       v.real("hertz", hertz, 0, 100000, "1/s", "stiffness of contacts; limited to a quarter of the sub-step rate");
-      v.real("damping_ratio", dampingRatio, 0, 1000, "1", "of contacts; large: they do not bounce");
-      v.real("push_speed", pushSpeed, 0, 1000, "m/s", "limit of the speed at which overlap is undone");
-      v.real("joint_damping_ratio", jointDampingRatio, 0, 1000, "1", "of joints, which are twice as stiff as contacts");
-      v.integer("relax", relax, 0, 100, "sweeps without springs after each move");
-      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+      v.real("damping_ratio", dampingRatio, 0, 1000, "1", "damping ratio of contacts; large values prevent bouncing");
+      v.real("push_speed", pushSpeed, 0, 1000, "m/s", "largest speed at which penetration is corrected");
+      v.real("joint_damping_ratio", jointDampingRatio, 0, 1000, "1",
+             "damping ratio of joints, which are twice as stiff as contacts");
+      v.integer("relax", relax, 0, 100, "relaxation passes without springs after each move");
+      v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
       v.choice("arms", arms, {"turning", "as_made"},
-               "of points that a cache keeps: where they are, or, as in Box2D 3, where they were: a lean is not felt");
-      v.flag("bounce_friction", bounceFriction, "restitution allows friction; published: not");
+               "lever arms of cached points: current, or frozen at creation as in Box2D 3, which misses a lean");
+      v.flag("bounce_friction", bounceFriction, "friction also acts on restitution impulses; published: false");
     }
   };
   explicit SoftStep(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "soft_step",
-            .summary = "sub-steps with soft contacts, relaxed after each move, restitution at the end",
+            .summary = "sub-steps with soft contacts, relaxed after each position update, then restitution",
             .paper = "catto2024",
             .complexity = "substeps x (1 + relax) x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = substepFailures(
-                "is braked by springs and by relaxing, not as sweeps do",
+                "soft contacts and relaxation slow it, not at the Gauss-Seidel rate",
                 {kArmsStay,
-                 {"a body on a very heavy one", "sinks in deeper than on a fixed one, whose springs are stiffer",
+                 {"a body on a very heavy one", "it sinks deeper than on a static body, which gets stiffer springs",
                   "Symmetry.HeavyIsFixed"},
-                 {"a motor of a million times the torque that its body needs, at a stop",
-                  "drives through the stop, which is a spring", "Joint.StopHoldsAgainstItsMotor"},
-                 {"a hinge that is beyond its stop", "leaves it with a speed that nothing has given it",
-                  "JointStep.LeavesNoSpeed"},
-                 {"a stop that is hit, or a weld that is bent, in ever shorter steps",
-                  "gives way by what falls slower than the step: relaxing takes out what its spring has put in",
+                 {"a motor with a million times the needed torque, at a joint limit",
+                  "it drives through the limit, which is a spring", "Joint.StopHoldsAgainstItsMotor"},
+                 {"a hinge beyond its limit", "it keeps a speed after correction", "JointStep.LeavesNoSpeed"},
+                 {"a limit that is hit or a weld that is bent, with shorter and shorter steps",
+                  "its error shrinks slower than the step: relaxation removes the spring's impulse",
                   "JointMotion.Converges"}}),
             .friction = FrictionLaw::coulomb};
   }

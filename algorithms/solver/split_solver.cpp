@@ -29,18 +29,20 @@ class SplitSolver final : public Solver<D> {
     int impactLimit = 500;
     int seed = 1;
     void visit(ParamVisitor& v) {
-      v.stage("velocity", velocity, StageKind::velocity, "makes contacts stop approaching");
-      v.stage("position", position, StageKind::position, "removes penetration and joint errors");
-      v.stage("integrator", integrator, StageKind::integrator, "free motion under forces");
+      v.stage("velocity", velocity, StageKind::velocity, "velocity resolver");
+      v.stage("position", position, StageKind::position,
+              "position resolver, which corrects penetration and joint errors");
+      v.stage("integrator", integrator, StageKind::integrator, "integrator of the free motion under forces");
       v.choice("order", order, {"stored", "reverse", "random", "bottom_up", "coloured", "worst_first"},
-               "in which contacts are solved; there and back is a matter of sweeps: catto{sweep=symmetric}");
+               "order of the contacts in a pass; to alternate its direction use catto{sweep=symmetric}");
       v.choice("loop", loop, {"solve_move", "resolve_then_force_move"},
-               "contacts solved with this step's forces, or before them as in 2009");
-      v.choice("impact", impact, {"newton", "poisson", "sequential"},
-               "law of restitution: of velocities, of impulses at once, or blows handed on from pair to pair");
+               "contacts are solved with this step's forces, or before them as in 2009");
+      v.choice(
+          "impact", impact, {"newton", "poisson", "sequential"},
+          "law of restitution: Newton's on velocities, Poisson's on impulses, or sequential impacts from pair to pair");
       v.integer("impact_limit", impactLimit, 1, 100000,
-                "of sweeps of poisson's phases, and of sequential blows per pair");
-      v.integer("seed", seed, 0, 1000000000, "of order=random");
+                "largest number of passes of Poisson's phases, and of sequential impacts per pair");
+      v.integer("seed", seed, 0, 1000000000, "seed of order=random");
     }
   };
   explicit SplitSolver(const Params& params)
@@ -51,15 +53,15 @@ class SplitSolver final : public Solver<D> {
 
   static AlgorithmInfo info() {
     return {.name = "split_solver",
-            .summary = "integrator, velocity resolver and position resolver, each of one's choice",
+            .summary = "combines an integrator, a velocity resolver and a position resolver",
             .paper = "lpc2009",
             .complexity = "that of its parts",
             .guarantee = Guarantee::approximate,
-            .failures = {{"impact=newton where e differs or a contact slides back while it bounces (Kane's rod)",
+            .failures = {{"impact=newton, and restitution differs between contacts or sliding reverses during the "
+                          "impact (Kane's rod)",
                           "the impact adds energy; the other laws do not", "Impact.AddsNoEnergy"},
-                         {"loop=resolve_then_force_move: a box on a slope that holds it",
-                          "slides by g dt^2 sin(angle) a step: it travels with what the force has given it, before a "
-                          "contact says no",
+                         {"loop=resolve_then_force_move: a box on a slope below the critical angle",
+                          "it slides by g dt^2 sin(angle) a step: the force moves it before contacts are solved",
                           "Slope.HoldsOrSaysThatItDoesNot"}},
             .friction = FrictionLaw::ofItsParts};
   }

@@ -38,31 +38,34 @@ class Tgs final : public Solver<D> {
     bool warmStart = true;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
-      v.integer("sweeps", sweeps, 0, 100000, "sweeps over all joints and contacts in each sub-step");
-      v.integer("relax", relax, 0, 100, "sweeps without a push");
+      v.integer("sweeps", sweeps, 0, 100000, "passes over all joints and contacts in each sub-step");
+      v.integer("relax", relax, 0, 100, "relaxation passes without position correction");
       v.choice("relax_at", relaxAt, {"each_substep", "end"},
-               "after the move of each sub-step, or, as PhysX, of the last");
-      v.real("factor", factor, 0, 1, "1", "share of an error to remove in one step; more throws chains about");
-      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
-      v.real("push_speed", pushSpeed, 0, 1000, "m/s", "limit of the speed at which overlap is undone");
-      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+               "relaxation after the move of each sub-step, or of the last one as in PhysX");
+      v.real("factor", factor, 0, 1, "1",
+             "fraction of an error corrected per step; larger values make chains unstable");
+      v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
+      v.real("push_speed", pushSpeed, 0, 1000, "m/s", "largest speed at which penetration is corrected");
+      v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
     }
   };
   explicit Tgs(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {.name = "tgs",
-            .summary = "own rigid twin of soft_step: sub-steps that undo errors by velocity, relaxed after each move",
-            .paper = "catto2024",
-            .complexity = "substeps x (sweeps + relax) x (contacts + joints)",
-            .guarantee = Guarantee::approximate,
-            .failures = substepFailures(
-                "is braked by more than sweeps do",
-                {kArmsStay,
-                 {"a hinge that is beyond its stop",
-                  "leaves it with a speed: one sweep takes too little out of stop and pivot, which are coupled",
-                  "JointStep.LeavesNoSpeed"}}),
-            .friction = FrictionLaw::coulomb};
+    return {
+        .name = "tgs",
+        .summary =
+            "rigid variant of soft_step: sub-steps that correct errors by velocity, relaxed after each position update",
+        .paper = "catto2024",
+        .complexity = "substeps x (sweeps + relax) x (contacts + joints)",
+        .guarantee = Guarantee::approximate,
+        .failures =
+            substepFailures("it slows down faster than Gauss-Seidel predicts",
+                            {kArmsStay,
+                             {"a hinge beyond its limit",
+                              "it keeps a speed after correction: one pass is too few for the coupled limit and pivot",
+                              "JointStep.LeavesNoSpeed"}}),
+        .friction = FrictionLaw::coulomb};
   }
 
   void step(const StepInput<D>& in) override {

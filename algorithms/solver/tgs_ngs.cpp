@@ -10,7 +10,7 @@ using namespace solver;
 // Rigid sub-steps without error feedback in their velocities; after each, sweeps correct the poses directly. The arms
 // of contacts turn with the bodies and lead to a point shared by both bodies. In solver2d each arm leads to the anchor
 // of its own body (arms=own), so that the two impulses form a torque where the anchors have slid apart. With the arms
-// of the detection, bodies that press on each other and turn together lose angular momentum.
+// of the detection, bodies in contact that rotate together lose angular momentum.
 template <int D>
 class TgsNgs final : public Solver<D> {
  public:
@@ -22,13 +22,13 @@ class TgsNgs final : public Solver<D> {
     bool warmStart = true;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
-      v.integer("sweeps", sweeps, 0, 100000, "sweeps over velocities in each sub-step");
-      v.integer("position_iterations", positionIterations, 0, 10000, "sweeps over positions in each sub-step");
+      v.integer("sweeps", sweeps, 0, 100000, "velocity passes in each sub-step");
+      v.integer("position_iterations", positionIterations, 0, 10000, "position passes in each sub-step");
       v.choice("arms", arms, {"shared", "own", "detection"},
-               "of contacts in each sub-step: of a point that both bodies share; of each body's own anchor, as "
-               "solver2d; or those of the step's start");
+               "lever arms of contacts in each sub-step: to one shared point, to each body's anchor (solver2d), or "
+               "those of the step's start");
       share.visit(v);
-      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+      v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
     }
   };
   explicit TgsNgs(const Params& params) : m_params(params) {}
@@ -36,18 +36,21 @@ class TgsNgs final : public Solver<D> {
   static AlgorithmInfo info() {
     return {
         .name = "tgs_ngs",
-        .summary = "rigid sub-steps that mend positions after each move, restitution at the end",
+        .summary = "rigid sub-steps with nonlinear Gauss-Seidel position correction after each move, then restitution",
         .paper = "catto2024",
         .complexity = "substeps x (sweeps + position_iterations) x (contacts + joints)",
         .guarantee = Guarantee::approximate,
         .failures = substepFailures(
-            "is braked by more than sweeps do",
-            {{"a ball that rolls", "gains speed: within a step its anchor turns with it; arms=detection does not",
+            "it slows down faster than Gauss-Seidel predicts",
+            {{"a ball that rolls",
+              "it gains speed, because its anchor rotates with it within a step; not with arms=detection",
               "Rolling.StopsOrSaysThatItDoesNot"},
-             {"bodies that hang from hinges at their stops",
-              "never rest: a sweep undoes the whole error of each stop; stop_factor=0.2 rests", "JointMotion.Rests"},
-             {"a hinge that hits its stop, in ever shorter steps",
-              "its error falls slower than the step: sweeps over positions are few; position_iterations=8 converges",
+             {"bodies that hang from hinges at their limits",
+              "they never rest, because a pass corrects the whole error of each limit; stop_factor=0.2 rests",
+              "JointMotion.Rests"},
+             {"a hinge that hits its limit, with shorter and shorter steps",
+              "its error shrinks slower than the step, because position passes are few; position_iterations=8 "
+              "converges",
               "JointMotion.Converges"}}),
         .friction = FrictionLaw::coulomb};
   }

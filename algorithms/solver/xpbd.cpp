@@ -30,11 +30,12 @@ class Xpbd final : public Solver<D> {
     Real jointShare = 0;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each", ParamRole::effort);
-      v.real("contact_compliance", contactCompliance, 0, 1, "m/N", "of contacts; 0: rigid");
-      v.real("joint_compliance", jointCompliance, 0, 1, "m/N", "of joints, rad/(N m) where they hold an angle");
+      v.real("contact_compliance", contactCompliance, 0, 1, "m/N", "compliance of contacts; 0: rigid");
+      v.real("joint_compliance", jointCompliance, 0, 1, "m/N",
+             "compliance of joints; rad/(N m) for their angular rows");
       v.real("joint_share", jointShare, 0, 1, "1",
-             "of a joint's error that a sub-step undoes; 0: 1 as published, in f32 0.5 because of rounding");
-      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
+             "fraction of a joint's error corrected per sub-step; 0: 1 (published), 0.5 in f32 because of rounding");
+      v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
     }
   };
   explicit Xpbd(const Params& params) : m_params(params) {
@@ -50,32 +51,35 @@ class Xpbd final : public Solver<D> {
         .guarantee = Guarantee::approximate,
         .failures =
             {{"boxes deep inside each other",
-              "are thrown apart: in one sub-step depth becomes velocity, and one sweep does not take it back",
+              "they are thrown apart: depth becomes velocity in one sub-step, and one pass does not remove it",
               "Overlap.ComesApartOrSaysThatItDoesNot"},
-             {"a contact that is turned out of its depth", "parts: what moves a body is its velocity",
+             {"a penetration that is corrected by rotation", "the bodies separate: the correction becomes velocity",
               "PositionError.EndsInTouch"},
-             {"a joint that is pulled together", "its bodies go on with that speed", "JointStep.PullsLeaveNoSpeed"},
+             {"a joint error that is corrected", "its bodies keep the correction speed", "JointStep.PullsLeaveNoSpeed"},
              {"a box on a slope below the critical angle",
-              "creeps: friction holds it where the sub-step began, and nothing is remembered",
+              "it creeps: friction only holds the position of the sub-step's start, without warm starting",
               "Slope.HoldsOrSaysThatItDoesNot"},
-             {"cubes on each other", "tremble and creep, since each sub-step is one cold sweep", "Rest.StackStays"},
-             {"a cone with friction at its stop, in ever shorter steps",
-              "gives way by what falls slower than the step: each sub-step is one cold sweep", "JointMotion.Converges"},
-             {"brakes in a row that hold a weight", "slip for the same reason: nothing pulls back",
+             {"cubes on each other", "they tremble and creep, because each sub-step is one pass without warm starting",
+              "Rest.StackStays"},
+             {"a cone with friction at its limit, with shorter and shorter steps",
+              "its error shrinks slower than the step, because each sub-step is one pass without warm starting",
+              "JointMotion.Converges"},
+             {"brakes in series that hold a weight", "they slip: no impulse is kept, and nothing pulls back",
               "JointMotion.Rests"},
-             {"bodies that press on each other and turn together",
-              "change their angular momentum: arms of joints are a sub-step ahead of those of contacts",
+             {"bodies in contact that rotate together",
+              "their angular momentum changes: lever arms of joints are a sub-step ahead of those of contacts",
               "Solver.TurningKeepsAngularMomentum"},
-             {"bodies that part within the step",
-              "what one sub-step has pushed apart no later one takes back, so that the order of contacts tells",
+             {"bodies that separate within the step",
+              "no later sub-step undoes a push of an earlier one, so the result depends on the order of contacts",
               "Solver.OrderDoesNotMatter"},
              {"a ball that rolls",
-              "gains speed: within a step its anchor turns with it, and the floor's push at that arm turns it on",
+              "it gains speed: its anchor rotates with it within a step, and the floor's force there drives it on",
               "Rolling.StopsOrSaysThatItDoesNot"},
              {"a heavy body that falls on a light one",
-              "is thrown up: what one sub-step leaves sunk, a later one pushes out, which is velocity",
+              "it is thrown up: a later sub-step corrects the penetration of an earlier one, which becomes velocity",
               "Solver.HeavyIsNotThrownUp"},
-             {"the same", "is braked by more than sweeps do", "Solver.ConvergesAsPredicted"}},
+             {"a heavy body that falls on a light one", "it slows down faster than Gauss-Seidel predicts",
+              "Solver.ConvergesAsPredicted"}},
         .friction = FrictionLaw::coulomb};
   }
 

@@ -20,19 +20,20 @@ class Bilateral final : public TimeOfImpact<D> {
     Real tolerance = kContactBand;
     int iterations = 100;
     void visit(ParamVisitor& v) {
-      v.stage("query", query, StageKind::pairQuery, "gives the gap and its normal");
-      v.real("tolerance", tolerance, 0, Real(0.1), "1", "a gap that counts as contact, against the size of the pair",
+      v.stage("query", query, StageKind::pairQuery, "pair query that gives the separation and its normal");
+      v.real("tolerance", tolerance, 0, Real(0.1), "1", "gap that counts as contact, relative to the size of the pair",
              ParamRole::tolerance);
-      v.integer("iterations", iterations, 1, 1000000, "axes", ParamRole::effort);
+      v.integer("iterations", iterations, 1, 1000000, "axes tried", ParamRole::effort);
     }
   };
   explicit Bilateral(const Params& params) : m_params(params), m_query(createStage<PairQuery<D>>(params.query)) {}
 
   static AlgorithmInfo info() {
-    return {.name = "bilateral",
-            .summary = "root of the separation along the gap's normal, as far as its curvature proves it the first",
-            .paper = "catto2013",
-            .complexity = "a few distance queries, some ten support points along each axis"};
+    return {
+        .name = "bilateral",
+        .summary = "root of the separation along a fixed axis; a bound on its curvature proves that it is the first",
+        .paper = "catto2013",
+        .complexity = "a few distance queries, about ten support points along each axis"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_query->supports(a, b); }

@@ -17,8 +17,8 @@ class ConservativeAdvancement final : public TimeOfImpact<D> {
     Real tolerance = kContactBand;
     int iterations = 1000;
     void visit(ParamVisitor& v) {
-      v.stage("query", query, StageKind::pairQuery, "gives the gap and its normal");
-      v.real("tolerance", tolerance, 0, Real(0.1), "1", "a gap that counts as contact, against the size of the pair",
+      v.stage("query", query, StageKind::pairQuery, "pair query that gives the separation and its normal");
+      v.real("tolerance", tolerance, 0, Real(0.1), "1", "gap that counts as contact, relative to the size of the pair",
              ParamRole::tolerance);
       v.integer("iterations", iterations, 1, 1000000, "steps", ParamRole::effort);
     }
@@ -28,10 +28,11 @@ class ConservativeAdvancement final : public TimeOfImpact<D> {
 
   static AlgorithmInfo info() {
     return {.name = "conservative_advancement",
-            .summary = "steps as long as the gap needs to close at the bound of the approach",
+            .summary = "conservative advancement: steps of the gap over a bound on the approach speed",
             .paper = "mirtich1996",
-            .complexity = "distance queries: a few, log(1 / tolerance) for bodies that turn",
-            .failures = {{"a turning body that passes by closely", "it creeps, and may end at its limit",
+            .complexity = "a few distance queries; log(1 / tolerance) for rotating bodies",
+            .failures = {{"a rotating body that passes by closely",
+                          "steps become tiny, and the iteration limit may end the search",
                           "TimeOfImpact.CloseMissesAreDecided"}}};
   }
 

@@ -32,17 +32,17 @@ class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
     int maxRows = 200;
     int sweeps = 20;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 1, 100000, "at most, per island", ParamRole::effort);
-      v.real("tolerance", tolerance, 0, 1, "m/s", "stop when neither law nor limits are missed by more",
-             ParamRole::tolerance);
+      v.integer("iterations", iterations, 1, 100000, "largest number of iterations per island", ParamRole::effort);
+      v.real("tolerance", tolerance, 0, 1, "m/s",
+             "stop when the errors of the contact law and of limits are below this", ParamRole::tolerance);
       v.real("proximal", proximal, 0, 1, "1",
-             "weight of the last iterate, over W_ii: redundant contacts; 0: 1e-6, in f32 1e-3");
+             "proximal weight over W_ii, which handles redundant contacts; 0: 1e-6, in f32 1e-3");
       v.choice("correction", correction, {"de_saxce", "none"},
-               "Coulomb's law, or the convex one that lifts what slides");
-      v.flag("warm_start", warmStart, "start from the impulses of the last step");
-      v.integer("max_bodies", maxBodies, 0, 10000, "of an island that is solved so");
-      v.integer("max_rows", maxRows, 0, 5000, "the same, of a matrix without bodies");
-      v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, over islands that are larger");
+               "de_saxce: Coulomb's law; none: the convex law, which lifts sliding bodies");
+      v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
+      v.integer("max_bodies", maxBodies, 0, 10000, "bodies of the largest island that this method solves");
+      v.integer("max_rows", maxRows, 0, 5000, "rows of the largest matrix without bodies that this method solves");
+      v.integer("sweeps", sweeps, 0, 100000, "projected Gauss-Seidel passes over islands larger than max_bodies");
     }
   };
   explicit Admm(const Params& params) : m_params(params) {
@@ -52,20 +52,21 @@ class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
   static AlgorithmInfo info() {
     AlgorithmInfo info = {
         .name = "admm",
-        .summary = "proximal ADMM with De Saxce's correction, one sparse factorisation per island and penalty",
+        .summary = "proximal ADMM with De Saxce's correction; one sparse factorisation per island and penalty",
         .paper = "carpentier2024",
         .complexity =
             "a sparse factorisation of an island's bodies per penalty and a solve per iteration, both linear in a "
             "tower; bodies^2 to order them",
         .guarantee = Guarantee::approximate,
-        .failures = {{"a heavy body on a light one in ever more iterations",
-                      "it has no rate of sweeps: it is at the end at once", "Joint.ConvergesAsPredicted"}},
+        .failures = {{"a heavy body on a light one, with more and more iterations",
+                      "it solves the island at once, so it has no Gauss-Seidel convergence rate",
+                      "Joint.ConvergesAsPredicted"}},
         .friction = FrictionLaw::coulomb,
         .otherFriction = {{"correction", "none", FrictionLaw::convex}},
         .matrixAlone = true};
     if (sizeof(Real) == 4) {
-      info.failures.push_back({"a motor of 1e6 N m at its stop, in f32",
-                               "each iteration gives no more than 1 / proximal, and none comes to the motor's limit",
+      info.failures.push_back({"a motor of 1e6 N m at its joint limit, in f32",
+                               "each iteration adds at most 1 / proximal, so the motor's limit is never reached",
                                "Joint.StopHoldsAgainstItsMotor"});
     }
     return info;

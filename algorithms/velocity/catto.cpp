@@ -26,47 +26,49 @@ class Catto final : public VelocityResolver<D> {
     bool block = false;
     Friction friction = Friction::cone;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts", ParamRole::effort);
-      v.flag("warm_start", warmStart, "start from the impulses of the last step");
-      v.real("warm_factor", warmFactor, 0, 1, "1", "share of the last step's impulses to start from");
+      v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts", ParamRole::effort);
+      v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
+      v.real("warm_factor", warmFactor, 0, 1, "1", "fraction of the last step's impulses used for warm starting");
       v.real("relaxation", relaxation, Real(0.05), Real(1.95), "1", "over-relaxation of normal impulses (SOR)");
-      v.choice("sweep", sweep, {"forward", "symmetric"}, "always in the given order, or there and back by turns");
-      v.flag("block", block, "the normal impulses of a manifold at once");
-      v.choice("friction", friction, {"cone", "pyramid", "box"},
-               "within mu n: as a vector, each tangent by itself, or so with n of the last step");
+      v.choice("sweep", sweep, {"forward", "symmetric"}, "direction of the passes: always forward, or alternating");
+      v.flag("block", block, "solve the normal impulses of a manifold as one block");
+      v.choice(
+          "friction", friction, {"cone", "pyramid", "box"},
+          "bound of friction: vector within mu n, each tangent within mu n, or each tangent with n of the last step");
     }
   };
   explicit Catto(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     std::vector<FailureMode> failures = {
-        {"a heavy body on a light one, a tall stack",
-         "linear convergence: the error of a sweep shrinks by r/(1+r) for a mass ratio r",
+        {"a heavy body on a light one; a tall stack",
+         "linear convergence: each pass reduces the error by the factor r/(1+r) for a mass ratio r",
          "Impulse.CarriesHeavyOnLight"}};
     if (D == 3) {
-      const std::string pyramid = "friction=pyramid: what slides at an angle to the tangents";
+      const std::string pyramid = "friction=pyramid: a body that slides at an angle to the tangents";
       for (const char* test : {"Impulse.StaysInTheCone", "Impulse.PushesOnly", "Solver.StaysInTheCone"}) {
-        failures.push_back({pyramid, "is slowed by up to sqrt(2) mu n", test});
+        failures.push_back({pyramid, "friction reaches sqrt(2) mu n", test});
       }
       for (const char* test : {"Impulse.TurnsWithTheFrame", "Symmetry.MovesWithTheFrame"}) {
-        failures.push_back({pyramid, "comes to another end when all is turned", test});
+        failures.push_back({pyramid, "the result changes when the scene is rotated", test});
       }
-      failures.push_back({"friction=box: what slides at an angle to the tangents",
-                          "comes to another end when all is turned", "Symmetry.MovesWithTheFrame"});
+      failures.push_back({"friction=box: a body that slides at an angle to the tangents",
+                          "the result changes when the scene is rotated", "Symmetry.MovesWithTheFrame"});
       for (const char* choice : {"pyramid", "box"}) {
-        failures.push_back({"friction=" + std::string(choice) + ": prisms that slide along their plane",
-                            "their tangents lie across it: they have up to sqrt(2) of the friction",
+        failures.push_back({"friction=" + std::string(choice) + ": prisms that slide in their plane",
+                            "the tangents lie at an angle to that plane: friction reaches sqrt(2) mu n",
                             "Extrusion.AgreesOrSaysThatItDoesNot"});
       }
     }
-    return {.name = "catto",
-            .summary = "sequential impulses, accumulated and clamped, warm started",
-            .paper = "catto2006",
-            .complexity = "iterations x (contacts + joints)",
-            .guarantee = Guarantee::approximate,
-            .failures = failures,
-            .friction = FrictionLaw::coulomb,
-            .otherFriction = {{"friction", "pyramid", FrictionLaw::pyramid}, {"friction", "box", FrictionLaw::lagged}}};
+    return {
+        .name = "catto",
+        .summary = "sequential impulses: projected Gauss-Seidel with accumulated, clamped and warm-started impulses",
+        .paper = "catto2006",
+        .complexity = "iterations x (contacts + joints)",
+        .guarantee = Guarantee::approximate,
+        .failures = failures,
+        .friction = FrictionLaw::coulomb,
+        .otherFriction = {{"friction", "pyramid", FrictionLaw::pyramid}, {"friction", "box", FrictionLaw::lagged}}};
   }
 
   void solve(const VelocityInput<D>& in) override {

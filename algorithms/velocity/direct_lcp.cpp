@@ -29,13 +29,14 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     int maxPivots = 10000;
     int sweeps = 20;
     void visit(ParamVisitor& v) {
-      v.integer("facets", facets, 4, 16, "of the pyramid in 3D; in 2D there are two");
+      v.integer("facets", facets, 4, 16, "facets of the friction pyramid in 3D; two in 2D");
       v.real("cfm", cfm, -1, Real(0.1), "1",
-             "compliance of each row in a solve, of W_ii: redundant contacts share; below 0: 1e-7, in f32 1e-3");
-      v.integer("max_bodies", maxBodies, 0, 10000, "of an island that is solved directly");
-      v.integer("max_rows", maxRows, 0, 2000, "of an island that is dense: without bodies or compliance, or Lemke's");
-      v.integer("max_pivots", maxPivots, 0, 1000000, "of a path, and of Lemke's method");
-      v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, where nothing else helps");
+             "compliance of each row over W_ii, which lets redundant contacts share a load; < 0: 1e-7, in f32 1e-3");
+      v.integer("max_bodies", maxBodies, 0, 10000, "bodies of the largest island that is solved directly");
+      v.integer("max_rows", maxRows, 0, 2000,
+                "rows of the largest dense problem: without bodies or compliance, or for Lemke's method");
+      v.integer("max_pivots", maxPivots, 0, 1000000, "largest number of pivots of the path and of Lemke's method");
+      v.integer("sweeps", sweeps, 0, 100000, "projected Gauss-Seidel passes, the last fallback");
     }
   };
   explicit DirectLcp(const Params& params) : m_params(params) {
@@ -46,18 +47,21 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
   static AlgorithmInfo info() {
     AlgorithmInfo info = {
         .name = "direct_lcp",
-        .summary = "each island's complementarity problem by active sets, a path and Lemke's method, on a pyramid",
+        .summary =
+            "solves each island's linear complementarity problem with a friction pyramid: active sets, path following, "
+            "Lemke's method",
         .paper = "stewart1996",
-        .complexity = "a sparse factorisation of an island's bodies per guess, linear in a tower; Lemke: rows^3",
+        .complexity = "a sparse factorisation of an island's bodies per active set, linear in a tower; Lemke: rows^3",
         .guarantee = Guarantee::approximate,
-        .failures = {{"a heavy body on a light one in ever more iterations",
-                      "it has no rate of sweeps: it is at the end at once", "Joint.ConvergesAsPredicted"}},
+        .failures = {{"a heavy body on a light one, with more and more iterations",
+                      "it solves the island at once, so it has no Gauss-Seidel convergence rate",
+                      "Joint.ConvergesAsPredicted"}},
         .friction = FrictionLaw::facets,
-        .noEffort = "comes to its end at once; sweeps are for what nothing else helps",
+        .noEffort = "it solves the island at once; its passes are a last fallback",
         .matrixAlone = true};
     if (sizeof(Real) == 4) {
-      info.failures.push_back({"a motor of 1e6 N m at its stop, in f32",
-                               "each pass gives no more than 1 / cfm, and three do not come to the motor's limit",
+      info.failures.push_back({"a motor of 1e6 N m at its joint limit, in f32",
+                               "each pass adds at most 1 / cfm, so three passes do not reach the motor's limit",
                                "Joint.StopHoldsAgainstItsMotor"});
     }
     return info;

@@ -22,9 +22,10 @@ class Jacobi final : public VelocityResolver<D> {
     bool warmStart = true;
     Splitting splitting = Splitting::mass;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts", ParamRole::effort);
-      v.flag("warm_start", warmStart, "start from the impulses of the last step");
-      v.choice("splitting", splitting, {"none", "averaged", "mass"}, "how a body is shared by those that push it");
+      v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts", ParamRole::effort);
+      v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
+      v.choice("splitting", splitting, {"none", "averaged", "mass"},
+               "how contacts share a body: none: full mass for each; averaged: averaged impulses; mass: split mass");
     }
   };
   explicit Jacobi(const Params& params) : m_params(params) {}
@@ -32,22 +33,23 @@ class Jacobi final : public VelocityResolver<D> {
   static AlgorithmInfo info() {
     AlgorithmInfo info{
         .name = "jacobi",
-        .summary = "all contacts at once, each with its share of the bodies' masses",
+        .summary =
+            "Jacobi iterations with mass splitting: all contacts at once, each with a share of the bodies' masses",
         .paper = "tonge2012",
         .complexity = "iterations x (contacts + joints)",
         .guarantee = Guarantee::approximate,
-        .failures = {{"a heavy body on a light one, a tall stack",
-                      "the light one's parts are lighter still: twenty sweeps are far from the weight",
+        .failures = {{"a heavy body on a light one; a tall stack",
+                      "shares of the light body are lighter still: twenty passes carry little of the weight",
                       "Impulse.CarriesHeavyOnLight"},
-                     {"a heavy body on a light one in ever more iterations",
-                      "its error shrinks slower than that of sweeps one after the other", "Joint.ConvergesAsPredicted"},
+                     {"a heavy body on a light one, with more and more iterations",
+                      "its error shrinks slower than with Gauss-Seidel", "Joint.ConvergesAsPredicted"},
                      {"without splitting, a body with four contacts",
-                      "each takes the whole of it: it leaves three times as fast as it came",
+                      "each contact stops the whole body: it leaves three times as fast as it arrived",
                       "Jacobi.SplittingKeepsEnergy"}},
         .friction = FrictionLaw::coulomb};
     if (D == 2 && sizeof(Real) == 8) {  // a ten-thousandth is rounding in f32
       info.failures.push_back({"five contacts between three bodies",
-                               "shares are small: 2000 sweeps leave a ten-thousandth of the speed",
+                               "shares are small: 2000 passes leave a ten-thousandth of the speed",
                                "Accumulation.TakesBack"});
     }
     return info;

@@ -22,41 +22,42 @@ class Millington final : public VelocityResolver<D> {
     ExtremeSearch search = ExtremeSearch::tree;
     ImpulseOrder order = ImpulseOrder::worstFirst;
     void visit(ParamVisitor& v) {
-      v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of impulses, as a multiple of the contacts",
-             ParamRole::effort);
-      v.real("epsilon", epsilon, 0, 10, "m/s", "a smaller error of velocity is left alone", ParamRole::tolerance);
+      v.real("iteration_factor", iterationFactor, 0, 10000, "1",
+             "largest number of impulses, as a multiple of the contacts", ParamRole::effort);
+      v.real("epsilon", epsilon, 0, 10, "m/s", "velocity errors below this are accepted", ParamRole::tolerance);
       v.choice("search", search, {"scan", "tree"}, "how the worst contact is found; the result is the same");
       v.choice("order", order, {"worst_first", "given"},
-               "given: sweeps, so many as the factor says, or until all is well");
+               "worst_first, or passes in the given order, up to the same limit");
     }
   };
   explicit Millington(const Params& params) : m_params(params), m_errors(params.search) {}
 
   static AlgorithmInfo info() {
-    return {.name = "millington",
-            .summary = "the contact with the largest error of velocity first, until none or the limit is left",
-            .paper = "millington2007",
-            .complexity = "iterations x (log contacts + neighbours); scan: iterations x contacts",
-            .guarantee = Guarantee::approximate,
-            .failures = {{"a box on a slope that holds it, in space",
-                          "creeps: friction is bounded by what this step has pushed, and nothing is kept",
-                          "Slope.HoldsOrSaysThatItDoesNot"},
-                         {"several contacts that push each other", "impulses too large stay: towers jitter",
-                          "Accumulation.TakesBack"},
-                         {"a heavy body on a light one", "the limit of impulses is met far from the weight",
-                          "Impulse.CarriesHeavyOnLight"},
-                         {"a stack at rest", "it trembles and wanders", "Rest.Stays"},
-                         {"order=given: the same contacts, stored in another order",
-                          "what the first have pushed stays: another end", "Impulse.OrderDoesNotMatter"},
-                         {"order=worst_first: contacts elsewhere, that do not touch these",
-                          "share their limit of impulses", "Replay.DisjointScenesAreTwoWorlds"},
-                         {"a box that slides on four points", "it turns and runs up to 13 % too fast",
-                          "Slope.SlidesOrSaysThatItDoesNot"},
-                         {"the same in the plane, on two points", "it slides another way",
-                          "Extrusion.AgreesOrSaysThatItDoesNot"},
-                         {"a plate that slides and spins on its corners", "some bear nothing, others twice their share",
-                          "Corners.ShareAPlateThatSlides"}},
-            .friction = FrictionLaw::coulomb};
+    return {
+        .name = "millington",
+        .summary = "solves the contact with the largest velocity error first, until none is left or a limit is reached",
+        .paper = "millington2007",
+        .complexity = "iterations x (log contacts + neighbours); scan: iterations x contacts",
+        .guarantee = Guarantee::approximate,
+        .failures =
+            {{"a box on a slope below the critical angle, in space",
+              "it creeps: friction is bounded by this step's normal impulses, without warm starting",
+              "Slope.HoldsOrSaysThatItDoesNot"},
+             {"several coupled contacts", "excess impulses are never undone: towers jitter", "Accumulation.TakesBack"},
+             {"a heavy body on a light one", "the limit of impulses is reached long before the weight is carried",
+              "Impulse.CarriesHeavyOnLight"},
+             {"a stack at rest", "it trembles and drifts", "Rest.Stays"},
+             {"order=given: the same contacts in another order",
+              "early impulses are never undone, so the result depends on the order", "Impulse.OrderDoesNotMatter"},
+             {"order=worst_first: unconnected contacts elsewhere", "they share one limit of impulses",
+              "Replay.DisjointScenesAreTwoWorlds"},
+             {"a box that slides on four points", "it rotates and slides up to 13 % too fast",
+              "Slope.SlidesOrSaysThatItDoesNot"},
+             {"a 2D box that slides on two points", "it slides a different distance",
+              "Extrusion.AgreesOrSaysThatItDoesNot"},
+             {"a plate that slides and spins on its corners", "some corners carry nothing, others twice their share",
+              "Corners.ShareAPlateThatSlides"}},
+        .friction = FrictionLaw::coulomb};
   }
 
   void solve(const VelocityInput<D>& in) override {

@@ -22,28 +22,29 @@ class NaiveVelocity final : public VelocityResolver<D> {
   explicit NaiveVelocity(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "naive",
-        .summary = "each contact once, in stored order, without accumulation",
-        .paper = "lpc2009",
-        .complexity = "iterations x (contacts + joints)",
-        .guarantee = Guarantee::approximate,
-        .failures = {{"a box on a slope below the critical angle",
-                      "creeps: friction is bounded by what this pass has pushed, and nothing is kept",
-                      "Slope.HoldsOrSaysThatItDoesNot"},
-                     {"several contacts that push each other", "impulses too large stay: the bodies fly apart",
-                      "Accumulation.TakesBack"},
-                     {"the same contacts, stored in another order", "what the first have pushed stays: another end",
-                      "Impulse.OrderDoesNotMatter"},
-                     {"a stack at rest", "it trembles until it falls", "Rest.Stays"},
-                     {"a heavy body on a light one", "one pass is far from the weight", "Impulse.CarriesHeavyOnLight"},
-                     {"a box that slides on four points", "it hops and turns by half a per cent",
-                      "Slope.SlidesOrSaysThatItDoesNot"},
-                     {"the same in the plane, on two points", "it slides another way",
-                      "Extrusion.AgreesOrSaysThatItDoesNot"},
-                     {"a plate that slides and spins on its corners", "the first ones bear more than their share",
-                      "Corners.ShareAPlateThatSlides"}},
-        .friction = FrictionLaw::coulomb};
+    return {.name = "naive",
+            .summary = "one pass over the contacts in stored order, without accumulated impulses",
+            .paper = "lpc2009",
+            .complexity = "iterations x (contacts + joints)",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"a box on a slope below the critical angle",
+                          "it creeps: friction is bounded by this pass's normal impulses, without warm starting",
+                          "Slope.HoldsOrSaysThatItDoesNot"},
+                         {"several coupled contacts", "excess impulses are never undone: the bodies fly apart",
+                          "Accumulation.TakesBack"},
+                         {"the same contacts in another order",
+                          "early impulses are never undone, so the result depends on the order",
+                          "Impulse.OrderDoesNotMatter"},
+                         {"a stack at rest", "it trembles until it falls", "Rest.Stays"},
+                         {"a heavy body on a light one", "one pass carries little of the weight",
+                          "Impulse.CarriesHeavyOnLight"},
+                         {"a box that slides on four points", "it hops and rotates by half a per cent",
+                          "Slope.SlidesOrSaysThatItDoesNot"},
+                         {"a 2D box that slides on two points", "it slides a different distance",
+                          "Extrusion.AgreesOrSaysThatItDoesNot"},
+                         {"a plate that slides and spins on its corners",
+                          "the first corners carry more than their share", "Corners.ShareAPlateThatSlides"}},
+            .friction = FrictionLaw::coulomb};
   }
 
   void solve(const VelocityInput<D>& in) override {

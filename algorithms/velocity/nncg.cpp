@@ -17,8 +17,8 @@ class Nncg final : public VelocityResolver<D>, private WholeProblem<D> {
     int iterations = 10;
     bool warmStart = true;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts", ParamRole::effort);
-      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+      v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts", ParamRole::effort);
+      v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
     }
   };
   explicit Nncg(const Params& params) : m_params(params) {}
@@ -31,18 +31,21 @@ class Nncg final : public VelocityResolver<D>, private WholeProblem<D> {
         .complexity = "iterations x (contacts + joints)",
         .guarantee = Guarantee::approximate,
         .failures =
-            {{"a heavy body on a light one, a tall stack",
-              "faster than plain sweeps, but ten carry two fifths of a ratio of 80", "Impulse.CarriesHeavyOnLight"},
-             {"contacts elsewhere, that do not touch these", "share the factor of the next direction",
+            {{"a heavy body on a light one; a tall stack",
+              "faster than plain Gauss-Seidel, but ten iterations carry two fifths of the weight at a mass ratio of 80",
+              "Impulse.CarriesHeavyOnLight"},
+             {"unconnected contacts elsewhere", "they share one factor of the next search direction",
               "Replay.DisjointScenesAreTwoWorlds"},
-             {"joints, by six iterations instead of three", "its error grows between restarts", "Joint.MoreIsNoWorse"},
-             {"contacts, by twice as many iterations", "their energy grows between restarts", "Impulse.MoreIsNoWorse"}},
+             {"joints, with six iterations instead of three", "the error grows between restarts",
+              "Joint.MoreIsNoWorse"},
+             {"contacts, with twice as many iterations", "the energy grows between restarts", "Impulse.MoreIsNoWorse"}},
         .friction = FrictionLaw::coulomb,
         .matrixAlone = true};
     if (D == 2) {
-      info.failures.push_back({"a stop that is hit, in ever shorter steps",
-                               "ten iterations end with another error in each: directions from before the stop go on",
-                               "JointMotion.Converges"});
+      info.failures.push_back(
+          {"a joint limit that is hit, with shorter and shorter steps",
+           "ten iterations end with a different error in each step: search directions from before the limit persist",
+           "JointMotion.Converges"});
     }
     return info;
   }

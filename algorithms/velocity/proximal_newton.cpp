@@ -26,31 +26,34 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
     int maxBodies = 1000;
     int sweeps = 20;
     void visit(ParamVisitor& v) {
-      v.real("cfm", cfm, Real(1e-11), Real(0.1), "1", "what a row gives way in a pass, of W_ii");
-      v.integer("passes", passes, 1, 1000, "at most, from where the last has come");
+      v.real("cfm", cfm, Real(1e-11), Real(0.1), "1", "proximal compliance of a row per pass, over W_ii");
+      v.integer("passes", passes, 1, 1000, "largest number of passes, each started from the last one's result");
       v.integer("iterations", iterations, 1, 100000,
-                "at most, of Newton's method in an island and step, over all passes", ParamRole::effort);
-      v.real("tolerance", tolerance, 0, 1, "1", "residual at which a pass is the last, of what rows are to do",
+                "largest number of Newton iterations per island and step, over all passes", ParamRole::effort);
+      v.real("tolerance", tolerance, 0, 1, "1", "relative residual of the rows at which the passes end",
              ParamRole::tolerance);
-      v.integer("max_bodies", maxBodies, 0, 10000, "of an island that is solved so");
-      v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, over islands that are larger");
+      v.integer("max_bodies", maxBodies, 0, 10000, "bodies of the largest island that this method solves");
+      v.integer("sweeps", sweeps, 0, 100000, "projected Gauss-Seidel passes over islands larger than max_bodies");
     }
   };
   explicit ProximalNewton(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {.name = "proximal_newton",
-            .summary = "method of multipliers, Newton's method over an island's bodies inside, De Saxce's correction",
-            .paper = "rockafellar1976",
-            .complexity =
-                "a sparse factorisation of an island's bodies per iteration, linear in a tower; bodies^2 to order them",
-            .guarantee = Guarantee::approximate,
-            .failures = {{"a heavy body on a light one in ever more iterations",
-                          "it has no rate of sweeps: it is at the end at once", "Joint.ConvergesAsPredicted"},
-                         {"a slide in space that is the plane's, to a nanometre only",
-                          "its passes end at a tolerance, that is coarser than rounding",
-                          "Extrusion.AgreesOrSaysThatItDoesNot"}},
-            .friction = FrictionLaw::coulomb};
+    return {
+        .name = "proximal_newton",
+        .summary =
+            "proximal method of multipliers with De Saxce's correction; Newton's method over an island's bodies inside",
+        .paper = "rockafellar1976",
+        .complexity =
+            "a sparse factorisation of an island's bodies per iteration, linear in a tower; bodies^2 to order them",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"a heavy body on a light one, with more and more iterations",
+                      "it solves the island at once, so it has no Gauss-Seidel convergence rate",
+                      "Joint.ConvergesAsPredicted"},
+                     {"a 3D slide that equals the 2D slide only to a nanometre",
+                      "its passes end at a tolerance that is coarser than rounding",
+                      "Extrusion.AgreesOrSaysThatItDoesNot"}},
+        .friction = FrictionLaw::coulomb};
   }
 
   void solve(const VelocityInput<D>& in) override {

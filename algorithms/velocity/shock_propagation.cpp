@@ -20,36 +20,41 @@ class ShockPropagation final : public VelocityResolver<D> {
     int passes = 4;
     bool warmStart = false;
     void visit(ParamVisitor& v) {
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts before the levels",
+      v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts before the levels",
                 ParamRole::effort);
-      v.integer("passes", passes, 0, 1000, "sweeps over each level on the way up: a face has several points");
-      v.flag("warm_start", warmStart, "start from the impulses of the last step, levels included; published: not");
+      v.integer("passes", passes, 0, 1000, "passes over each level on the way up, because a face has several points");
+      v.flag("warm_start", warmStart,
+             "warm start from the impulses of the last step, levels included; published: false");
     }
   };
   explicit ShockPropagation(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {.name = "shock_propagation",
-            .summary = "sequential impulses, then upwards by level, those below infinitely heavy",
-            .paper = "guendelman2003",
-            .complexity = "iterations x (contacts + joints) + passes x contacts",
-            .guarantee = Guarantee::approximate,
-            .failures = {{"whatever stands on something that can move",
-                          "the lower body does not feel what pushes the upper one: momentum is made",
-                          "Impulse.GroundGivesTheMomentum"},
-                         {"the same, by twice as many iterations before the levels",
-                          "the levels push on from another motion, and no nearer to the end", "Impulse.MoreIsNoWorse"},
-                         {"a heavy body on a light one", "it rests, but the light one does not feel its weight at once",
-                          "Impulse.CarriesHeavyOnLight"},
-                         {"the same in ever more iterations", "the levels stop both at once: it has no rate of sweeps",
-                          "Impulse.ConvergesAsPredicted"},
-                         {"cubes on each other", "they creep: each step starts without impulses; warm_start=true rests",
-                          "Rest.StackStays"},
-                         {"a load on a weld or a stop", "it trembles: each step starts without impulses",
-                          "JointMotion.Rests"},
-                         {"a body on a very heavy one that is not fixed", "has no ground under it, nor a level",
-                          "Symmetry.HeavyIsFixed"}},
-            .friction = FrictionLaw::coulomb};
+    return {
+        .name = "shock_propagation",
+        .summary =
+            "sequential impulses, then shock propagation: levels from the ground up, with lower levels infinitely "
+            "heavy",
+        .paper = "guendelman2003",
+        .complexity = "iterations x (contacts + joints) + passes x contacts",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"a body on another body that can move",
+                      "no reaction acts on the lower body, so momentum is not conserved",
+                      "Impulse.GroundGivesTheMomentum"},
+                     {"a body on another body that can move, with twice as many iterations before the levels",
+                      "the levels start from a different motion and end no closer to the solution",
+                      "Impulse.MoreIsNoWorse"},
+                     {"a heavy body on a light one", "it rests, but its weight does not act on the light body at once",
+                      "Impulse.CarriesHeavyOnLight"},
+                     {"a heavy body on a light one, with more and more iterations",
+                      "the levels stop both bodies at once, so there is no Gauss-Seidel convergence rate",
+                      "Impulse.ConvergesAsPredicted"},
+                     {"cubes on each other", "they creep, because each step starts cold; warm_start=true rests",
+                      "Rest.StackStays"},
+                     {"a load on a weld or a stop", "it trembles, because each step starts cold", "JointMotion.Rests"},
+                     {"a body on a very heavy one that is not static",
+                      "it has no static body below it, and so no level", "Symmetry.HeavyIsFixed"}},
+        .friction = FrictionLaw::coulomb};
   }
 
   void solve(const VelocityInput<D>& in) override {

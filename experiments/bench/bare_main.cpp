@@ -24,10 +24,9 @@ double cpuSeconds() {
 int usage(const char* program) {
   std::printf(
       "usage: %s [--steps N]\n\n"
-      "Steps the scene `pyramid` of 210 boxes by the engine's own API, and prints the median time of a step and how "
-      "far a\n"
-      "box is from where it came. --steps: how many, 600; the first %d are not timed. One pinned thread and a quiet\n"
-      "machine are the caller's business.\n"
+      "Steps the scene `pyramid` of 210 boxes through the engine's own API. Prints the median time of a step and "
+      "the\nlargest drift of a box. --steps: number of steps, default 600; the first %d are not timed. Pin the thread "
+      "and\nkeep the machine idle.\n"
       "Example: taskset -c 1 build/release/bin/%s --steps 300\n",
       program, kWarmUpSteps, program);
   return 0;

@@ -51,7 +51,7 @@ const StreamReplay<D>& replayOf(const StreamScene& scene) {
 template <int D>
 void runStream(benchmark::State& state, const std::string& spec, const StreamScene& scene, bool warm) {
   const StreamReplay<D>& replay = replayOf<D>(scene);
-  if (replay.views.empty()) return state.SkipWithError("no boxes come near each other");
+  if (replay.views.empty()) return state.SkipWithError("no bounding boxes come near each other");
   auto method = createStage<PairQuery<D>>(Spec::parse(spec));
   const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
   std::vector<PairAnswer<D>> answers(replay.views.size());

@@ -152,7 +152,7 @@ std::string otherwise(const WorkerEnd& end, const Fall& fall) {
     if (again.at("outcome") == fall.outcome && again.at("step").get<double>() == fall.step) return "";
     return again.at("outcome").get<std::string>() + " at step " + again.at("step").dump();
   } catch (const json::exception&) {
-    return "crash, the worker's result cannot be read";
+    return "crash, the worker's result is unreadable";
   }
 }
 
@@ -175,7 +175,7 @@ bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& option
     while (ends.empty() && !InterruptGuard::interrupted()) ends = pool.ended();
     if (ends.empty()) return false;
     if (const std::string what = otherwise(ends[0], fall); !what.empty()) {
-      std::fprintf(stderr, "lpc: sweep %s: a run of %s that %s at step %.0f is %s when it is run again: not drawn\n",
+      std::fprintf(stderr, "lpc: sweep %s: a run of %s that %s at step %.0f is %s when repeated: not drawn\n",
                    sweep.name.c_str(), t.world().scene.c_str(), fall.outcome.c_str(), fall.step, what.c_str());
       continue;
     }

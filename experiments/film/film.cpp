@@ -22,7 +22,7 @@ constexpr DrawColour kDivider{120, 120, 115};
 int dimensionOf(const std::string& path) {
   std::error_code absent;  // a pipe would block, and be empty when it is read again
   if (std::filesystem::exists(path, absent) && !std::filesystem::is_regular_file(path, absent)) {
-    throw UserError(path + ": this is not a recording of a world: it is no file");
+    throw UserError(path + ": not a recording: it is not a regular file");
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) throw UserError(path + ": cannot be read");
@@ -53,7 +53,7 @@ std::string filmed(const std::string& out, std::size_t first, std::size_t frames
                           return picture(shown[i]);
                         }});
   return "film      " + out + ": " + std::to_string(shown.size()) + " of " + std::to_string(frames - first) +
-         " frames" + (kind == FilmKind::frames ? ", without their steps and times" : "");
+         " frames" + (kind == FilmKind::frames ? ", without step numbers and times" : "");
 }
 
 // Duration from frame `first` on (s). A cleared world starts at 0 again.
@@ -99,7 +99,7 @@ std::string describe(const std::string& path) {
   char text[160];
   std::snprintf(text, sizeof text, ": %dD, steps %lld to %lld (%.4g s), %zu bodies at the end%s", D,
                 static_cast<long long>(reel.frames().front().step), static_cast<long long>(last.step), last.time,
-                last.bodies.size(), reel.torn() ? "; the last frame is cut short and left out" : "");
+                last.bodies.size(), reel.torn() ? "; the last frame is incomplete and left out" : "");
   return path + text;
 }
 
@@ -111,11 +111,11 @@ std::string compare(const std::string& pathA, const std::string& pathB, double t
   const auto parting = partingOf(a, b, tolerance);
   std::string text;
   if (parting) {
-    text = "the runs part at step " + std::to_string(parting->step) + ": " + parting->how;
+    text = "the runs diverge at step " + std::to_string(parting->step) + ": " + parting->how;
   } else {
     char within[48];
     std::snprintf(within, sizeof within, " frames are within %.6g m and rad", tolerance);
-    text = "the runs never part: " + std::to_string(a.frames().size()) + within;
+    text = "the runs do not diverge: " + std::to_string(a.frames().size()) + within;
   }
   const std::size_t before = parting && parting->frame > 0 ? parting->frame - 1 : 0;
   return kind ? text + "\n" + filmBoth(a, b, before, *kind, out) : text;

@@ -126,15 +126,14 @@ FilmKind filmKind(const std::string& path) {
   std::error_code ignored;
   if (path.ends_with('/') || fs::is_directory(path, ignored)) {
     if (fs::exists(path, ignored) && !fs::is_empty(path, ignored)) {
-      throw UserError(path + ": is there and not empty; valid: a new or an empty folder");
+      throw UserError(path + ": the folder exists and is not empty; valid: a new or an empty folder");
     }
     const OutputFolder probe(path);  // throws if the place cannot be written
     return FilmKind::frames;
   }
   if (!path.ends_with(".svg")) {
-    throw UserError(path +
-                    ": what film it shall be is not known; valid: NAME.svg, which moves, NAME.strip.svg, or a folder "
-                    "NAME/ for PNG files");
+    throw UserError(
+        path + ": unknown kind of film; valid: NAME.svg (animated), NAME.strip.svg, or NAME/ (folder of PNG files)");
   }
   const OutputFile probe(path);
   return path.ends_with(".strip.svg") ? FilmKind::strip : FilmKind::animated;

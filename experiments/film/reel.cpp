@@ -51,7 +51,7 @@ Reel<D>::Reel(const std::string& path) try {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw UserError("cannot be read");
   m_recording = Recording<D>::read(in);
-  if (m_recording.frames.empty()) throw UserError("the recording has no frame");
+  if (m_recording.frames.empty()) throw UserError("the recording has no frames");
   for (const auto& frame : m_recording.frames) {
     for (const auto& arrival : frame.arrivals) {
       Actor& actor = m_cast[{arrival.slot, arrival.generation}];
@@ -137,13 +137,14 @@ std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tole
     const auto &ours = a.frames()[i].bodies, &theirs = b.frames()[i].bodies;
     const auto step = a.frames()[i].step;
     if (ours.size() != theirs.size()) {
-      return Parting{i, step,
-                     "one has " + std::to_string(ours.size()) + " bodies, the other " + std::to_string(theirs.size())};
+      return Parting{
+          i, step,
+          "one run has " + std::to_string(ours.size()) + " bodies, the other " + std::to_string(theirs.size())};
     }
     for (std::size_t k = 0; k < ours.size(); ++k) {
       const std::string who = "body " + std::to_string(std::min(ours[k].slot, theirs[k].slot));
-      if (ours[k].slot != theirs[k].slot) return Parting{i, step, who + " is in one alone"};
-      if (ours[k].generation != theirs[k].generation) return Parting{i, step, who + " is another one in each"};
+      if (ours[k].slot != theirs[k].slot) return Parting{i, step, who + " exists in one run only"};
+      if (ours[k].generation != theirs[k].generation) return Parting{i, step, who + " is a different body in each run"};
       const double way = (ours[k].X_WC.p - theirs[k].X_WC.p).norm();
       const double turn = angleOf(ours[k].X_WC.q.inverse() * theirs[k].X_WC.q);
       char text[80];
@@ -159,7 +160,7 @@ std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tole
     }
   }
   if (a.frames().size() == b.frames().size()) return std::nullopt;
-  return Parting{count - 1, a.frames()[count - 1].step, "one goes on, the other ends"};
+  return Parting{count - 1, a.frames()[count - 1].step, "one run continues, the other ends"};
 }
 
 template Camera<2> cameraOf(const Sight&, double);

@@ -35,12 +35,13 @@ constexpr int kTimedRepeats = 5;
 void setEnds(BreakOptions& o, const SceneFile& file) {
   BreakQuestion& q = o.question;
   const SceneParameter* p = file.parameter(q.parameter);
-  if (p && p->value.isText()) throw UserError("parameter '" + q.parameter + "' is a text; valid: a number");
+  if (p && p->value.isText())
+    throw UserError("parameter '" + q.parameter + "' holds a text; valid: a parameter that is a number");
   const bool ranged = p && p->lo > 0;
   if ((!o.from && !ranged) || (!o.to && !p)) {
     throw UserError(
         "'" + q.parameter + "' needs " + (!o.from ? "--from" : "--to") +
-        (p ? ": its least value is " + asText(p->lo) : ": it is no parameter of scene '" + file.name() + "'"));
+        (p ? ": its least value is " + asText(p->lo) : ": scene '" + file.name() + "' has no such parameter"));
   }
   q.from = o.from ? *o.from : p->lo, q.to = o.to ? *o.to : p->hi;
 }
@@ -78,11 +79,11 @@ std::string searched(const std::string& pipeline, int dimension) {
   if (!effort) {
     const std::string& why = entry->info.noEffort;
     throw UserError("--equal-cost and '" + pipeline + "': " + method->name + " has no effort" +
-                    (why.empty() ? "" : ", it " + why) + "; valid: another method, or $" + kSetting);
+                    (why.empty() ? "" : ": " + why) + "; valid: another method, or $" + kSetting);
   }
   if (const Spec* given = method->find(effort->name)) {
-    throw UserError("--equal-cost and '" + pipeline + "', which says " + effort->name + "=" + given->text() +
-                    "; valid: without it");
+    throw UserError("--equal-cost and '" + pipeline + "', which sets " + effort->name + "=" + given->text() +
+                    "; valid: a pipeline without it");
   }
   method->set(effort->name, Spec{std::string("$") + kSetting, {}});
   return engine ? "engine=" + engine->text() : stages.text();
@@ -94,8 +95,9 @@ PlannedSweep plan(BreakOptions& o) {
   const SceneFile& file = planner->scene(o.scene);
   const ParameterValues params = readParameters(o.params);
   file.values(params);
-  if (params.count(q.parameter)) throw UserError("--param " + q.parameter + " is what is searched; valid: another one");
-  if (o.steps && q.parameter == "steps") throw UserError("--steps is what is searched; valid: without it");
+  if (params.count(q.parameter))
+    throw UserError("--param " + q.parameter + " is the searched parameter; valid: another parameter");
+  if (o.steps && q.parameter == "steps") throw UserError("--steps is the searched parameter; valid: no --steps");
   q.checkParameter();
   setEnds(o, file);
   const int dimension = o.dimension.value_or(file.dimensions().at(0));
@@ -154,7 +156,7 @@ std::string number(double value) {
 
 // The value at which half of the seeds fail, with its interval.
 std::string interval(const BreakQuestion& q, const Broken& b) {
-  if (q.seeds < kFewestSeeds) return "fewer than " + std::to_string(kFewestSeeds) + " seeds tell no interval";
+  if (q.seeds < kFewestSeeds) return "fewer than " + std::to_string(kFewestSeeds) + " seeds give no interval";
   return "half of the seeds fail " + (b.half ? "at " + number(*b.half) + ", " : "") + "between " +
          (b.low ? number(*b.low) : "below " + number(q.from)) + " and " +
          (b.high ? number(*b.high) : "beyond " + number(q.to)) + " (95 %)";
@@ -171,21 +173,21 @@ void print(const BreakQuestion& q, const Broken& b) {
   if (!b.unsupported.empty()) {
     line = "unsupported: " + b.unsupported;
   } else if (b.stopped) {
-    line = "stopped before it was found";
+    line = "stopped before the search ended";
   } else {
-    line =
-        !b.held ? "none that was tried holds" : number(b.held->value) + (b.fell ? "" : ", the last tried") + " holds";
+    line = !b.held ? "no tried value holds" : number(b.held->value) + (b.fell ? "" : ", the last tried") + " holds";
     line += "; " + interval(q, b);
     if (b.fell) {
       line += "; " + number(b.fell->value) + ": " + std::to_string(b.fell->failed) + " of " +
               std::to_string(b.fell->of) + " fail, " + b.fell->failure;
     }
-    if (b.half && q.truth > 0) line += "; by the closed form at " + number(q.truth) + ", " + aside(*b.half / q.truth);
+    if (b.half && q.truth > 0) line += "; closed form: " + number(q.truth) + ", " + aside(*b.half / q.truth);
     if (b.held) line += "; " + number(b.held->cost) + " multiply-adds per step";
     for (const double value : b.passesBeyond) then += (then.empty() ? "" : ", ") + number(value);
   }
   std::printf("%s\n  %s\n", b.axes.at("pipeline").get<std::string>().c_str(), line.c_str());
-  if (!then.empty()) std::printf("  not monotone: %zu beyond hold again: %s\n", b.passesBeyond.size(), then.c_str());
+  if (!then.empty())
+    std::printf("  not monotone: %zu values beyond it hold again: %s\n", b.passesBeyond.size(), then.c_str());
 }
 
 void breakScene(BreakOptions& o, Session& session) {
@@ -214,28 +216,29 @@ void breakScene(BreakOptions& o, Session& session) {
 
 void addBreak(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand(
-      "break", "Searches the value of a parameter at which each method breaks, over seeds, with an interval");
+      "break", "Finds the parameter value at which each method breaks, over seeds, with a confidence interval");
   auto o = std::make_shared<BreakOptions>();
   BreakQuestion& q = o->question;
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
-  command.option("--parameter", q.parameter, "of the scene, dt, or $NAME in a pipeline").required();
+  command.option("--parameter", q.parameter, "parameter to search: one of the scene, dt, or $NAME in a pipeline")
+      .required();
   command.option("--pipeline", o->pipelines, "algorithms, such as \"solver=soft_step{substeps=4}\" (may be repeated)")
       .required();
-  command.option("--from", o->from, "least value, above 0; default: the least that the scene allows");
-  command.option("--to", o->to, "largest value; default: the largest that the scene allows");
-  command.flag("--falling", q.falling, "the smallest value that holds is searched, not the largest");
+  command.option("--from", o->from, "smallest value, above 0; default: the scene's minimum");
+  command.option("--to", o->to, "largest value; default: the scene's maximum");
+  command.flag("--falling", q.falling, "find the smallest value that holds, not the largest");
   const Option limit =
-      command.option("--limit", o->limit, "METRIC<NUMBER or METRIC>NUMBER, which a run must keep, too");
-  command.option("--truth", q.truth,
-                 "where it breaks by a closed form: the answer is told with its distance from that");
-  command.option("--seeds", q.seeds, "runs of each value at the edge, each with a seed of its own; elsewhere at most 4")
-      .showDefault()
-      .range(1L, 1000L);
-  command.option("--perturb", q.perturb, "how far from its place a seed starts a body (m and rad)")
+      command.option("--limit", o->limit, "METRIC<NUMBER or METRIC>NUMBER: a further condition for a run to hold");
+  command.option("--truth", q.truth, "closed-form breaking value; prints the deviation from it");
+  command.option("--seeds", q.seeds, "seeds per value at the edge; at most 4 elsewhere").showDefault().range(1L, 1000L);
+  command.option("--perturb", q.perturb, "largest perturbation of a body's start pose by the seed (m and rad)")
       .showDefault()
       .range(0.0, kMostPerturbed);
-  command.option("--grid", q.step, "factor from value to value, before the search").showDefault().range(1.001, 2.0);
-  command.option("--ratio", q.ratio, "of the two values between which it breaks, where they need not be whole")
+  command.option("--grid", q.step, "factor between values of the coarse scan before the search")
+      .showDefault()
+      .range(1.001, 2.0);
+  command
+      .option("--ratio", q.ratio, "final ratio of the two values that enclose the breaking value, for real parameters")
       .showDefault()
       .range(1.001, 2.0);
   command.option("--dimension", o->dimension, "2 or 3; default: the scene's first");
@@ -243,9 +246,9 @@ void addBreak(CommandLine& app, Session& session) {
   command.option("--param", o->params, "another parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--steps", o->steps, "number of steps; default: the scene's");
   command.option("--equal-cost", o->budget,
-                 "multiply-adds per step: each method has as much effort as that allows, or as many $iterations");
-  command.flag("--timed", o->timed, "times the last value that holds, too");
-  command.option("--store", o->store, "SQLite file, made if absent; what it has is not run again").showDefault();
+                 "multiply-adds per step: sets each method's effort, or $iterations, to this cost");
+  command.flag("--timed", o->timed, "also measures the time of the last value that holds");
+  command.option("--store", o->store, "SQLite file, created if absent; stored trials are not run again").showDefault();
   command.flag("--quiet", o->quiet, "no progress line");
   command.footer(
       "Example: lpc break vertical_stack --parameter n --to 64 --pipeline solver=split_solver --pipeline "

@@ -35,29 +35,31 @@ void exportCorpus(CorpusArguments& a) {
   const PairCorpus made = pairCorpus(a.options);  // before anything is written
   std::error_code error;
   fs::create_directories(a.folder, error);
-  if (error) throw UserError(a.folder + ": cannot be made: " + error.message());
+  if (error) throw UserError(a.folder + ": cannot be created: " + error.message());
   writeWhole(pairs, made.text);
   const bool theirs = fs::exists(runner, error);  // the file may contain the user's changes
   if (!theirs) writeWhole(runner, pairCorpusRunner());
-  std::printf("%s: %ld pairs, %ld of them kept cases; %ld left out, of which the referee cannot tell\n",
+  std::printf("%s: %ld pairs, %ld of them kept cases; %ld left out, because the referee cannot decide them\n",
               pairs.string().c_str(), made.kept + made.drawn, made.kept, made.undecided);
-  std::printf("%s: %s\n", runner.string().c_str(), theirs ? "was there and stays" : "fill in one function");
+  std::printf("%s: %s\n", runner.string().c_str(), theirs ? "exists and is kept" : "fill in one function");
 }
 
 void addCorpus(CommandLine& app, Session&) {
-  CommandLine command =
-      app.subcommand("corpus", "Writes hard pairs with proved distances, and a runner, for the authors of a library");
+  CommandLine command = app.subcommand(
+      "corpus", "Writes hard pairs of shapes with proved distances, and a runner, for authors of collision libraries");
   auto a = std::make_shared<CorpusArguments>();
   PairCorpusOptions& o = a->options;
-  command.option("--export", a->folder, "a folder, made if absent: pairs.json and run.py").required();
-  command.option("--pairs", o.pairs, "drawn per two kinds of shape, beside the kept cases")
+  command.option("--export", a->folder, "folder for pairs.json and run.py, created if absent").required();
+  command.option("--pairs", o.pairs, "random pairs per two kinds of shape, in addition to the kept cases")
       .showDefault()
       .range(0L, 1000000L);
-  command.option("--seed", o.seed, "of those that are drawn").showDefault().range(0L, std::numeric_limits<long>::max());
-  command.option("--dimension", o.dimensions, "of those that are drawn: 2, 3 or both (default)").commaSeparated();
-  command.option("--cases", o.cases, "a file of kept cases; default: tests/regressions/hard_cases.json").file();
+  command.option("--seed", o.seed, "seed of the random pairs")
+      .showDefault()
+      .range(0L, std::numeric_limits<long>::max());
+  command.option("--dimension", o.dimensions, "dimension of the random pairs: 2, 3 or both (default)").commaSeparated();
+  command.option("--cases", o.cases, "file of kept cases; default: tests/regressions/hard_cases.json").file();
   command.footer(
-      "run.py has a function to be filled in and counts the wrong answers; a run.py that is there stays.\n"
+      "Fill in one function of run.py: it counts the wrong answers. An existing run.py is kept.\n"
       "Example: lpc corpus --export corpus --pairs 20\n"
       "         python3 corpus/run.py");
   command.callback([a] { exportCorpus(*a); });

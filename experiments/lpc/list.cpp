@@ -138,6 +138,26 @@ void printParams(const json& params) {
   }
 }
 
+// A line for what fails and where, and one for the symptom and the tests that show it.
+void printFailures(const json& algorithm) {
+  std::vector<std::pair<json, std::string>> shown;  // a failure, and the names of all its tests
+  for (const json& f : algorithm["failures"]) {
+    const std::string test = f["test"];
+    const auto same = [&](const auto& s) {
+      return s.first["when"] == f["when"] && s.first["symptom"] == f["symptom"] &&
+             s.first["dimensions"] == f["dimensions"];
+    };
+    const auto known = std::find_if(shown.begin(), shown.end(), same);
+    known == shown.end() ? shown.emplace_back(f, test).second : known->second += ", " + test;
+  }
+  for (const auto& [f, tests] : shown) {
+    const bool everywhere = f["dimensions"] == algorithm["dimensions"];
+    std::printf("      declared failure%s: %s\n          %s (shown by %s)\n",
+                everywhere ? "" : (" in " + dimensionsText(f["dimensions"])).c_str(),
+                f["when"].get<std::string>().c_str(), f["symptom"].get<std::string>().c_str(), tests.c_str());
+  }
+}
+
 void printAlgorithms(const json& algorithms) {
   std::string stage;
   for (const json& a : algorithms) {
@@ -153,6 +173,7 @@ void printAlgorithms(const json& algorithms) {
     std::printf("  %-22s %-6s %s%s%s\n", a["name"].get<std::string>().c_str(), dimensionsText(a["dimensions"]).c_str(),
                 a["summary"].get<std::string>().c_str(), law.c_str(), role.c_str());
     printParams(a["params"]);
+    printFailures(a);
   }
 }
 
@@ -267,14 +288,15 @@ void printShort(const json& all) {
     printNames(std::string(stage.name), namesOf(ofStage(all["algorithms"], std::string(stage.name))));
   }
   for (const auto& [kind, title] : kKinds) printNames(title, namesOf(all[kind]));
-  std::printf("\nlpc list --name NAME, --stage STAGE or --all: parameters, ranges, units, meanings\n");
+  std::printf(
+      "\nlpc list --name NAME, --stage STAGE or --all: parameters, ranges, units, meanings, declared failures\n");
 }
 
 void requireStage(const std::string& stage) {
   if (stageByName(stage)) return;
   std::vector<std::string> names;
   for (const StageInfo& s : kStages) names.emplace_back(s.name);
-  throw UserError("there is no stage '" + stage + "'" + validNames(names, stage));
+  throw UserError("unknown stage '" + stage + "'" + validNames(names, stage));
 }
 
 // All entries with this name, of every kind: `naive` is a broadphase and a velocity resolver.
@@ -291,8 +313,9 @@ json ofName(const json& all, const std::string& name) {
   }
   if (found) return out;
   const std::string meant = meantName(names, name);
-  throw UserError("nothing is called '" + name + "'" +
-                  (meant.empty() ? "; valid: " : "; did you mean '" + meant + "'? valid: ") + "what lpc list prints");
+  throw UserError("unknown name '" + name + "'" +
+                  (meant.empty() ? "; valid: " : "; did you mean '" + meant + "'? valid: ") +
+                  "the names that lpc list prints");
 }
 
 void writeNames(const std::string& page) {
@@ -327,16 +350,18 @@ void list(const ListOptions& o) {
 }
 
 void addList(CommandLine& app, Session&) {
-  CommandLine command = app.subcommand(
-      "list", "Names of all algorithms, kinds of shape, metrics, scenes and sweeps; on request all about them");
+  CommandLine command =
+      app.subcommand("list", "Lists algorithms, kinds of shape, metrics, scenes and sweeps: names, or all details");
   auto o = std::make_shared<ListOptions>();
   const Option stage =
-      command.option("--stage", o->stage, "the algorithms of one stage, with parameters, ranges and meanings");
-  const Option name = command.option("--name", o->name, "whatever has this name: an algorithm, a scene, a metric, ...");
-  const Option all = command.flag("--all", o->all, "everything about everything");
-  const Option asJson = command.flag("--json", o->asJson, "everything, or what was asked for, for programs");
+      command.option("--stage", o->stage, "algorithms of one stage, with parameters, ranges and meanings");
+  const Option name =
+      command.option("--name", o->name,
+                     "everything of this name (algorithm, scene, metric, ...), with an algorithm's declared failures");
+  const Option all = command.flag("--all", o->all, "all entries with all details");
+  const Option asJson = command.flag("--json", o->asJson, "JSON output of all entries, or of the selected ones");
   Option into = command.option("--into", o->page,
-                               "writes the names of all algorithms into this page, such as docs/architecture.md");
+                               "writes the table of all algorithms into this page, such as docs/architecture.md");
   for (const Option& other : {stage, name, all, asJson}) into.without(other);
   command.footer(
       "Example: lpc list --stage velocity\n"

@@ -66,7 +66,7 @@ CLI::Validator wholeNumberOnly() {
         const auto [read, error] = std::from_chars(text.data(), end, value);
         const Read least = std::is_signed_v<T> ? std::numeric_limits<Read>::min() : 0;
         if (error != std::errc() || read != end || value < least) {
-          return "'" + text + "' is no whole number that it takes; valid: " + std::to_string(least) + " to " +
+          return "'" + text + "' is not a valid integer; valid: " + std::to_string(least) + " to " +
                  std::to_string(std::numeric_limits<Read>::max());
         }
         text = std::to_string(value);
@@ -78,8 +78,8 @@ CLI::Validator finiteNumberOnly() {
   const auto check = [](std::string& text) {
     return finiteNumber(text)
                ? std::string()
-               : "'" + text + "' is no finite number of double precision; valid: such as 0.5 or 1e-3, 0 or " +
-                     "2.3e-308 to 1.7e308 in size";
+               : "'" + text + "' is not a finite number in double precision; valid: such as 0.5 or 1e-3; 0, or " +
+                     "a magnitude from 2.3e-308 to 1.7e308";
   };
   return CLI::Validator(check, "");
 }
@@ -89,7 +89,7 @@ void requireUtf8(const char* argument) {
   try {
     static_cast<void>(nlohmann::json(argument).dump());
   } catch (const nlohmann::json::type_error&) {
-    throw UserError("the argument '" + oneLine(argument) + "' is not UTF-8; valid: names of files and texts in UTF-8");
+    throw UserError("the argument '" + oneLine(argument) + "' is not UTF-8; valid: UTF-8 text");
   }
 }
 
@@ -115,7 +115,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();
   Session session;
-  app.add_option("--plugin", session.plugins, "shared library with algorithms of your own (may be repeated)")
+  app.add_option("--plugin", session.plugins, "shared library with your own algorithms (may be repeated)")
       ->type_name("FILE");
   // Once the command line is parsed and before the subcommand runs.
   app.parse_complete_callback([&] {
@@ -128,7 +128,7 @@ int run(int argc, char** argv) {
     if (argc > 1 && argv[1][0] != '-' && !commands().count(argv[1])) {
       std::vector<std::string> names;
       for (const auto& [name, add] : commands()) names.push_back(name);
-      throw UserError("there is no subcommand '" + std::string(argv[1]) + "'" + validNames(names, argv[1]));
+      throw UserError("unknown subcommand '" + std::string(argv[1]) + "'" + validNames(names, argv[1]));
     }
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

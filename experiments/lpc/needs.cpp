@@ -60,15 +60,15 @@ void printModel(const ModelSeen& m, const ModelSeen& again) {
 
 void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
   const WorldRequest& own = sweep.trials.front().world();
-  std::printf("%s in %dD needs, as its file says: %s\n", own.scene.c_str(), own.dimension,
-              own.features.empty() ? "no feature" : own.features.c_str());
+  std::printf("%s in %dD: model by its file: %s\n", own.scene.c_str(), own.dimension,
+              own.features.empty() ? "minimal" : own.features.c_str());
   std::printf(
-      "Times the time and the multiply-adds of this (minimal) model, median over %d seeds (least .. most); how far "
-      "bodies end\nfrom where they end with it (m): median over bodies and seeds, and the farthest.\n",
+      "Time and multiply-adds over those of this (minimal) model: median over %d seeds (least .. most).\nDistance of "
+      "bodies' end positions from the minimal model's (m): median over bodies and seeds, and largest.\n",
       seen.seeds);
   std::printf("Stages: %s\n\n", own.pipeline.c_str());
   if (seen.failed) {
-    std::printf("minimal fails with %d of %d seeds, which are left out: %s\n", seen.failed, seen.seeds,
+    std::printf("minimal fails with %d of %d seeds, which are excluded: %s\n", seen.failed, seen.seeds,
                 seen.failure.c_str());
   }
   printRow("model", "time", "multiply-adds", "median", "farthest", "");
@@ -119,21 +119,22 @@ void needs(NeedsOptions& o, Session& session) {
 
 void addNeeds(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand(
-      "needs", "Turns each switch of a scene's model in turn, and tells what that saves and what it changes");
+      "needs", "Switches each part of a scene's model in turn and reports the saved time and the changed result");
   auto o = std::make_shared<NeedsOptions>();
   NeedsQuestion& q = o->question;
   command.option("scene", q.scene, "name in experiments/scenes, or a TOML file").required();
-  command.option("--seeds", q.seeds, "runs of each model, each with a seed of its own").showDefault().range(1L, 10000L);
+  command.option("--seeds", q.seeds, "runs per model, each with its own seed").showDefault().range(1L, 10000L);
   command
       .option("--perturb", q.perturbation,
-              "how far from its place a seed starts a body (m and rad). Larger values show more of what a scene may do")
+              "largest perturbation of a body's start pose by the seed (m and rad); larger values show more of the "
+              "scene's variation")
       .showDefault()
       .range(0.0, kMostPerturbed);
   command.option("--dimension", q.dimension, "2 or 3; default: the scene's first");
   command.option("--pipeline", q.pipeline, "algorithms, such as \"solver=soft_step{substeps=4}\"");
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--steps", q.steps, "number of steps; default: the scene's");
-  command.option("--store", o->store, "SQLite file, made if absent; what it has is not run again").showDefault();
+  command.option("--store", o->store, "SQLite file, created if absent; stored trials are not run again").showDefault();
   command.flag("--quiet", o->quiet, "no progress line");
   command.footer("Example: lpc needs pyramid --param base=10 --seeds 3");
   command.callback([o, &session] { needs(*o, session); });

@@ -64,7 +64,7 @@ StepRange stepRange(const std::string& text) {
   if (right && at != end && *at == ':') ++at, right = read(out.to);
   if (!right || at != end || out.to < out.from) {
     throw UserError("--steps: '" + text +
-                    "' names no steps; valid: numbers from 0 and ranges, such as 100,200 or 0:99");
+                    "' is not a list of steps; valid: numbers from 0 and ranges, such as 100,200 or 0:99");
   }
   return out;
 }
@@ -155,24 +155,24 @@ void recordProblems(const RecordOptions& o, const PlannedTrial& trial) {
     }));
   }
   if (shown == 0) {
-    throw UserError("no step of '" + o.scene + "' shows a velocity problem: nothing touches, or the solver owns its " +
-                    "loop; valid: a scene with contacts or joints, solver=split_solver{...}");
+    throw UserError("no step of '" + o.scene +
+                    "' has a velocity problem: no contacts or joints, or a solver without a separate velocity " +
+                    "stage; valid: a scene with contacts or joints, solver=split_solver{...}");
   }
   if (o.hardest && kept.empty())
-    throw UserError("'" + o.scene + "' comes apart in its first step; valid: a finite run");
+    throw UserError("'" + o.scene + "' diverges in its first step; valid: a run that stays finite");
   for (const StepRange& r : o.steps) {
     const auto has = [&](const Kept& k) { return r.from <= k.stored.step && k.stored.step <= r.to; };
     if (std::any_of(kept.begin(), kept.end(), has)) continue;
     const std::string which = r.from == r.to ? "step " + std::to_string(r.from)
                                              : "steps " + std::to_string(r.from) + " to " + std::to_string(r.to);
-    throw UserError(
-        "--steps: in " + which + " of '" + o.scene +
-        "' there is nothing to solve; valid: steps in which something touches or is joined, of a run that is finite");
+    throw UserError("--steps: in " + which + " of '" + o.scene +
+                    "' there is nothing to solve; valid: steps with contacts or joints of a run that stays finite");
   }
   std::vector<StoredProblem<D>> stored;
   const double gravity = double(world.settings().gravity.norm());
   for (Kept& k : kept) {
-    std::printf("step %-6ld %4d bodies %4d points %3zu joints   left by its own method: ", k.stored.step,
+    std::printf("step %-6ld %4d bodies %4d points %3zu joints   residual of its own method: ", k.stored.step,
                 k.stored.problem.bodies.size(), k.stored.problem.points(), k.stored.problem.joints.size());
     gravity > 0 ? std::printf("%.3g g dt\n", k.residual / (gravity * double(run.dt)))
                 : std::printf("%.3g m/s\n", k.residual);
@@ -205,17 +205,17 @@ void recordPairs(const RecordOptions& o, const PlannedTrial& trial) {
   const std::string most = std::to_string(kMostMeetings);
   if (full && !o.steps.empty()) {
     throw UserError("--steps: these steps of '" + o.scene + "' have more than " + most +
-                    " pairs, which a file holds; valid: fewer steps, or a smaller scene");
+                    " pairs, the most that a file holds; valid: fewer steps, or a smaller scene");
   }
   if (stream.meetings.empty()) {
     throw UserError("no boxes of '" + o.scene +
-                    "' come near each other in these steps; valid: a scene in which they do");
+                    "' come near each other in these steps; valid: steps with close pairs of shapes");
   }
   writePairs<D>(out.stream(), stream);
   out.finish();
-  std::printf("%zu steps, %zu pairs in all, of %zu different ones and %zu shapes%s\npairs  %s\n", stream.steps.size(),
+  std::printf("%zu steps, %zu pairs in total, %zu distinct pairs, %zu shapes%s\npairs  %s\n", stream.steps.size(),
               stream.meetings.size(), stream.pairs.size(), stream.shapes.size(),
-              full ? (": the next step would be over " + most).c_str() : "", o.pairs.c_str());
+              full ? (": the next step would exceed " + most).c_str() : "", o.pairs.c_str());
 }
 
 void recordScene(RecordOptions& o, const Session& session) {
@@ -225,11 +225,11 @@ void recordScene(RecordOptions& o, const Session& session) {
     throw UserError("lpc record writes one file; valid: either --problems FILE or --pairs FILE");
   }
   if (!ofPairs && o.hardest.has_value() == !o.steps.empty()) {
-    throw UserError("lpc record keeps the problems of some steps; valid: either --steps 100,200 or --hardest 3");
+    throw UserError("--problems needs a choice of steps; valid: either --steps 100,200 or --hardest 3");
   }
   const bool isOne = o.steps.size() == 1 && o.steps[0].from == o.steps[0].to;
   if (isFclib(o.problems) && (o.hardest ? *o.hardest != 1 : !isOne)) {
-    throw UserError(o.problems + ": a file of FCLIB holds one problem; valid: one step, --hardest 1, or a .json file");
+    throw UserError(o.problems + ": an FCLIB file holds one problem; valid: one step, --hardest 1, or a .json file");
   }
   NamedFiles inputs = {{"the scene", findToml("scenes", o.scene)}};
   for (const std::string& path : session.plugins) inputs.emplace_back("the plugin", path);
@@ -241,7 +241,7 @@ void recordScene(RecordOptions& o, const Session& session) {
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
   if (trial.request.ofEngine()) {
-    throw UserError("an engine shows no velocity problems and no pairs; valid: a pipeline of ours");
+    throw UserError("an engine gives no access to velocity problems and pairs; valid: a pipeline of LPC's stages");
   }
   const bool flat = trial.asked().dimension == 2;
   if (ofPairs) {
@@ -252,28 +252,28 @@ void recordScene(RecordOptions& o, const Session& session) {
 }
 
 void addRecord(CommandLine& app, Session& session) {
-  CommandLine command = app.subcommand(
-      "record", "Writes the velocity problems of some steps of a scene, or its pairs of shapes, into a file");
+  CommandLine command =
+      app.subcommand("record", "Writes velocity problems or pairs of shapes from steps of a scene into a file");
   auto o = std::make_shared<RecordOptions>();
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
   Option problems = command.option("--problems", o->problems,
-                                   "velocity problems; docs/problems.md describes the file. NAME.hdf5: FCLIB's format");
+                                   "file for velocity problems (format: docs/problems.md); NAME.hdf5: FCLIB's format");
   problems.file();
-  Option pairs = command.option("--pairs", o->pairs,
-                                "pairs of convex parts whose boxes are near each other, step by step; without --steps "
-                                "those of all steps, up to 1000000 pairs");
+  Option pairs = command.option(
+      "--pairs", o->pairs,
+      "file for pairs of convex parts with close boxes, step by step; without --steps all steps, up to 1000000 pairs");
   pairs.file().without(problems);
-  Option steps = command.option("--steps", o->stepTexts, "those of these steps, 100,200 or 0:99, the first being 0");
+  Option steps = command.option("--steps", o->stepTexts, "steps to write, such as 100,200 or 0:99; the first is 0");
   steps.commaSeparated();
-  Option hardest = command.option("--hardest", o->hardest,
-                                  "of all steps those of which the step's own method left most unsolved, by the "
-                                  "natural map");
+  Option hardest = command.option(
+      "--hardest", o->hardest,
+      "number of steps to write: those with the largest residual (natural map) after the run's own method");
   hardest.range(1L, 1000L).without(steps).without(pairs);
-  command.option("--until", o->last, "with --hardest: number of steps; default: the scene's").with(hardest);
-  command.option("--pipeline", o->pipeline, "algorithms of the run that is recorded");
+  command.option("--until", o->last, "with --hardest: length of the run in steps; default: the scene's").with(hardest);
+  command.option("--pipeline", o->pipeline, "algorithms of the recorded run");
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--dt", o->dt, "length of a step (s); default: the scene's");
-  command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's")
+  command.option("--seed", o->seed, "seed of the scene's random numbers; default: the scene's")
       .range(0L, std::numeric_limits<long>::max());
   command.option("--dimension", o->dimension, "2 or 3; default: the scene's first");
   command.footer(

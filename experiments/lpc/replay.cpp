@@ -30,18 +30,17 @@ void replay(const ReplayOptions& o) {
 
 void addReplay(CommandLine& app, Session&) {
   CommandLine command =
-      app.subcommand("replay", "Draws a recording, or two beside one another from the step in which they part");
+      app.subcommand("replay", "Draws a recording, or two side by side from the step in which they diverge");
   auto o = std::make_shared<ReplayOptions>();
-  command.option("recording", o->recording, "what lpc run --record wrote").required();
+  command.option("recording", o->recording, "file written by lpc run --record").required();
   command.option("--film", o->film,
-                 "NAME.svg, which moves; NAME.strip.svg, eight moments; or NAME/, a folder of PNG files");
-  Option beside = command.option("--beside", o->beside, "another recording, of the same scene");
+                 "NAME.svg (animated), NAME.strip.svg (eight moments) or NAME/ (folder of PNG files)");
+  Option beside = command.option("--beside", o->beside, "second recording of the same scene");
   beside.file();
   command
-      .option(
-          "--tolerance", o->tolerance,
-          "with --beside: how far bodies are from their twins where runs part (m and rad). Larger values find the step "
-          "in which it is seen")
+      .option("--tolerance", o->tolerance,
+              "with --beside: distance between equal bodies at which the runs count as diverged (m and rad); larger "
+              "values find a visible difference")
       .showDefault()
       .range(0.0, 1e9)
       .with(beside);

@@ -53,7 +53,8 @@ std::vector<SaveRequest> readSaves(const std::vector<std::string>& texts) {
     const char* end = text.data() + std::min(colon, text.size());
     const auto [stop, error] = std::from_chars(text.data(), end, step);
     if (colon == text.npos || error != std::errc() || stop != end || step < 0) {
-      throw UserError("--save: '" + text + "'; valid: a step and a name, such as 100:later.toml");
+      throw UserError("--save: '" + text +
+                      "' is not AT:FILE.toml; valid: a step and a file name, such as 100:later.toml");
     }
     out.push_back({step, text.substr(colon + 1)});
     SavedScene::worldPath(out.back().scene);
@@ -86,7 +87,7 @@ void requireSeries(const std::string& name) {
     if (m.info.name == name || (m.info.name == "sec_*" && name.starts_with("sec_"))) return;
     names.emplace_back(m.info.name);
   }
-  throw UserError("--plot: there is no series '" + name + "'" + validNames(names, name));
+  throw UserError("--plot: unknown series '" + name + "'" + validNames(names, name));
 }
 
 // The phases and all series in a line each, or the requested ones.
@@ -101,7 +102,7 @@ void printPlots(const RunSceneOptions& o, const TrialResult& result) {
     if (o.plot.empty()) std::printf("%s", sparkline(name, series, unit).c_str());
     if (o.plot == name) std::printf("%s", plot(name, series, unit).c_str());
   }
-  if (!o.plot.empty() && !result.series.count(o.plot)) std::printf("%s: this run has none\n", o.plot.c_str());
+  if (!o.plot.empty() && !result.series.count(o.plot)) std::printf("%s: this run has no such series\n", o.plot.c_str());
 }
 
 void print(const WorldRequest& asked, const TrialResult& result) {
@@ -158,7 +159,7 @@ void printMemory(std::vector<ScopeMemory> memory, long steps) {
 std::optional<std::string> answerOf(const std::string& program, const json& request) {
   Child worker(program, request.dump(), -1, true);
   if (!worker.wait(&InterruptGuard::interrupted)) throw Interrupted();
-  if (worker.flooded()) throw std::runtime_error("the worker's output has no end");
+  if (worker.flooded()) throw std::runtime_error("the worker's output exceeds its limit");
   if (worker.signal()) throw std::runtime_error("the worker crashed with signal " + std::to_string(worker.signal()));
   if (worker.exitCode() == 2) return std::nullopt;
   if (worker.exitCode()) throw std::runtime_error("the worker ended with " + std::to_string(worker.exitCode()));
@@ -171,7 +172,8 @@ void runScene(const RunSceneOptions& o, Session& session) {
   if (!o.script.empty()) inputs.emplace_back("the script", findToml("scripts", o.script));
   for (const std::string& path : session.plugins) inputs.emplace_back("the plugin", path);
   for (const std::string& path : {o.record, o.profile}) {
-    if (isOwnStream(path)) throw UserError(path + ": is another one for the worker that runs the scene; valid: a file");
+    if (isOwnStream(path))
+      throw UserError(path + ": is a stream of this process, which the worker cannot write; valid: a file");
   }
   const std::vector<SaveRequest> saves = readSaves(o.saves);
   NamedFiles outputs = {{"--record", o.record}, {"--profile", o.profile}, {"--film", o.film}};
@@ -187,7 +189,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
   cell.dimension = o.dimension,
   cell.pipeline = pipelineOf(o.pipeline, o.dimension.value_or(file.dimensions().at(0)), o.noSleeping);
   if (o.memory && engineOf(cell.pipeline)) {
-    throw UserError("--memory: an engine has stages and an allocator of its own; valid: a pipeline");
+    throw UserError("--memory: an engine has its own stages and allocator; valid: a pipeline of LPC's stages");
   }
   cell.precision = o.precision, cell.timed = true;
   cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
@@ -199,9 +201,10 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (pluginPrecision(path) == o.precision) request.plugins.push_back(std::filesystem::absolute(path).string());
   }
   for (const SaveRequest& s : saves) {
-    if (request.ofEngine()) throw UserError("--save: the state of an engine is its own; valid: a pipeline");
+    if (request.ofEngine())
+      throw UserError("--save: the state of an engine cannot be saved; valid: a pipeline of LPC's stages");
     if (const long last = trial.world().steps; s.step > last) {
-      throw UserError("--save: the run has " + std::to_string(last) + " steps, no step " + std::to_string(s.step));
+      throw UserError("--save: the run has " + std::to_string(last) + " steps; asked: step " + std::to_string(s.step));
     }
   }
   const InterruptGuard interrupts;
@@ -232,7 +235,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
   try {
     result = resultFromJson(json::parse(*answer));
   } catch (const json::exception&) {
-    throw std::runtime_error("the worker's result cannot be read");
+    throw std::runtime_error("the worker's result is unreadable");
   }
   if (o.asJson) {
     std::printf("%s\n", answer->c_str());
@@ -244,8 +247,8 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (!o.record.empty()) std::printf("recording %s\n", o.record.c_str());
     for (const SaveRequest& s : saves) {
       const bool reached = result.outcome == "ok" || (result.outcome != "unsupported" && s.step <= result.step);
-      std::printf(reached ? "saved     step %ld as %s\n" : "not saved step %ld as %s: the run did not get there\n",
-                  s.step, s.scene.c_str());
+      std::printf(reached ? "saved     step %ld as %s\n" : "not saved step %ld as %s: the run ended earlier\n", s.step,
+                  s.scene.c_str());
     }
   }
   if (!o.film.empty() && result.outcome != "unsupported") {  // otherwise nothing has moved
@@ -262,31 +265,33 @@ void addRun(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand("run", "Runs one scene and prints its metrics; exit code 1 when it fails");
   auto o = std::make_shared<RunSceneOptions>();
   command.option("scene", o->scene, "name in experiments/scenes, the number of a preset, or a TOML file").required();
-  command.option("--script", o->script,
-                 "plays in it: name in experiments/scripts, the number of a director's, or a file");
+  command.option(
+      "--script", o->script,
+      "script to play in the scene: name in experiments/scripts, number of a 2009 director script, or a file");
   command.option("--pipeline", o->pipeline,
-                 "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\", or \"engine=box2d\"; 2009: those of "
-                 "the 2009 report");
+                 "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\", or \"engine=box2d\"; 2009: the "
+                 "algorithms of the 2009 report");
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--dt", o->dt, "length of a step (s); default: the scene's");
   command.option("--steps", o->steps, "number of steps; default: the scene's");
-  command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's")
+  command.option("--seed", o->seed, "seed of the scene's random numbers; default: the scene's")
       .range(0L, std::numeric_limits<long>::max());
   command.option("--dimension", o->dimension, "2 or 3; default: the scene's first");
   command.option("--precision", o->precision, "f64 or f32");
-  command.option("--profile", o->profile, "writes times and counts per step as CSV; with --memory, that too");
-  command.flag("--memory", o->memory, "counts what each stage allocates and holds, in bytes");
-  command.option("--record", o->record, "writes all poses of all steps");
+  command.option("--profile", o->profile,
+                 "writes times and counts per step as CSV; with --memory also the allocations");
+  command.flag("--memory", o->memory, "prints the bytes that each stage allocates and holds");
+  command.option("--record", o->record, "writes all poses of all steps to this file");
   command.option("--save", o->saves,
-                 "AT:FILE.toml, writes the world after AT steps as a scene that begins with it (may be repeated)");
-  command.flag("--no-sleeping", o->noSleeping, "keeps every body awake, whatever the pipeline says");
+                 "AT:FILE.toml: writes the world after AT steps as a scene that starts from it (may be repeated)");
+  command.flag("--no-sleeping", o->noSleeping, "keeps every body awake, whatever the pipeline");
   command.option("--film", o->film,
-                 "draws the run: NAME.svg, which moves; NAME.strip.svg, eight moments; or NAME/, PNG files");
+                 "draws the run: NAME.svg (animated), NAME.strip.svg (eight moments) or NAME/ (PNG files)");
   Option plot = command.option("--plot", o->plot,
-                               "draws this series over the steps, or `timeline`, the phases of a step as the 2009 "
-                               "report has them; when none is named, the timeline and every series in a line");
+                               "draws this series over the steps, or `timeline`: the phases of a step as in the 2009 "
+                               "report; without a name: the timeline, and every series in one line");
   plot.valueOptional();
-  plot.without(command.flag("--json", o->asJson, "the whole result as JSON, with a series per step"));
+  plot.without(command.flag("--json", o->asJson, "the whole result as JSON, with all series"));
   command.footer(
       "Example: lpc run pyramid --param base=10 --dimension 3 --profile pyramid.csv\n"
       "         lpc run bouncing_ball --plot kinetic\n"

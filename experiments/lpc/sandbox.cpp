@@ -41,11 +41,12 @@ Asked readWhat(const SandboxOptions& o) {
     } else if (out.scene.empty()) {
       out.scene = word;
     } else {
-      throw UserError("'" + word + "' beside '" + out.scene + "'; valid: one scene, or one store");
+      throw UserError("'" + word + "' and '" + out.scene + "' are both given; valid: one scene, or one store");
     }
   }
   if (!o.number.empty()) {
-    if (!out.scene.empty()) throw UserError("-s " + o.number + " beside '" + out.scene + "'; valid: one scene");
+    if (!out.scene.empty())
+      throw UserError("-s " + o.number + " and '" + out.scene + "' are both given; valid: one scene");
     out.scene = o.number;
   }
   return out;
@@ -75,7 +76,7 @@ std::string programOf(const std::string& precision) {
 // Without a window, behaves like `lpc run`.
 [[noreturn]] void runUnseen(const SandboxOptions& o, const Asked& asked) {
   if (o.pipelines.size() > 1)
-    throw UserError("-i with several pipelines; valid: one, since nobody would see them together");
+    throw UserError("-i with several pipelines; valid: one pipeline, because -i opens no window");
   std::vector<std::string> words = {"run", asked.scene};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
   add({"--precision", o.precision});
@@ -96,7 +97,7 @@ json trialOpening(const std::string& store, const std::string& key) {
   const StoredTrial found = Store(store, false).find(key);
   const json& t = found.canonical;
   if (t.at("kind") != "world") {
-    throw UserError("--trial: " + key + " is one of kind '" + t.at("kind").get<std::string>() +
+    throw UserError("--trial: " + key + " is a trial of kind '" + t.at("kind").get<std::string>() +
                     "'; valid: kind 'world'");
   }
   const auto asked = std::get<WorldRequest>(trialFromJson(t));
@@ -111,7 +112,7 @@ json trialOpening(const std::string& store, const std::string& key) {
   if (!found.reason.empty()) told += ": " + found.reason;
   for (const char* part : {"scene_hash", "core", "code"}) {
     if (now.canonical.value(part, json()) == t.value(part, json())) continue;
-    told += "; scene or code have changed since, and it may not fall again";
+    told += "; scene or code have changed since, so it may not fail again";
     break;
   }
   return {{"scene", now.request.sceneFile},
@@ -150,9 +151,10 @@ json sceneOpening(const SandboxOptions& o, const Asked& asked) {
 void sandbox(const SandboxOptions& o, const Session& session) {
   Asked asked = readWhat(o);
   if (!o.trial.empty() && asked.scene.empty())
-    throw UserError("--trial without a store; valid: lpc sandbox STORE.db --trial KEY");
-  if (!o.trial.empty() && asked.dimension) throw UserError("--trial beside a dimension; valid: that of the cell");
-  if (!o.profile.empty() && !o.profiled && !o.plots) throw UserError("-o without a profile; valid: beside -p or -g");
+    throw UserError("--trial needs a store; valid: lpc sandbox STORE.db --trial KEY");
+  if (!o.trial.empty() && asked.dimension)
+    throw UserError("--trial and a dimension are both given; valid: --trial alone, which has its own");
+  if (!o.profile.empty() && !o.profiled && !o.plots) throw UserError("-o needs a profile; valid: with -p or -g");
   if (asked.scene.empty()) asked.scene = "1";  // that of 2009
   if (o.unseen) runUnseen(o, asked);
   if (o.pipelines.size() > 8) throw UserError(std::to_string(o.pipelines.size()) + " pipelines; valid: up to 8");
@@ -167,30 +169,31 @@ void sandbox(const SandboxOptions& o, const Session& session) {
 }
 
 void addSandbox(CommandLine& app, Session& session) {
-  CommandLine command =
-      app.subcommand("sandbox", "Opens a window on a scene: changes it by hand, compares competitors");
+  CommandLine command = app.subcommand("sandbox", "Opens a scene in a window: edit it by hand, compare competitors");
   auto o = std::make_shared<SandboxOptions>();
   command.option(
       "scene", o->what,
-      "2d or 3d, and a name in experiments/scenes, the number of a preset, a TOML file, or a store with --trial");
+      "2d or 3d, and a scene: name in experiments/scenes, number of a preset or TOML file; or a store with --trial");
   const Option ofScene[] = {
-      command.option("-s,--scene", o->number, "the number of a preset, 0 to 11, or a scene"),
-      command.option("-S,--script", o->script, "plays in it: the number of a director's script, a name, or a file"),
-      command.option("--pipeline", o->pipelines, "algorithms, or engine=NAME; up to 8 play at once (may be repeated)"),
+      command.option("-s,--scene", o->number, "number of a 2009 preset, 0 to 11, or a scene"),
+      command.option("-S,--script", o->script,
+                     "script to play in the scene: number of a director script, name or file"),
+      command.option("--pipeline", o->pipelines,
+                     "algorithms, or engine=NAME; up to 8 run side by side (may be repeated)"),
       command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)"),
       command.option("--dt", o->dt, "length of a step (s); default: the scene's"),
-      command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's"),
-      command.option("--precision", o->precision, "f64 or f32; with --trial: the cell's own"),
+      command.option("--seed", o->seed, "seed of the scene's random numbers; default: the scene's"),
+      command.option("--precision", o->precision, "f64 or f32; with --trial: the trial's"),
       command.flag("--no-sleeping", o->noSleeping, "keeps every body awake")};
-  Option unseen = command.flag("-i", o->unseen, "without a window, as lpc run");
-  command.flag("-p", o->profiled, "writes times and counts of each step as CSV at the end");
-  command.flag("-g", o->plots, "as -p, and draws them: in a panel, or with -i in the terminal");
-  command.option("-o", o->profile, "name of that file; default: sandbox_profile.csv");
+  Option unseen = command.flag("-i", o->unseen, "runs without a window, like lpc run");
+  command.flag("-p", o->profiled, "writes times and counts of each step as CSV at exit");
+  command.flag("-g", o->plots, "like -p, and plots them in a panel, or with -i in the terminal");
+  command.option("-o", o->profile, "file of the profile; default: sandbox_profile.csv");
   Option trial = command.option("--trial", o->trial,
-                                "a cell of a store, by the first digits of its key: opens it a step before it fell");
+                                "trial of a store, by the first digits of its key: opens it one step before it failed");
   trial.without(unseen);
   for (const Option& other : ofScene) trial.without(other);  // options that the cell already decides
-  command.option("--input", o->input, "plays keys and mouse from a file").file().without(unseen);
+  command.option("--input", o->input, "replays keys and mouse from a file").file().without(unseen);
   command.footer(
       "Example: lpc sandbox\n"
       "         lpc sandbox 3d -s 5\n"

@@ -24,7 +24,7 @@ ParameterValues readParameters(const std::vector<std::string>& texts) {
     const std::string name = text.substr(0, equals), given = equals == text.npos ? "" : text.substr(equals + 1);
     const std::optional<double> value = finiteNumber(given);
     if (given.empty() || (!value && name != kJointParameter)) {
-      throw UserError("--param " + text + " is not NAME=NUMBER, or joint=KIND");
+      throw UserError("--param " + text + " is not a parameter; valid: NAME=NUMBER or joint=KIND");
     }
     out[name] = value ? ParameterValue(*value) : ParameterValue(given);
   }

@@ -19,23 +19,24 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 void addMerge(CommandLine& app, Session&) {
-  CommandLine command = app.subcommand("merge", "Takes over into one store what others have and it lacks");
+  CommandLine command = app.subcommand("merge", "Copies into one store the results that it lacks and others have");
   auto into = std::make_shared<std::string>();
   auto from = std::make_shared<std::vector<std::string>>();
-  command.option("into", *into, "store, made if absent").required();
+  command.option("into", *into, "store to write, created if absent").required();
   command.option("from", *from, "stores to read").required();
   command.footer("Example: lpc merge results/all.db results/host1.db results/host2.db");
   command.callback([into, from] {
     for (const std::string& path : *from) {  // before anything is made
       const Store check(path, false);
       std::error_code absent;
-      if (std::filesystem::equivalent(path, *into, absent)) throw UserError(path + ": a store is merged into itself");
+      if (std::filesystem::equivalent(path, *into, absent))
+        throw UserError(path + ": the store to write is also a store to read; valid: different stores");
     }
     const bool fresh = !std::filesystem::exists(*into);
     try {
       Store store(*into, true);
       for (const std::string& path : *from) {
-        std::printf("%s: %ld trials taken over\n", path.c_str(), store.merge(path));
+        std::printf("%s: %ld trials copied\n", path.c_str(), store.merge(path));
       }
     } catch (const UserError&) {  // of a damaged store: removes the new one
       std::error_code ignored;
@@ -46,16 +47,17 @@ void addMerge(CommandLine& app, Session&) {
 }
 
 void addImport(CommandLine& app, Session&) {
-  CommandLine command = app.subcommand("import-benchmark", "Puts the JSON of lpc-bench into a store");
+  CommandLine command = app.subcommand("import-benchmark", "Imports JSON results of lpc-bench into a store");
   auto file = std::make_shared<std::string>(), path = std::make_shared<std::string>("results/lpc.db");
-  command.option("file", *file, "what lpc-bench --benchmark_out=FILE --benchmark_out_format=json wrote").required();
-  command.option("--store", *path, "SQLite file, made if absent").showDefault();
+  command.option("file", *file, "file written by lpc-bench --benchmark_out=FILE --benchmark_out_format=json")
+      .required();
+  command.option("--store", *path, "SQLite file, created if absent").showDefault();
   command.footer("Example: lpc import-benchmark bench.json --store results/quick.db");
   command.callback([file, path] {
     const std::string text = readFile(*file);
     const nlohmann::json j = nlohmann::json::parse(text, nullptr, false);
     if (j.is_discarded() || !j.is_object() || !j.contains("benchmarks") || !j["benchmarks"].is_array()) {
-      throw UserError(*file + ": not the JSON of Google Benchmark: it has no list \"benchmarks\"");
+      throw UserError(*file + ": not JSON of Google Benchmark: the list \"benchmarks\" is missing");
     }
     Store(*path, true).addBenchmark(text);
     std::printf("%zu benchmarks imported into %s\n", j["benchmarks"].size(), path->c_str());
@@ -95,12 +97,12 @@ int runProgram(const std::vector<std::string>& arguments) {
 }
 
 void addReport(CommandLine& app, Session& session) {
-  CommandLine command = app.subcommand("report", "Makes charts and a web page of a store");
+  CommandLine command = app.subcommand("report", "Makes a web page with charts from a store");
   auto store = std::make_shared<std::string>(), out = std::make_shared<std::string>();
   auto taken = std::make_shared<bool>(false);
   command.option("store", *store, "SQLite file").required();
-  command.option("--out", *out, "folder; default: reports/out/<name of the store>");
-  command.flag("--taken", *taken, "no page: prints the pipeline that choose takes and has not yet run as a whole");
+  command.option("--out", *out, "output folder; default: reports/out/<name of the store>");
+  command.flag("--taken", *taken, "no page: prints the pipeline that `choose` selects and has not run as a whole yet");
   command.footer("Example: lpc report results/quick.db");
   command.callback([store, out, taken, &session] {
     namespace fs = std::filesystem;

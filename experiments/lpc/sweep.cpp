@@ -49,7 +49,7 @@ void printPlan(const PlannedSweep& s) {
   }
   std::printf("%-24s %5zu trials, %zu timed, %zu unsupported", s.name.c_str(), trials, timed, unsupported);
   if (searches > 0) {
-    std::printf(", after %zu searches of %s at budgets of %s (%zu %s), each of at most %d settings", searches,
+    std::printf(", after %zu searches of %s at budgets of %s (%zu %s), each over at most %d settings", searches,
                 s.calibration->setting.c_str(), s.calibration->metric.c_str(), s.calibrated.size(),
                 s.calibrated.size() == 1 ? "cell" : "cells", s.calibration->mostTried());
   }
@@ -62,8 +62,8 @@ void printPlan(const PlannedSweep& s) {
       most += static_cast<std::size_t>(q.mostTrials()) + static_cast<std::size_t>(q.mostTried()) * settings;
       if (ladder.timed) most += ladder.plan({q.from, 1, settings > 0 ? 1 : 0, true}).size();
     }
-    std::printf(", after %zu searches for breaking points, of at most %zu trials in all", s.ladders.size(), most);
-    if (s.calibration) std::printf(", those that find the %s of each value among them", s.calibration->setting.c_str());
+    std::printf(", after %zu searches for breaking points, with at most %zu trials in total", s.ladders.size(), most);
+    if (s.calibration) std::printf(", including those that find the %s of each value", s.calibration->setting.c_str());
   }
   std::printf("\n");
 }
@@ -107,7 +107,8 @@ void sweep(SweepOptions& o, Session& session) {
   std::set<std::string> changed;
   for (const PlannedSweep& s : sweeps) changed.merge(store.changed(s));
   if (!changed.empty()) {
-    std::fprintf(stderr, "lpc: %zu trials of %s run again: their scene, code, compiler or options have changed\n",
+    std::fprintf(stderr,
+                 "lpc: %zu trials of %s run again, because their scene, code, compiler or options have changed\n",
                  changed.size(), o.store.c_str());
   }
   RunSummary done = runSweeps(sweeps, store, o.run);
@@ -120,23 +121,22 @@ void sweep(SweepOptions& o, Session& session) {
 }
 
 void addSweep(CommandLine& app, Session& session) {
-  CommandLine command = app.subcommand("sweep", "Runs the trials of a sweep that its store lacks");
+  CommandLine command = app.subcommand("sweep", "Runs the trials of a sweep that are not in the store yet");
   auto o = std::make_shared<SweepOptions>();
   o->store = "results/lpc.db";
-  command.option("sweep", o->sweep, "name in experiments/sweeps, or a TOML file; a set such as quick runs several")
-      .required();
-  command.option("--store", o->store, "SQLite file, made if absent").showDefault();
   command
-      .option("--only", o->only, "keeps each cell that has one of these labels, algorithms or scenes (comma-separated)")
+      .option("sweep", o->sweep, "name in experiments/sweeps, or a TOML file; a set such as quick runs several sweeps")
+      .required();
+  command.option("--store", o->store, "SQLite file, created if absent").showDefault();
+  command.option("--only", o->only, "runs only cells with one of these labels, algorithms or scenes (comma-separated)")
       .commaSeparated();
-  command.option("--with", o->with, "LABEL=PIPELINE: one more method among the labelled ones (may be repeated)");
-  command.option("--set", o->set, "AXIS=VALUE: this value in place of the axis's own (may be repeated)");
-  command.option(
-      "--precision", o->precision,
-      "only trials of this precision, f64 or f32; the plan in the store has no others until they are asked for");
-  command.option("--jobs", o->run.jobs, "untimed trials at once; default: one per core").range(1L, 4096L);
-  command.flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
-  command.flag("--dry-run", o->dryRun, "counts the trials, looks whether the store can take them, and runs none");
+  command.option("--with", o->with, "LABEL=PIPELINE: adds a method to the labelled ones (may be repeated)");
+  command.option("--set", o->set, "AXIS=VALUE: replaces the values of an axis (may be repeated)");
+  command.option("--precision", o->precision,
+                 "runs only trials of this precision, f64 or f32; the stored plan then has no others");
+  command.option("--jobs", o->run.jobs, "parallel untimed trials; default: one per core").range(1L, 4096L);
+  command.flag("--retry", o->run.retry, "runs trials again that ended in timeout, crash or out-of-memory");
+  command.flag("--dry-run", o->dryRun, "counts the trials and checks the store, but runs no trial");
   command.flag("--quiet", o->run.quiet, "no progress line");
   command.footer(
       "Example: lpc sweep broadphase_crossover --only naive,region_tree --store results/mine.db\n"

@@ -80,7 +80,7 @@ std::string line(const char* format, auto... values) {
 
 std::string timeline(const std::map<std::string, Series>& series) {
   const auto it = series.find("seconds");
-  if (it == series.end() || it->second.empty()) return "timeline: this run has no step\n";
+  if (it == series.end() || it->second.empty()) return "timeline: this run has no steps\n";
   const std::vector<Phase> phases = phasesOf(series, it->second);
   const Series whole = sumOf(phases);
   const std::size_t columns = std::min(kWidth, whole.size());
@@ -92,7 +92,7 @@ std::string timeline(const std::map<std::string, Series>& series) {
   }
   const double most = *std::max_element(tops.back().begin(), tops.back().end());
 
-  std::string out = line("timeline: ms a step by phases, the median of each column's %zu step%s\n",
+  std::string out = line("timeline: ms per step by phase; each column is the median of %zu step%s\n",
                          (whole.size() + columns - 1) / columns, whole.size() > columns ? "s" : "");
   for (std::size_t row = 0; row < kHeight; ++row) {
     const std::string label = row == 0 ? line("%.4g", 1e3 * most) : row == kHeight - 1 ? "0" : "";

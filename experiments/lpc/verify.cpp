@@ -41,7 +41,7 @@ void readChoices(Arguments& a) {
   if (a.options.metamorphic) {
     if (a.stages.empty()) a.stages = {std::string(stageName(StageKind::pairQuery))};
     if (a.stages.size() != 1 || a.stages.front() != stageName(StageKind::pairQuery)) {
-      throw UserError("--metamorphic asks pair queries; valid: --stage pair_query");
+      throw UserError("--metamorphic tests pair queries only; valid: --stage pair_query");
     }
   }
   if (!a.stages.empty()) a.options.stages.clear();
@@ -129,10 +129,11 @@ void verify(Arguments& a, Session& session) {
       notOwed += entry.faults() - faultsOfOurs(key, entry);
   }
   for (const std::string& line : writeFoundCases(store, a.store)) std::cout << line << "\n";
-  std::cout << a.store << ": " << done.asked << " inputs asked, " << done.skipped << " were done\n";
-  std::cout << (faults ? "WRONG: " + std::to_string(faults) + " of our own methods" : "our own methods: all right");
+  std::cout << a.store << ": " << done.asked << " inputs tested, " << done.skipped << " already in the store\n";
+  std::cout << (faults ? "WRONG: " + std::to_string(faults) + " answers of LPC's own methods"
+                       : "LPC's own methods: all correct");
   if (notOwed > 0)
-    std::cout << "; of approximate pair queries, which owe the side, " << notOwed << " distances are wrong";
+    std::cout << "; approximate pair queries, which guarantee only the side: " << notOwed << " wrong distances";
   std::cout << "\n";
   session.exitCode = faults ? 1 : 0;
   if (done.stopped) {
@@ -142,8 +143,9 @@ void verify(Arguments& a, Session& session) {
 }
 
 void addVerify(CommandLine& app, Session& session) {
-  CommandLine command = app.subcommand(
-      "verify", "Pair queries, contacts and broadphases on seeded inputs (or a file of cases) before the referee");
+  CommandLine command = app.subcommand("verify",
+                                       "Compares pair queries, contacts and broadphases with the referee's exact "
+                                       "answers, on random inputs or a file of cases");
   auto a = std::make_shared<Arguments>();
   VerificationOptions& o = a->options;
   std::vector<Option> ofSeeded;
@@ -151,47 +153,46 @@ void addVerify(CommandLine& app, Session& session) {
     return ofSeeded.emplace_back(command.option(name, value, meaning));
   };
   seeded("--pairs", o.pairs,
-         "pairs per two kinds of shape, sets of boxes, velocity problems, in blocks of 200 (--metamorphic: of 10)")
+         "inputs per stage: pairs per two kinds of shape, sets of boxes or velocity problems; in blocks of 200 "
+         "(--metamorphic: 10)")
       .showDefault()
       .range(1L, 1000000000L);
-  seeded("--minutes", o.minutes, "goes on with further blocks until then").range(0.01, 1e5);
-  seeded("--seed", o.seed, "of the inputs").showDefault().range(0L, std::numeric_limits<long>::max());
-  seeded("--stage", a->stages, "pair_query, contacts, broadphase (default: these), velocity, time_of_impact")
+  seeded("--minutes", o.minutes, "continues with further blocks for this time").range(0.01, 1e5);
+  seeded("--seed", o.seed, "seed of the inputs").showDefault().range(0L, std::numeric_limits<long>::max());
+  seeded("--stage", a->stages, "pair_query, contacts, broadphase (these are the default), velocity, time_of_impact")
       .commaSeparated();
   seeded("--dimension", o.dimensions, "2, 3 or both (default)").commaSeparated();
   seeded("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
   seeded("--role", a->role, "competitor, witness or all (default)");
   seeded("--methods", o.methods,
-         "methods with parameters, separated by spaces; default: all, witnesses also at their tightest tolerance and "
-         "in a world's frame");
-  Option store = command.option("--store", a->store, "SQLite file, made if absent; what it has is not asked again");
+         "methods with parameters, separated by spaces; default: all, and witnesses also at their tightest tolerance "
+         "and in a world frame");
+  Option store =
+      command.option("--store", a->store, "SQLite file, created if absent; stored inputs are not tested again");
   store.showDefault();
   Option metamorphic =
       command.flag("--metamorphic", o.metamorphic,
-                   "pair queries: what must not matter, as swapping the shapes; violations per million");
+                   "pair queries: counts violations of invariances per million, such as swapping the shapes");
   ofSeeded.push_back(metamorphic);
-  seeded("--jobs", o.jobs, "workers at once; default: one per core").range(1L, 4096L);
+  seeded("--jobs", o.jobs, "parallel workers; default: one per core").range(1L, 4096L);
   command.flag("--quiet", o.quiet, "no progress line");
-  Option cases = command.option("--cases", a->cases, "a file of cases instead of seeded inputs");
+  Option cases = command.option("--cases", a->cases, "file of cases, instead of random inputs");
   cases.file();
   for (const Option& option : ofSeeded) cases.without(option);
-  Option csv = command.option("--csv", a->csv, "with --cases: the table as a file");
+  Option csv = command.option("--csv", a->csv, "with --cases: writes the table to this file");
   csv.file().with(cases);
-  Option repro =
-      command.option("--repro", a->repro,
-                     "a case, by id or number from 0, as a C++ program against a witness's library alone; of "
-                     "tests/regressions/hard_cases.json unless there is --cases");
-  Option witness = command.option("--witness", a->witness, "with --repro: whose library, such as fcl_libccd");
+  Option repro = command.option("--repro", a->repro,
+                                "writes a case (id, or number from 0) as a C++ program that uses only the witness's "
+                                "library; from --cases, default: tests/regressions/hard_cases.json");
+  Option witness = command.option("--witness", a->witness, "with --repro: the witness, such as fcl_libccd");
   repro.with(witness).without(csv).without(store);
   witness.with(repro);
   for (const Option& option : ofSeeded) repro.without(option);
-  command.option("--out", a->out, "with --repro: the program as a file").file().with(repro);
+  command.option("--out", a->out, "with --repro: writes the program to this file").file().with(repro);
   command.footer(
-      "Exit code 1 when one of our own methods is wrong, of approximate pair queries: on the wrong side; witnesses "
-      "are\n"
-      "only recorded. A case that was found here is asked in the precision in which it was found, first the method "
-      "that\n"
-      "failed, and told whether it fails again.\n"
+      "Exit code 1 when one of LPC's own methods is wrong. An approximate pair query is wrong only on the wrong "
+      "side.\nWrong answers of witnesses are only recorded. A case found by lpc verify is tested in its original "
+      "precision,\nwith the method that failed first, and the table says whether it fails again.\n"
       "Examples:\n"
       "  lpc verify --pairs 1000 --seed 7\n"
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"

@@ -81,14 +81,14 @@ std::string slipIn(const std::string& text) {
     } else if (c == ')') {
       if (levels.size() > 1) levels.pop_back();
     } else if (c == ',') {
-      if (!levels.back().function) return "a comma outside of a function; valid: a point for decimals, as in 0.5";
+      if (!levels.back().function) return "a comma outside a function; valid: a decimal point, as in 0.5";
       levels.back().compared = false;
     } else if (c == '?' || c == ':' || c == '&' || c == '|') {
       levels.back().compared = false;
     } else if (c == '=' && !equals) {
-      return "'=' in an expression, which changes nothing; valid: '==', which compares";
+      return "'=' in an expression, which cannot assign; valid: '==' to compare";
     } else if (c == '=' || c == '<' || c == '>' || (c == '!' && equals)) {
-      if (levels.back().compared) return "two comparisons in a row; valid: such as 'a < b && b < c'";
+      if (levels.back().compared) return "two chained comparisons; valid: such as 'a < b && b < c'";
       levels.back().compared = true;
       i += equals;
     }
@@ -123,10 +123,10 @@ bool Expressions::knows(const std::string& name) const { return m_globals.count(
 void Expressions::checkName(const std::string& name) {
   bool taken = std::isdigit(static_cast<unsigned char>(name.empty() ? '0' : name[0]));
   for (const char c : name) taken = taken || !inName(c);
-  if (taken) throw UserError("'" + name + "' is no name for a number; valid: letters, digits and _, no digit first");
+  if (taken) throw UserError("'" + name + "' is not a valid name; valid: letters, digits and _, no digit first");
   std::istringstream functions(kFunctions);
   for (std::string function; functions >> function;) {
-    if (name == function) throw UserError("'" + name + "' is already the name of something else");
+    if (name == function) throw UserError("'" + name + "' is already in use as a name");
   }
 }
 
@@ -134,7 +134,7 @@ double Expressions::evaluate(const std::string& text) {
   const double value = valueOf(text);
   if (!std::isfinite(value) || noNumber) {
     throw UserError("'" + oneLine(text) +
-                    "' is not a finite number, or a part of it is none, such as the sine of over " +
+                    "' or a part of it is not a finite number, such as the sine of an angle over " +
                     std::to_string(static_cast<long>(kLargestAngle)) + " rad");
   }
   return value;

@@ -59,7 +59,8 @@ MetricLimit::MetricLimit(const std::string& given) : text(given) {
 void BreakQuestion::fail(const std::string& what) const { throw UserError((place.empty() ? "" : place + ": ") + what); }
 
 void BreakQuestion::checkParameter() const {
-  if (parameter.empty()) fail("a breaking point needs the name of a parameter");
+  if (parameter.empty())
+    fail("a breaking point needs 'parameter'; valid: a parameter of the scene, dt, steps, or $NAME in a pipeline");
   if (std::find(kNoParameters.begin(), kNoParameters.end(), parameter) == kNoParameters.end()) return;
   fail("'" + parameter + "' cannot be searched; valid: a parameter of the scene, dt, steps, or $NAME in a pipeline");
 }
@@ -67,7 +68,7 @@ void BreakQuestion::checkParameter() const {
 void BreakQuestion::check() const {
   checkParameter();
   if (!(from > 0) || !(to > from)) {
-    fail("'from' is " + asText(from) + " and 'to' " + asText(to) + "; valid: numbers above 0, 'to' the larger one");
+    fail("'from' is " + asText(from) + " and 'to' " + asText(to) + "; valid: numbers above 0, with 'to' above 'from'");
   }
   if (!(truth == 0 || (truth >= from && truth <= to))) {
     fail("'truth' is " + asText(truth) + "; valid: from " + asText(from) + " to " + asText(to));
@@ -76,7 +77,7 @@ void BreakQuestion::check() const {
   if (!(step >= kNarrowest && step <= kWidest)) fail("'grid' is " + asText(step) + "; valid: 1.001 to 2");
   if (!(ratio >= kNarrowest && ratio <= kWidest)) fail("'ratio' is " + asText(ratio) + "; valid: 1.001 to 2");
   if (std::log(to / from) > kMostValues * std::log(step)) {
-    fail("a 'grid' of " + asText(step) + " has more than " + asText(kMostValues) + " values; valid: a larger one");
+    fail("a 'grid' of " + asText(step) + " has more than " + asText(kMostValues) + " values; valid: a larger 'grid'");
   }
   if (!(perturb >= 0 && perturb <= kMostPerturbed)) {
     fail("'perturb' is " + asText(perturb) + "; valid: 0 to " + asText(kMostPerturbed) + " (m and rad)");
@@ -204,7 +205,8 @@ void addLadder(PlannedSweep& sweep, Ladder ladder) {
   const BreakQuestion& q = ladder.question;
   q.check();
   if (sweep.calibration && q.parameter == sweep.calibration->setting) {
-    q.fail("'" + q.parameter + "' is what methods get at equal " + sweep.calibration->equal + "; valid: another name");
+    q.fail("'" + q.parameter + "' is the setting that 'calibrate' finds at equal " + sweep.calibration->equal +
+           "; valid: another name");
   }
   const long setting = sweep.calibration ? 1 : 0;
   for (const double end : {q.from, q.to}) {
@@ -226,8 +228,8 @@ void addLadder(PlannedSweep& sweep, Ladder ladder) {
     const bool same = o.parameter == q.parameter && o.falling == q.falling && o.seeds == q.seeds &&
                       o.truth == q.truth && (o.limit ? o.limit->text : "") == (q.limit ? q.limit->text : "");
     if (o.title() == q.title() && !same) {
-      throw UserError(q.place + ": two questions are called '" + q.title() +
-                      "'; valid: a name of its own, question = \"...\"");
+      throw UserError(q.place + ": two questions have the name '" + q.title() +
+                      "'; valid: a unique name, question = \"...\"");
     }
   }
   sweep.ladders.push_back(std::move(ladder));

@@ -192,7 +192,7 @@ class Breaker {
     const auto it = row.metrics.find(q.limit->metric);
     if (it == row.metrics.end() || !std::isfinite(it->second)) {
       m_without.emplace(q.place, q.limit->metric);
-      return "a trial without " + q.limit->metric;
+      return "a trial without the metric " + q.limit->metric;
     }
     m_with.emplace(q.place, q.limit->metric);
     return q.limit->holds(it->second) ? "" : fmt::format("{} is {:.4g}", q.limit->metric, it->second);
@@ -202,8 +202,8 @@ class Breaker {
   void refuseUnknown() const {
     for (const auto& [place, metric] : m_without) {
       if (m_with.count({place, metric})) continue;
-      throw UserError((place.empty() ? "" : place + ": ") + "'limit' is of '" + metric +
-                      "', which no trial of the scene has; valid: a metric that it measures");
+      throw UserError((place.empty() ? "" : place + ": ") + "'limit' names the metric '" + metric +
+                      "', which no trial of the scene measures; valid: a metric of its trials");
     }
   }
 

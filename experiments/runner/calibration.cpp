@@ -62,7 +62,7 @@ class Search {
     const bool has = m_what.most == 1 || m_most > 1;  // whether the method has the setting
     const std::string at = !has ? "it" : m_what.setting + "=" + std::to_string(cost ? 1 : m_most);
     const std::string does =
-        !failure.empty() ? " ends in " + failure : (cost ? " costs " : ", the most, errs by ") + asText(m_last);
+        !failure.empty() ? " ends in " + failure : (cost ? " costs " : ", the most, has the error ") + asText(m_last);
     return at + does + " (" + m_what.metric + "), the budget is " + asText(m_budget);
   }
 
@@ -233,7 +233,7 @@ Calibration readCalibration(const toml::table& table, const std::string& file) {
         if (std::find(valid.begin(), valid.end(), name) == valid.end()) valid.push_back(name);
       }
     }
-    t.fail(*t.find("metric"), "'" + out.metric + "' is no metric of " + out.equal + validNames(valid, out.metric));
+    t.fail(*t.find("metric"), "'" + out.metric + "' is not a metric of " + out.equal + validNames(valid, out.metric));
   }
   out.place = file + ":" + std::to_string(t.find("metric")->source().begin.line);
   out.isTime = info->need == TrialNeed::timing;

@@ -36,7 +36,7 @@ class Replay {
     try {
       if (end.outcome == "ok") told = caseRowsFromJson(json::parse(end.output));
     } catch (const json::exception&) {
-      end.outcome = "crash", end.reason = "the worker's result cannot be read";
+      end.outcome = "crash", end.reason = "the worker's result is unreadable";
     }
     if (end.outcome == "ok") {
       rows.insert(rows.end(), told.begin(), told.end());

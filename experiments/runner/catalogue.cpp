@@ -147,7 +147,8 @@ void describeProgram(Store& store) {
 std::string withNames(const std::string& page) {
   const std::string begin = "<!-- registry -->\n", end = "<!-- end -->";
   const std::size_t from = page.find(begin), to = page.find(end, from == page.npos ? from : from + begin.size());
-  if (to == page.npos) throw UserError("it lacks the lines <!-- registry --> and <!-- end -->, where the names go");
+  if (to == page.npos)
+    throw UserError("the lines <!-- registry --> and <!-- end --> are missing, between which the names are written");
   std::string table = "| stage | names |\n| --- | --- |\n";
   for (const StageInfo& stage : kStages) {
     std::set<std::string> names;

@@ -75,7 +75,7 @@ void Child::start(const std::string& program, int core, bool showErrors) {
   waitpid(m_pid, nullptr, 0);
   for (int descriptor : {m_in, m_out, m_err}) close(descriptor);
   throw UserError(program + ": cannot be started: " + std::strerror(why) +
-                  "; valid: a program of the build, in the folder that LPC_WORKERS names where it is set");
+                  "; valid: a program of the build, or of the folder that LPC_WORKERS names");
 }
 
 Child::~Child() {

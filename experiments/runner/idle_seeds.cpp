@@ -37,7 +37,7 @@ std::vector<std::string> IdleSeeds::notes() const {
       if (scene.drawn && !scene.whereDrawn.count(choice)) where += (where.empty() ? " where " : " or ") + choice;
     }
     if (scene.drawn && where.empty()) where = " in some cells";
-    out.push_back("the seed decides nothing in scene '" + name + "'" + where + ": set its parameter '" +
+    out.push_back("the seed has no effect in scene '" + name + "'" + where + "; set its parameter '" +
                   kPerturbParameter + "', such as 1e-6 (m and rad)");
   }
   return out;

@@ -87,7 +87,7 @@ class Printer {
     widerScale();
     if (m_kinds.size() > 1) byKinds();
     relations("violations per million", Tally::wrong);
-    relations("of equal truth, other bits per million", Tally::tie);
+    relations("equal results with different bits per million", Tally::tie);
     m_out << "\n";
     return static_cast<int>(
         std::count_if(m_faults.begin(), m_faults.end(), [](const auto& m) { return m.second > 0; }));
@@ -122,7 +122,7 @@ class Printer {
   void faultsBy(const std::string& axis) {
     const auto found = m_axes.find(axis);
     if (found == m_axes.end()) return;
-    m_out << fmt::format("\n  faults, %, by {:<{}}", axis, kMethodWidth);
+    m_out << fmt::format("\n  wrong or missing answers, %, by {:<{}}", axis, kMethodWidth);
     const auto width = [](const std::string& name) { return std::max(kMethodWidth, name.size() + 2); };
     for (const auto& [name, e] : m_methods) m_out << fmt::format("{:>{}}", name, width(name));
     m_out << "\n";
@@ -144,7 +144,7 @@ class Printer {
   // For pair queries: the scale of the error is that of extents and distance, or also that of coordinates in frames.
   void widerScale() {
     if (!m_pairQueries) return;
-    m_out << "\n  right only by the scale with frames' coordinates:";
+    m_out << "\n  correct only at the error scale that includes the frames' coordinates:";
     const auto found = m_axes.find(kWiderScale);
     for (const auto& [name, e] : m_methods) {
       const bool any = found != m_axes.end() && found->second.begin()->second.contains(name);
@@ -173,7 +173,7 @@ class Printer {
   // Each rate is followed by the number of compared pairs. Relations with rounding have no bits to compare.
   void relations(const std::string& what, Tally tally) {
     if (m_relations.empty()) return;
-    m_out << fmt::format("\n  {}, of so many pairs\n  {:<{}}", what, "method", m_width);
+    m_out << fmt::format("\n  {} (compared pairs)\n  {:<{}}", what, "method", m_width);
     for (const std::string_view name : kRelationNames) m_out << fmt::format("{:>18}", name);
     m_out << fmt::format("{:>11}{:>11}\n", "undecided", "no answer");
     for (const auto& [name, entries] : m_relations) {

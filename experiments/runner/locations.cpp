@@ -73,9 +73,9 @@ std::string findToml(const std::string& folder, const std::string& nameOrPath) {
   if (!numbers.empty() && allDigits(nameOrPath)) {
     const auto before = [](const auto& a, const auto& b) { return std::pair(a.size(), a) < std::pair(b.size(), b); };
     std::sort(numbers.begin(), numbers.end(), before);  // 2 precedes 10
-    throw UserError("there is no " + numbered + nameOrPath + validNames(numbers, ""));
+    throw UserError("no " + numbered + nameOrPath + validNames(numbers, ""));
   }
-  throw UserError("there is no file '" + nameOrPath + "' and nothing of that name in experiments/" + folder +
+  throw UserError("no file '" + nameOrPath + "', and no such name in experiments/" + folder +
                   validNames(names, nameOrPath));
 }
 
@@ -90,7 +90,7 @@ std::string findProblems(const std::string& nameOrPath) {
     names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
-  throw UserError("there is no file '" + nameOrPath + "' and nothing of that name in experiments/problems" +
+  throw UserError("no file '" + nameOrPath + "', and no such name in experiments/problems" +
                   validNames(names, nameOrPath));
 }
 

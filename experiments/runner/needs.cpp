@@ -116,7 +116,7 @@ PlannedSweep planNeeds(const NeedsQuestion& q) {
   const int dimension = q.dimension.value_or(file.dimensions().at(0));
   PlannedSweep out;
   out.name = "needs_" + file.name(), out.kind = "world", out.baseline = kMinimalModel;
-  out.summary = "what " + file.name() + " needs: one switch of its model at a time";
+  out.summary = "what " + file.name() + " needs: each switch of its model in turn";
   out.charts = {"needs"};
   out.roles = {{"scene", "run"}, {"model", "run"}, {"seed", "run"}, {"dimension", "run"}};
   const auto add = [&](const std::string& model, int seed, int repeat) {

@@ -17,16 +17,16 @@ constexpr const char* kAbout[][2] = {
     {"format", "lpc pairs, version 1: also a file of cases for lpc verify --cases"},
     {"units", "metres; angles do not occur"},
     {"shapes",
-     "around the origin of its own frame: sphere radius; capsule radius, half_length, axis x; segment points; box "
-     "half_extents; convex points, of which it is the hull; cylinder radius, half_length, along x; cone radius, "
-     "half_height, its "
-     "tip at +x; ellipsoid half_x, half_y, half_z; half_space y <= 0. What lies around a core with corners is its "
+     "centred at the origin of its own frame: sphere radius; capsule radius, half_length, axis x; segment points; box "
+     "half_extents; convex points, with their hull as shape; cylinder radius, half_length, along x; cone radius, "
+     "half_height, tip at +x; ellipsoid half_x, half_y, half_z; half_space y <= 0. The radius around a polyhedral core "
+     "is its "
      "radius, "
-     "around a curved one its rounding"},
-    {"pose", "world = R(q) * local + t, q as it stands: q_wxyz in 3D, cos_sin in 2D; A's is the identity"},
-    {"sign", "signed_distance > 0 is a gap, < 0 minus the depth: the least way that parts the shapes"},
-    {"interval", "[lo, hi] is proved to contain the signed distance of these numbers as they stand"},
-    {"size", "what an error is measured by: largest extent + distance + largest coordinate"}};
+     "around a curved core its rounding"},
+    {"pose", "world = R(q) * local + t, with q not normalised: q_wxyz in 3D, cos_sin in 2D; A's pose is the identity"},
+    {"sign", "signed_distance > 0 is a gap; < 0 is minus the depth, the least translation that separates the shapes"},
+    {"interval", "[lo, hi] is proved to contain the signed distance for exactly these numbers"},
+    {"size", "scale of errors: largest extent + distance + largest coordinate"}};
 
 class Writer {
  public:
@@ -91,7 +91,7 @@ TOLERANCE = 1e-6  # allowed beyond the proved interval, as a share of the pair's
 
 
 def signed_distance(pair):
-    """Of pair["shapeA"] at pair["poseA"] and pair["shapeB"] at pair["poseB"], in metres: a gap, or minus the depth.
+    """Signed distance of pair["shapeA"] at pair["poseA"] and pair["shapeB"] at pair["poseB"], in metres: gap, or minus depth.
     None where the library does not take these shapes, math.inf where it says "apart" and no more."""
     return None
 
@@ -114,8 +114,8 @@ def main(path):
         asked, passed = asked + 1, passed + (answer is None)
         if answer is not None and is_wrong(answer, *expected["interval"], TOLERANCE * expected["size"]):
             wrong.append(pair["id"])
-            print(f"{pair['id']}: {answer}, and it lies in {expected['interval']}")
-    print(f"{asked} pairs, {passed} not taken, {len(wrong)} wrong")
+            print(f"{pair['id']}: {answer}, but the true value lies in {expected['interval']}")
+    print(f"{asked} pairs, {passed} skipped, {len(wrong)} wrong")
     return 1 if wrong else 0
 
 

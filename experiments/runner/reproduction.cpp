@@ -29,8 +29,7 @@ const Case& caseOf(const std::vector<Case>& cases, const std::string& path, cons
   const auto [read, error] = std::from_chars(which.data(), end, number);
   if (error == std::errc() && read == end && number < cases.size()) return cases[number];
   const std::string meant = meantName(ids, which);
-  throw UserError(path + ": there is no case '" + which + "'; " +
-                  (meant.empty() ? "" : "did you mean '" + meant + "'? ") +
+  throw UserError(path + ": unknown case '" + which + "'; " + (meant.empty() ? "" : "did you mean '" + meant + "'? ") +
                   "valid: the id of a case, or its number, from 0 to " + std::to_string(cases.size() - 1));
 }
 
@@ -42,7 +41,7 @@ std::unique_ptr<PairQuery<D>> witnessOf(const Spec& spec) {
     if (r->info.name == spec.name) return createStage<PairQuery<D>>(spec);
     names.push_back(r->info.name);
   }
-  throw UserError("there is no witness of pairs '" + spec.name + "' in " + std::to_string(D) + "D" +
+  throw UserError("unknown pair query witness '" + spec.name + "' in " + std::to_string(D) + "D" +
                   validNames(names, spec.name));
 }
 
@@ -67,7 +66,7 @@ std::string toldOf(const Question& q, double said, Ending ending) {
   } else {
     out += !std::isinf(said) ? literal(said) : said > 0 ? "apart" : "overlapping";
   }
-  out += ", and the truth lies in [" + literal(q.truth.lo) + ", " + literal(q.truth.hi) + "]";
+  out += ", and the true value lies in [" + literal(q.truth.lo) + ", " + literal(q.truth.hi) + "]";
   if (q.unit != 1) out += ", in units of " + literal(q.unit) + " m";
   return out + "; the program returns " + (q.isRight(said) ? "0" : "1");
 }
@@ -85,10 +84,10 @@ std::string titleOf(const Case& c, const Question& q, const Spec& spec, int dime
   std::string out = "// " + code.value("library", spec.name) + ": g++ -std=c++17 -O2 " + source + " " +
                     q.snippet.flags + " -o " + made + " && ./" + made + "\n";
   out += "// LPC's case " + quoted(c.id) + (c.source.empty() ? "" : ", of " + quoted(c.source)) + ", as its witness " +
-         quoted(spec.text()) + " asks it: in the frame of one shape, in units of " + literal(q.unit) + " m.\n";
+         quoted(spec.text()) + " queries it: in the frame of one shape, in units of " + literal(q.unit) + " m.\n";
   if (q.snippet.rounding > 0) {
     out += "// Together they are rounded by " + literal(q.snippet.rounding) +
-           ", which is left out: their cores are asked.\n";
+           ", which is left out: the query uses the cores.\n";
   }
   return out;
 }
@@ -101,25 +100,25 @@ Reproduction reproduceIn(const Case& c, const CaseGeometry<D>& g, const Spec& sp
     throw UserError(name + "its query is '" + c.queryText + "'; valid: signed_distance, contacts");
   }
   for (const CaseShape<D>* s : {&g.a, &g.b}) {
-    if (!s->shape) throw UserError(name + "a shape is none of ours: " + s->refusal);
+    if (!s->shape) throw UserError(name + "unsupported shape: " + s->refusal);
   }
   const HardPair<D> pair = g.pair();
   PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
   if (view.a.kind > view.b.kind) view = {view.b, view.a, view.X_AB.inverse()};  // in the order of queryPair
   if (!method->supports(view.a.kind, view.b.kind)) {
-    throw UserError(name + spec.name + " is not asked " + std::string(shapeKindName(view.a.kind)) + " against " +
+    throw UserError(name + spec.name + " does not support " + std::string(shapeKindName(view.a.kind)) + " against " +
                     std::string(shapeKindName(view.b.kind)) + " in " + std::to_string(D) + "D");
   }
   auto& witness = dynamic_cast<Witness<D>&>(*method);
   const std::optional<Question> question = witness.question(view);
-  if (!question) throw UserError(name + "the adapter of " + spec.name + " has no words for a program");
-  if (!question->truth.decided) throw UserError(name + "the referee has no proved interval for it");
+  if (!question) throw UserError(name + "the adapter of " + spec.name + " cannot write a program for it");
+  if (!question->truth.decided) throw UserError(name + "the referee cannot decide it");
   const PairAnswer<D> answer = queryPair(witness, view.a, view.b, view.X_AB);
   const Ending ending = witness.endings()[0];
   std::string told =
       spec.text() + " on " + c.id + " is " + toldOf(*question, saidTo(*question, answer, ending), ending);
   const Verdict verdict = judge(view, pairTruth(view), answer, AlgorithmRole::witness, ending);
-  if (verdict.failure == "wrong_normal") told += ", since it asks for no normal, which is wrong";
+  if (verdict.failure == "wrong_normal") told += ", because it does not check the normal, which is wrong";
   return {question->program(titleOf(c, *question, spec, D, file)), told};
 }
 

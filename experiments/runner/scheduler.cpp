@@ -44,7 +44,7 @@ std::string askedOf(const TrialRequest& request, bool sidesAreRight) {
     const Spec* const asked = p.role == ParamRole::tolerance ? spec.find(p.name) : nullptr;
     if (asked && std::stod(asked->name) > judged && sidesAreRight) return "at a looser tolerance";
   }
-  return at->second.info.guarantee == Guarantee::exact ? "of exact ones of ours" : "of approximate ones of ours";
+  return at->second.info.guarantee == Guarantee::exact ? "of LPC's exact methods" : "of LPC's approximate methods";
 }
 
 class Scheduler {
@@ -137,7 +137,7 @@ class Scheduler {
         result = resultFromJson(json::parse(end.output));
       } catch (const json::exception&) {
         result = {};
-        result.fail("crash", "the worker's result cannot be read", -1);
+        result.fail("crash", "the worker's result is unreadable", -1);
       }
     } else {
       result.fail(end.outcome, end.reason, -1);
@@ -188,11 +188,12 @@ class Scheduler {
     std::string left = "?";
     if (m_finished > 0)
       left = clockText(spent / static_cast<double>(m_finished) * static_cast<double>(m_total - m_finished));
-    std::fputs(fmt::format("{}{}: {} of {} trials, {} not ok, {} skipped as done, {} gone, {} left in this phase{}",
-                           m_tty ? "\r" : "", m_phase, m_finished, m_total, m_summary.bad, m_summary.skipped,
-                           clockText(spent), left, m_tty && !last ? "   " : "\n")
-                   .c_str(),
-               stderr);
+    std::fputs(
+        fmt::format("{}{}: {} of {} trials, {} not ok, {} already in the store, {} elapsed, {} left in this phase{}",
+                    m_tty ? "\r" : "", m_phase, m_finished, m_total, m_summary.bad, m_summary.skipped, clockText(spent),
+                    left, m_tty && !last ? "   " : "\n")
+            .c_str(),
+        stderr);
     std::fflush(stderr);
   }
 

@@ -77,12 +77,12 @@ std::string prepared(const std::string& path, bool create) {
   namespace fs = std::filesystem;
   std::error_code error;
   const bool exists = fs::exists(path, error);
-  if (exists && !fs::is_regular_file(path)) throw UserError(path + ": not a result store: it is no file");
-  if (!create && !exists) throw UserError(path + ": there is no such store");
+  if (exists && !fs::is_regular_file(path)) throw UserError(path + ": not a result store: it is not a regular file");
+  if (!create && !exists) throw UserError(path + ": this store does not exist");
   if (!create) return path;
   const auto parent = fs::path(path).parent_path();
   if (!exists && !parent.empty()) fs::create_directories(parent, error);
-  if (error) throw UserError(path + ": cannot be made: " + error.message());
+  if (error) throw UserError(path + ": cannot be created: " + error.message());
   make(path);
   return path;
 }
@@ -101,7 +101,7 @@ void requireWhole(SQLite::Database& db, const std::string& path) {
   const auto found = columns(db);
   for (const auto& [table, column] : columns(ours)) {
     if (found.contains({table, column})) continue;
-    throw UserError(path + ": not a result store, or a damaged one: it has no column '" + column + "' in a table '" +
+    throw UserError(path + ": not a result store, or a damaged one: it has no column '" + column + "' in table '" +
                     table + "'");
   }
 }
@@ -188,16 +188,16 @@ std::vector<double> Store::lastPoses(const std::string& key) try {
 
 StoredTrial Store::find(const std::string& keyBegin) try {
   const bool digits = keyBegin.find_first_not_of("0123456789abcdef") == keyBegin.npos;
-  if (keyBegin.empty() || !digits) throw UserError("'" + keyBegin + "' is no key; valid: digits 0 to 9 and a to f");
+  if (keyBegin.empty() || !digits) throw UserError("'" + keyBegin + "' is not a key; valid: digits 0 to 9 and a to f");
   SQLite::Statement s(m_db,
                       "SELECT key, outcome, reason, step, canonical FROM trial WHERE substr(key, 1, length(?1))=?1");
   s.bind(1, keyBegin);
-  if (!s.executeStep()) throw UserError("there is no trial '" + keyBegin + "' in " + m_db.getFilename());
+  if (!s.executeStep()) throw UserError("no trial has the key '" + keyBegin + "' in " + m_db.getFilename());
   StoredTrial out{s.getColumn(0).getString(), s.getColumn(1).getString(), s.getColumn(2).getString(),
                   s.getColumn(3).isNull() ? -1 : static_cast<long>(s.getColumn(3).getInt64()),
                   storedJson(s.getColumn(4).getString())};
   if (s.executeStep()) {
-    throw UserError("'" + keyBegin + "' begins more than one key; valid: more digits, such as " + out.key);
+    throw UserError("'" + keyBegin + "' matches several keys; valid: more digits, such as " + out.key);
   }
   return out;
 } catch (const SQLite::Exception& e) {

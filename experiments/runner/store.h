@@ -116,7 +116,7 @@ template <class T = nlohmann::json::object_t>
 T storedJson(const std::string& text) try {
   return nlohmann::json::parse(text).get<T>();
 } catch (const nlohmann::json::exception&) {
-  throw SQLite::Exception("a text in it is no JSON of ours", 11);  // SQLITE_CORRUPT
+  throw SQLite::Exception("a stored text is not valid JSON", 11);  // SQLITE_CORRUPT
 }
 
 /// The present time, UTC, as 2026-11-21T04:05:06Z.

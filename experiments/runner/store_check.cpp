@@ -35,7 +35,7 @@ void checkStore(const std::string& path) {
   try {
     const OutputFile probe((folder / fs::path(path).filename()).string());
   } catch (const CannotWrite& e) {
-    throw UserError(path + ": cannot be made: " + e.what());
+    throw UserError(path + ": cannot be created: " + e.what());
   }
 }
 

@@ -50,7 +50,7 @@ StoreLock::StoreLock(const std::string& path) : m_file(open(path.c_str(), O_RDON
     const std::string holder = holderOf(m_file);
     close(m_file);
     if (why != EWOULDBLOCK) throw UserError(path + ": cannot be locked: " + std::strerror(why));
-    throw UserError(path + ": another lpc" + holder + " is running trials into it; valid: another --store, or wait");
+    throw UserError(path + ": another lpc" + holder + " is writing trials into it; valid: another --store, or wait");
   }
 }
 

@@ -39,7 +39,7 @@ class Stars {
         return Registry::instance().parameter(stage.kind, n, p) != nullptr;
       };
       if (!names.empty() && std::none_of(names.begin(), names.end(), has)) {
-        fail("'" + spec.text() + "': no " + std::string(stage.name) + " has '" + parameter + "'");
+        fail("'" + spec.text() + "': no " + std::string(stage.name) + " has the parameter '" + parameter + "'");
       }
     }
     std::vector<Choice> out;
@@ -109,7 +109,7 @@ class Stars {
 
   void join(Choice& c, const std::pair<const std::string, std::string>& name) const {
     if (!c.names.insert(name).second) {
-      fail("two stars stand after '" + name.first + "='; a label could not tell them apart");
+      fail("two stars after '" + name.first + "=' give equal labels; valid: one star");
     }
   }
 
@@ -117,7 +117,7 @@ class Stars {
     const std::size_t dash = std::min(star.find('-'), star.size());
     const std::string kind = star.substr(0, dash);
     if (kind != "*" && kind != "*witness") {
-      fail("'" + star + "'; valid: *, *witness, *-name for all but some, names");
+      fail("'" + star + "'; valid: names, *, *witness, or *-NAME for all except NAME");
     }
     std::set<std::string> names;
     for (const auto& [key, entry] : Registry::instance().all()) {
@@ -127,13 +127,13 @@ class Stars {
     }
     const std::vector<std::string> valid(names.begin(), names.end());
     if (names.empty() && kind == "*") {
-      fail("nobody is registered as " + std::string(stage.name));
+      fail("no algorithm is registered for stage " + std::string(stage.name));
     }
     for (std::size_t at = dash; at < star.size();) {
       const std::size_t end = std::min(star.find('-', at + 1), star.size());
       const std::string name = star.substr(at + 1, end - at - 1);
       if (!names.erase(name)) {
-        fail("'" + star + "' leaves out '" + name + "', who is not there" + validNames(valid, name));
+        fail("'" + star + "' excludes unknown '" + name + "'" + validNames(valid, name));
       }
       at = end;
     }
@@ -153,7 +153,7 @@ std::string labelOf(const std::string& place, std::string label, const Choice& c
   for (const std::string& key : keys) {
     const std::size_t at = label.find("$" + key);
     if (at == label.npos) {
-      throw UserError(place + ": the label '" + label + "' is that of several methods; valid: one with $" + key);
+      throw UserError(place + ": the label '" + label + "' stands for several methods; valid: a label with $" + key);
     }
     label.replace(at, key.size() + 1, choice.names.at(key));
   }
@@ -192,7 +192,7 @@ void readValue(const std::string& file, const toml::node& node, Axis& axis) {
     if (!Stars::isStar(text)) {
       axis.values.push_back({text, "", text, &node});
     } else if (!stage) {
-      failAt(file, node, "'" + text + "' in axis '" + axis.name + "', which is no stage's");
+      failAt(file, node, "'" + text + "' in axis '" + axis.name + "', which belongs to no stage");
     } else {
       std::vector<Choice> choices;
       try {
@@ -221,7 +221,7 @@ std::string axisAt(const std::string& text, std::size_t at, const nlohmann::json
 
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node) {
   if (std::find(kNoAxes.begin(), kNoAxes.end(), name) != kNoAxes.end()) {
-    failAt(file, node, "an axis '" + name + "', which the store keeps of every sweep; valid: another name");
+    failAt(file, node, "axis '" + name + "' is reserved: the store keeps it for every sweep; valid: another name");
   }
   Axis axis{name, {}, node.is_table(), &node};
   if (const toml::table* table = node.as_table()) {
@@ -246,7 +246,8 @@ SetAxis::SetAxis(const std::string& text) : given(text) {
   if (equals == text.npos || equals == 0 || equals + 1 == text.size()) {
     throw UserError("--set '" + text + "'; valid: AXIS=VALUE, such as n=5000");
   }
-  if (text.find('*', equals) != text.npos) throw UserError("--set '" + text + "': a star is many; valid: one value");
+  if (text.find('*', equals) != text.npos)
+    throw UserError("--set '" + text + "': a star stands for many values; valid: one value");
   axis = text.substr(0, equals);
   value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);  // a number, or else a text
   if (!value.is_number()) value = text.substr(equals + 1);
@@ -267,12 +268,11 @@ std::string withValues(const std::string& text, const nlohmann::json& axes, std:
     if (name.empty()) {
       std::vector<std::string> valid;
       for (const auto& [axis, value] : axes.items()) valid.push_back("$" + axis);
-      throw UserError("a '$' in '" + text + "' names no axis; valid: " + joined(valid));
+      throw UserError("'$' in '" + text + "' names no axis; valid: " + joined(valid));
     }
     const std::string value = valueText(axes[name]);
     if (value.find('$') != value.npos) {
-      throw UserError("'$" + name + "' becomes '" + value +
-                      "', which is not looked at again; valid: a value without $");
+      throw UserError("'$" + name + "' becomes '" + value + "', which is not expanded again; valid: a value without $");
     }
     out += value;
     used.insert(name);

@@ -37,9 +37,9 @@ void AxisFiles::add(const SceneFile& scene, bool scriptIsAnAxis) {
 void AxisFiles::add(const std::string& axis, const std::string& name, const std::string& path) {
   const std::string& first = m_paths.try_emplace({axis, name}, path).first->second;
   if (first == path || (!first.empty() && !path.empty() && std::filesystem::equivalent(first, path))) return;
-  const auto told = [](const std::string& p) { return p.empty() ? std::string("none at all") : p; };
+  const auto told = [](const std::string& p) { return p.empty() ? std::string("no file") : p; };
   throw UserError("axis '" + axis + "': '" + name + "' is both " + told(first) + " and " + told(path) +
-                  ", whose results nobody could tell apart; valid: files of different names");
+                  ", so their results would have one name; valid: files of different names");
 }
 
 void collectNames(const Spec& spec, std::set<std::string>& out) {
@@ -119,7 +119,7 @@ std::string readWorldAxes(const SceneFile& file, const json& axes, const std::se
       for (const StageInfo& stage : kStages) {
         if (isWorldStage(stage)) valid.emplace_back(stage.name);
       }
-      throw UserError("axis '" + name + "' means nothing for scene '" + file.name() + "'" + validNames(valid, name) +
+      throw UserError("axis '" + name + "' is unknown for scene '" + file.name() + "'" + validNames(valid, name) +
                       ", a table of pipelines, or $" + name + " in a pipeline");
     }
   }
@@ -136,7 +136,7 @@ PlannedTrial frozenTrial(Planner& planner, const std::string& kind, const json& 
   for (const auto& [name, value] : cell.items()) {
     const bool ofScene = scene && scene->parameter(name);
     if (!ofScene && !isFrozenAxis(kind, name))
-      throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + kind + "'");
+      throw UserError("axis '" + name + "' is unknown in a sweep of kind '" + kind + "'");
     if (axes.contains(name)) roles.emplace(name, name == method ? "stage" : ofScene ? "parameter" : "run");
   }
   if (scene) names.insert(scene->name());

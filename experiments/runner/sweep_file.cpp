@@ -114,7 +114,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     for (const Axis& axis : axes) {
       for (const AxisValue& v : axis.values) {
         if (v.by != WrittenBy::with || !m_only.empty() || planned.count(axis.name + "=" + v.label.dump())) continue;
-        throw UserError("--with " + valueText(v.label) + ": " + m_path + " has all its trials under another label");
+        throw UserError("--with " + valueText(v.label) + ": " + m_path + " has the same trials under another label");
       }
     }
   }
@@ -151,7 +151,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     s.repeats = t.integer("repeats", s.repeats);
     if (s.repeats < 1) t.fail(*t.find("repeats"), "'repeats' is " + std::to_string(s.repeats) + "; valid: 1 or more");
     if (const toml::node* budgets = t.find("budgets")) {
-      if (!m_calibration) t.fail(*budgets, "'budgets' without 'calibrate', which says of what");
+      if (!m_calibration) t.fail(*budgets, "'budgets' without 'calibrate', which names their metric");
       s.budgets = readBudgets(t);
     }
     if (const toml::table* question = t.table("break")) {
@@ -169,7 +169,8 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     for (const SetAxis& set : m_set) {
       for (Axis& axis : s.axes) {
         if (axis.name != set.axis) continue;
-        if (axis.labelled) throw UserError("--set '" + set.given + "': " + m_path + " has labelled methods there");
+        if (axis.labelled)
+          throw UserError("--set '" + set.given + "': " + m_path + " has labelled methods on this axis");
         axis.values = {{set.value, "", valueText(set.value), axis.node, WrittenBy::set}};
         m_taken.insert(set.given);
       }
@@ -213,11 +214,12 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     const std::string& setting = m_calibration->setting;
     for (const Axis& axis : s.axes) {
       if (axis.name != setting && axis.name != "budget") continue;
-      failAt(m_path, *axis.node, "axis '" + axis.name + "' is what 'calibrate' finds; valid: budgets = [...]");
+      failAt(m_path, *axis.node, "axis '" + axis.name + "' is set by 'calibrate'; valid: budgets = [...]");
     }
     if (s.budgets.empty()) failAt(m_path, where, "'calibrate' needs budgets = [...], here or for all groups");
     if (m_calibration->isTime && !s.timed) {
-      failAt(m_path, where, "'calibrate' by '" + m_calibration->metric + "', a time; valid: timed = true");
+      failAt(m_path, where,
+             "'calibrate' by '" + m_calibration->metric + "', a time, needs timed trials; valid: timed = true");
     }
   }
 
@@ -225,10 +227,11 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     s.question->check();
     for (const Axis& axis : s.axes) {
       if (axis.name != s.question->parameter && axis.name != "seed" && axis.name != "question") continue;
-      failAt(m_path, *axis.node, "axis '" + axis.name + "' is what 'break' searches; valid: another name");
+      failAt(m_path, *axis.node, "axis '" + axis.name + "' is searched by 'break'; valid: another name");
     }
     if (m_calibration && m_calibration->isTime) {
-      failAt(m_path, where, "'break' at equal '" + m_calibration->metric + "', a time; valid: a count");
+      failAt(m_path, where,
+             "'break' at equal '" + m_calibration->metric + "', a time, is not possible; valid: a count");
     }
   }
 
@@ -483,7 +486,7 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
   for (const std::string& method : with) {
     if (!taken.count(method)) {
       throw UserError("--with '" + method + "': no sweep of '" + nameOrPath +
-                      "' has labelled methods in [axes], and an axis for each $name that this one uses");
+                      "' has labelled methods in [axes] and an axis for each $name in this pipeline");
     }
   }
   for (const std::string& name : only) {

@@ -36,7 +36,7 @@ void SweepSize::add(const Product& product, const std::string& file, const toml:
   trials *= budgets * search;
   if (m_trials + trials > kMostTrials) {
     failAt(file, where,
-           "the product of all axes is " + asText(trials) + " trials" + told + (told.empty() ? "" : ")") +
+           "the product of all axes has " + asText(trials) + " trials" + told + (told.empty() ? "" : ")") +
                (m_trials > 0 ? " after " + asText(m_trials) + " before it" : "") + "; valid: up to " +
                std::to_string(kMostTrials) + " in all");
   }

@@ -297,13 +297,14 @@ PlannedTrial Planner::problems(json cell) {
   json code = json::object();
   Spec spec = Spec::parse(text(cell, "velocity"));
   if (existsIn(StageKind::solver, file.dimension, spec.name)) {
-    out.unsupported = spec.name + " owns its loop: it integrates between its sweeps and has no velocity problem";
+    out.unsupported = spec.name + " integrates between its passes, so it has no separate velocity problem";
   } else {
     cell["velocity"] = canonicalStage(code, out.unsupported, StageKind::velocity, spec, file.dimension);
     if (out.unsupported.empty() && file.isMatrix(cell["problem"].get<std::size_t>())) {
       const bool able = Registry::instance().find(StageKind::velocity, file.dimension, spec.name).info.matrixAlone;
-      if (!able) out.unsupported = spec.name + " pushes bodies, and a matrix alone has none";
-      if (able && cell["order"] == "coloured") out.unsupported = "a matrix alone has no bodies to colour contacts by";
+      if (!able) out.unsupported = spec.name + " needs bodies, and a problem given as a matrix has none";
+      if (able && cell["order"] == "coloured")
+        out.unsupported = "a problem given as a matrix has no bodies for colouring contacts";
     }
     for (const char* reference : kReferenceResolvers) {
       code.update(codeHashes(StageKind::velocity, Spec::parse(reference), file.dimension));
@@ -319,7 +320,8 @@ PlannedTrial Planner::streamOfPairs(json cell) {
   require(cell, {"dimension", "pair_query", "stream"});
   for (const char* axis : {"kind_a", "kind_b", "vertices"}) {
     if (cell.contains(axis))
-      throw UserError("axis '" + std::string(axis) + "' beside 'scene', which has its own shapes");
+      throw UserError("axis '" + std::string(axis) +
+                      "' and 'scene' exclude each other, because a scene has its own shapes");
   }
   cell.emplace("from", 0), cell.emplace("steps", 60), cell.emplace("drawing", "near");
   cell.emplace("repeat", 0), cell.emplace("timed", false), cell.emplace("precision", "f64");
@@ -370,7 +372,8 @@ PlannedTrial Planner::pairs(json cell) {
   cell["kind"] = "pairs";
   if (cell.contains("scene")) return streamOfPairs(std::move(cell));
   for (const char* axis : {"stream", "from", "steps"}) {
-    if (cell.contains(axis)) throw UserError("axis '" + std::string(axis) + "' without 'scene', whose pairs it is of");
+    if (cell.contains(axis))
+      throw UserError("axis '" + std::string(axis) + "' needs the axis 'scene', which gives the pairs");
   }
   require(cell, {"dimension", "kind_a", "kind_b", "pair_query"});
   addDefaults(cell, "n", 1024);
@@ -382,7 +385,7 @@ PlannedTrial Planner::pairs(json cell) {
   if (cell.contains("vertices")) {
     wholeNumber(cell, "vertices", 4, kMaxVertices);
     if (cell["kind_a"] != "polytope" && cell["kind_b"] != "polytope") {
-      throw UserError("axis 'vertices' is of hulls; valid: with 'polytope' as kind_a or kind_b");
+      throw UserError("axis 'vertices' is for hulls; valid: with 'polytope' as kind_a or kind_b");
     }
   }
   PlannedTrial out;

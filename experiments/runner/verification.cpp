@@ -83,7 +83,7 @@ class Plan {
   explicit Plan(const VerificationOptions& options) : m_options(options) {
     findMethods();
     findSubjects();
-    if (m_subjects.empty()) throw UserError("verify: there is no method of that role in these stages and dimensions");
+    if (m_subjects.empty()) throw UserError("verify: no method has this role in these stages and dimensions");
   }
   Plan(const Plan&) = delete;  // subjects point to methods
   Plan& operator=(const Plan&) = delete;
@@ -109,7 +109,7 @@ class Plan {
     for (std::size_t i = 0; i < given.size(); ++i) {
       if (known[i]) continue;
       const std::string& name = given[i].name;
-      throw UserError("there is no method '" + name + "' to verify" + validNames(methodNames(), name));
+      throw UserError("unknown method '" + name + "' to verify" + validNames(methodNames(), name));
     }
   }
   void add(const Registered& r, const Spec& spec) {
@@ -288,7 +288,7 @@ class Verification {
     try {
       if (end.outcome == "ok") verified = verifiedFromJson(json::parse(end.output));
     } catch (const json::exception&) {
-      end.outcome = "crash", end.reason = "the worker's result cannot be read";
+      end.outcome = "crash", end.reason = "the worker's result is unreadable";
     }
     if (end.outcome != "ok") {
       if (!part.ended.empty()) throw std::runtime_error("verify: " + end.reason);
@@ -333,10 +333,11 @@ class Verification {
     } else if (m_summary.asked > 0) {
       left = clockText(now / static_cast<double>(m_summary.asked) * std::max(0.0, rest));
     }
-    std::fputs(fmt::format("{}verify: {} inputs asked, {} skipped as done, {} gone, {} left{}", m_tty ? "\r" : "",
-                           m_summary.asked, m_summary.skipped, clockText(now), left, m_tty && !last ? "   " : "\n")
-                   .c_str(),
-               stderr);
+    std::fputs(
+        fmt::format("{}verify: {} inputs tested, {} already in the store, {} elapsed, {} left{}", m_tty ? "\r" : "",
+                    m_summary.asked, m_summary.skipped, clockText(now), left, m_tty && !last ? "   " : "\n")
+            .c_str(),
+        stderr);
     std::fflush(stderr);
   }
 
@@ -440,7 +441,7 @@ std::vector<std::string> writeFoundCases(Store& store, const std::string& storeP
       file.finish();
       written.insert(path.filename().string());
       const bool again = text.find("\"again\": false") == std::string::npos;
-      out.push_back(what + (again ? "" : ", which did not fail when it was asked again, alone") + ": " + path.string());
+      out.push_back(what + (again ? "" : ", which did not fail when repeated alone") + ": " + path.string());
     }
   };
   write("simplest pair of this failure", store.foundCases());

@@ -116,7 +116,7 @@ WorkerEnd WorkerPool::endOf(const Running& r) {
   if (!r.killedFor.empty()) {
     end.outcome = r.killedFor, end.reason = r.why;
   } else if (c.flooded()) {
-    end.outcome = "out_of_memory", end.reason = "its output has no end";
+    end.outcome = "out_of_memory", end.reason = "its output exceeds the limit";
   } else if (c.signal()) {
     end.outcome = "crash", end.signal = c.signal();
     end.reason = fmt::format("signal {} ({}){}{}", c.signal(), strsignal(c.signal()), last.empty() ? "" : ": ", last);

@@ -55,7 +55,7 @@ Vec<2> Marks::at(const std::string& name) const {
   if (const auto it = m_places.find(name); it != m_places.end()) return it->second;
   std::vector<std::string> names;
   for (const auto& [known, place] : m_places) names.push_back(known);
-  throw UserError("there is no '" + name + "' in the window" + validNames(names, name));
+  throw UserError("unknown panel or button '" + name + "'" + validNames(names, name));
 }
 
 template <int D>
@@ -93,7 +93,7 @@ bool App<D>::frame(InputScript* script) {
   for (SDL_Event event; window.poll(event);) handle(event);
   for (const std::string& path : window.takeDropped()) {
     act([&] {
-      if (!std::filesystem::is_regular_file(path)) throw UserError("'" + path + "' is no file; valid: a scene");
+      if (!std::filesystem::is_regular_file(path)) throw UserError("'" + path + "' is not a file; valid: a scene file");
       open(path);
     });
   }
@@ -208,15 +208,15 @@ void App<D>::back() {
     told |= seconds > kToldAfter;
     if (told) {
       char text[96];
-      std::snprintf(text, sizeof text, "LPC sandbox: a step back, lane %zu, %.0f %%", lane + 1, 100 * part);
+      std::snprintf(text, sizeof text, "LPC sandbox: step back, competitor %zu, %.0f %%", lane + 1, 100 * part);
       window.setTitle(text);
     }
     return seconds < kPatience;
   };
-  if (!session.back(patience)) say("this is the beginning");
+  if (!session.back(patience)) say("no earlier step");
   if (told) window.setTitle("LPC sandbox");
   for (const auto& lane : session.lanes()) {
-    if (lane.fallen.starts_with("given up")) say(lane.fallen + "; R begins all anew");
+    if (lane.fallen.starts_with("step back cancelled")) say(lane.fallen + "; R reloads the scene");
   }
   hand.setPaused(true);
 }
@@ -301,7 +301,7 @@ void App<D>::clear() {
 template <int D>
 void App<D>::save() {
   const auto world = session.ready();
-  if (!world) throw UserError("the state of an engine is its own: it cannot be saved");
+  if (!world) throw UserError("the state of an engine cannot be saved; valid: a pipeline of LPC's stages");
   SavedScene saved(session.steps(), kSaved);
   saved.write(*world, session.scene(), session.lanes()[0].pipeline);
   saved.finish();
@@ -311,8 +311,7 @@ void App<D>::save() {
 template <int D>
 void App<D>::load() {
   if (!std::filesystem::is_regular_file(kSaved)) {
-    throw UserError(std::string("there is no ") + kSaved +
-                    " in this folder; valid: a world that was saved before (F1)");
+    throw UserError(std::string("there is no ") + kSaved + " in this folder; valid: save a world first (F1)");
   }
   open(kSaved);
 }
@@ -320,7 +319,7 @@ void App<D>::load() {
 template <int D>
 void App<D>::otherDimension() {
   constexpr int kOther = 5 - D;
-  if (!file.has(kOther)) throw UserError(file.name() + " is not there in " + std::to_string(kOther) + "D");
+  if (!file.has(kOther)) throw UserError(file.name() + " does not exist in " + std::to_string(kOther) + "D");
   showOther(playing(), SceneFile::load(opening.scene, opening.script));
 }
 
@@ -376,7 +375,7 @@ void App<D>::saveScript() {
   out.stream() << text;
   out.finish();
   say(std::string("written: ") + kPath +
-      (same ? ", which ends in the same bits" : ", which ends OTHERWISE than what is shown"));
+      (same ? ", and a replay ends bit for bit the same" : ", but a replay ends DIFFERENTLY from the shown world"));
 }
 
 template <int D>

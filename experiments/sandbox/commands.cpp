@@ -31,83 +31,86 @@ std::vector<Command<D>> makeCommands() {
   static constexpr const char* kNumbers[] = {"10", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
   for (int i = 1; i <= 10; ++i) {
     const int n = i % 10;
-    add("Presets", kPresets[n], SDLK_0 + n, "a world of the 2009 sandbox", [n](A& a) { a.open(kNumbers[n]); });
+    add("Presets", kPresets[n], SDLK_0 + n, "opens this preset of the 2009 sandbox",
+        [n](A& a) { a.open(kNumbers[n]); });
   }
-  add("Presets", "Preset 0", 0, "the empty room of 2009", [](A& a) { a.open("0"); });
-  add("Presets", "Preset 11", 0, "the long dominoes of 2009", [](A& a) { a.open("11"); });
+  add("Presets", "Preset 0", 0, "opens the empty room of 2009", [](A& a) { a.open("0"); });
+  add("Presets", "Preset 11", 0, "opens the long dominoes of 2009", [](A& a) { a.open("11"); });
 
   add(
-      "World", "Pause", SDLK_p, "stops and goes on", [](A& a) { a.paused = !a.paused, a.hand.setPaused(a.paused); },
+      "World", "Pause", SDLK_p, "pauses or continues", [](A& a) { a.paused = !a.paused, a.hand.setPaused(a.paused); },
       [](const A& a) { return a.paused; });
   add("World", "Step", SDLK_RIGHT, "one step, then a pause", [](A& a) {
     a.paused = true;
     a.step();
     a.hand.setPaused(true);
   });
-  add("World", "Step back", SDLK_LEFT, "to the step before, then a pause", [](A& a) { a.back(); });
-  add("World", "Reload", SDLK_r, "the scene's file again, from its beginning", [](A& a) { a.reload(); });
-  add("World", "Clear", SDLK_x, "takes all bodies out", [](A& a) { a.clear(); });
-  add("World", "Save", SDLK_F1, "the world as a scene, sandbox.toml", [](A& a) { a.save(); });
-  add("World", "Load", SDLK_F2, "sandbox.toml", [](A& a) { a.load(); });
-  add("World", "Wake all", SDLK_w, "wakes all bodies up", [](A& a) { a.hand.wake(); });
+  add("World", "Step back", SDLK_LEFT, "one step back, then a pause", [](A& a) { a.back(); });
+  add("World", "Reload", SDLK_r, "loads the scene's file again", [](A& a) { a.reload(); });
+  add("World", "Clear", SDLK_x, "removes all bodies", [](A& a) { a.clear(); });
+  add("World", "Save", SDLK_F1, "saves the world as a scene, sandbox.toml", [](A& a) { a.save(); });
+  add("World", "Load", SDLK_F2, "loads sandbox.toml", [](A& a) { a.load(); });
+  add("World", "Wake all", SDLK_w, "wakes all bodies", [](A& a) { a.hand.wake(); });
   add("World", "Slower", SDLK_COMMA, "half as fast", [](A& a) { a.timeScale = std::max(a.timeScale / 2, 1.0 / 64); });
   add("World", "Faster", SDLK_PERIOD, "twice as fast", [](A& a) { a.timeScale = std::min(a.timeScale * 2, 4.0); });
-  add("World", "Other dimension", SDLK_F3, "the scene in 3D, or in 2D again", [](A& a) { a.otherDimension(); });
+  add("World", "Other dimension", SDLK_F3, "switches the scene between 2D and 3D", [](A& a) { a.otherDimension(); });
 
   tool("Grab", SDLK_g, "selects and drags", Tool::grab, false);
-  tool("Circle", SDLK_c, "circles, from the middle to the rim; balls in 3D", Tool::circle, false);
-  tool("Static circle", SDLK_v, "circles that never move", Tool::circle, true);
-  tool("Box", SDLK_b, "boxes, from corner to corner", Tool::box, false);
-  tool("Capsule", SDLK_k, "capsules, from end to end", Tool::capsule, false);
-  tool("Polygon", SDLK_y, "polygons, corner by corner, then Return; prisms in 3D", Tool::polygon, false);
-  tool("Compound", SDLK_q, "several boxes, then Return: one body", Tool::compound, false);
-  tool("Joint", SDLK_j, "joins two bodies, or one with the world, by two clicks", Tool::joint, false);
-  add("Create", "Finish", SDLK_RETURN, "what is being drawn becomes a body", [](A& a) { a.hand.finish(); });
-  add("Create", "Cancel", SDLK_ESCAPE, "forgets what is being drawn or carried", [](A& a) { a.hand.cancel(); });
-  add("Create", "Random polygon", SDLK_n, "of 3 to 8 corners, at the cursor", [](A& a) { a.spawnPolygon(); });
-  add("Create", "Fireworks", SDLK_o, "circles in all directions, from the cursor", [](A& a) { a.fireworks(); });
+  tool("Circle", SDLK_c, "draws circles from centre to rim; balls in 3D", Tool::circle, false);
+  tool("Static circle", SDLK_v, "draws static circles", Tool::circle, true);
+  tool("Box", SDLK_b, "draws boxes from corner to corner", Tool::box, false);
+  tool("Capsule", SDLK_k, "draws capsules from end to end", Tool::capsule, false);
+  tool("Polygon", SDLK_y, "draws polygons corner by corner, then Return; prisms in 3D", Tool::polygon, false);
+  tool("Compound", SDLK_q, "draws one body of several boxes, then Return", Tool::compound, false);
+  tool("Joint", SDLK_j, "joins two bodies, or a body and the world, by two clicks", Tool::joint, false);
+  add("Create", "Finish", SDLK_RETURN, "makes a body of the drawing", [](A& a) { a.hand.finish(); });
+  add("Create", "Cancel", SDLK_ESCAPE, "cancels drawing or dragging", [](A& a) { a.hand.cancel(); });
+  add("Create", "Random polygon", SDLK_n, "adds a polygon of 3 to 8 corners at the cursor",
+      [](A& a) { a.spawnPolygon(); });
+  add("Create", "Fireworks", SDLK_o, "throws circles in all directions from the cursor", [](A& a) { a.fireworks(); });
   add(
-      "Create", "Meteor shower", SDLK_F5, "heavy circles from above, until it is switched off",
+      "Create", "Meteor shower", SDLK_F5, "starts or stops heavy circles from above",
       [](A& a) { a.meteors = !a.meteors; }, [](const A& a) { return a.meteors; });
   add(
-      "Create", "Rain", SDLK_F6, "small circles from above, until it is switched off", [](A& a) { a.rain = !a.rain; },
+      "Create", "Rain", SDLK_F6, "starts or stops small circles from above", [](A& a) { a.rain = !a.rain; },
       [](const A& a) { return a.rain; });
   add(
-      "Create", "Fireworks show", SDLK_F7, "one firework after another, until it is switched off",
+      "Create", "Fireworks show", SDLK_F7, "starts or stops a series of fireworks",
       [](A& a) { a.showers = !a.showers; }, [](const A& a) { return a.showers; });
 
-  add("Body", "Delete", SDLK_d, "what is selected, or under the cursor", [](A& a) { a.hand.removeSelected(); });
-  add("Body", "Static", SDLK_s, "never moves, or moves again; while drawing: what is drawn", [](A& a) {
+  add("Body", "Delete", SDLK_d, "removes the selection, or the body under the cursor",
+      [](A& a) { a.hand.removeSelected(); });
+  add("Body", "Static", SDLK_s, "makes the body static or dynamic; while drawing: the new body", [](A& a) {
     if (a.hand.drawing()) {
       a.hand.drawsStatic = !a.hand.drawsStatic;
     } else {
       a.hand.makeStatic();
     }
   });
-  add("Body", "Pin", SDLK_t, "keeps its place and may turn, or is free again", [](A& a) { a.hand.pin(); });
-  add("Body", "Merge", SDLK_m, "makes one body of those that are selected", [](A& a) { a.hand.merge(); });
-  add("Body", "Unmerge", SDLK_u, "makes a body of each of its shapes", [](A& a) { a.hand.takeApart(); });
+  add("Body", "Pin", SDLK_t, "pins the body's centre (it may still rotate), or frees it", [](A& a) { a.hand.pin(); });
+  add("Body", "Merge", SDLK_m, "merges the selected bodies into one", [](A& a) { a.hand.merge(); });
+  add("Body", "Unmerge", SDLK_u, "splits the body into one body per shape", [](A& a) { a.hand.takeApart(); });
 
-  add("View", "Zoom in", SDLK_PAGEUP, "nearer", [](A& a) { a.zoom(Real(1.25)); });
-  add("View", "Zoom out", SDLK_PAGEDOWN, "farther", [](A& a) { a.zoom(Real(0.8)); });
-  add("View", "Whole scene", SDLK_HOME, "all of it fills the window", [](A& a) { a.look(); });
-  add("View", "Verbosity", SDLK_i, "says nothing, a line, or all counts of the step",
+  add("View", "Zoom in", SDLK_PAGEUP, "zooms in", [](A& a) { a.zoom(Real(1.25)); });
+  add("View", "Zoom out", SDLK_PAGEDOWN, "zooms out", [](A& a) { a.zoom(Real(0.8)); });
+  add("View", "Whole scene", SDLK_HOME, "fits the whole scene into the window", [](A& a) { a.look(); });
+  add("View", "Verbosity", SDLK_i, "shows nothing, one line, or all counts of the step",
       [](A& a) { a.verbosity = (a.verbosity + 1) % 3; });
 
   add(
-      "Record", "Statistics", SDLK_l, "times and counts of each step into sandbox_stats.csv, until it is switched off",
+      "Record", "Statistics", SDLK_l, "starts or stops writing times and counts of each step to sandbox_stats.csv",
       [](A& a) { a.toggleLog(); }, [](const A& a) { return a.logging; });
-  add("Record", "Picture", SDLK_F12, "the window as sandbox.png", [](A& a) { a.screenshot(); });
+  add("Record", "Picture", SDLK_F12, "saves the window as sandbox.png", [](A& a) { a.screenshot(); });
   add(
-      "Record", "Image sequence", SDLK_F9, "each picture as sandbox_00001.png and so on, until it is switched off",
+      "Record", "Image sequence", SDLK_F9, "starts or stops saving each frame as sandbox_00001.png and so on",
       [](A& a) { a.imageSequence = !a.imageSequence; }, [](const A& a) { return a.imageSequence; });
-  add("Record", "Script", SDLK_F4, "what was done by hand as a director's script, sandbox_script.toml",
+  add("Record", "Script", SDLK_F4, "writes the manual actions as a script, sandbox_script.toml",
       [](A& a) { a.saveScript(); });
 
   for (const PanelInfo& p : panelInfos()) {
     const int key = std::string_view(p.name) == "Keys" ? SDLK_h : 0;
     add(
-        "Panels", p.name, key, "opens or closes it", [&p](A& a) { a.panels.*p.open = !(a.panels.*p.open); },
+        "Panels", p.name, key, "opens or closes this panel", [&p](A& a) { a.panels.*p.open = !(a.panels.*p.open); },
         [&p](const A& a) { return a.panels.*p.open; });
   }
   constexpr int kRepeated[] = {SDLK_RIGHT, SDLK_LEFT, SDLK_PAGEUP, SDLK_PAGEDOWN, SDLK_n, SDLK_o};

@@ -11,7 +11,7 @@ namespace {
 template <int D>
 World<D>& worldOf(Simulation<D>& simulation, const char* what) {
   if (auto* world = dynamic_cast<World<D>*>(&simulation)) return *world;
-  throw UserError(std::string("an engine cannot ") + what + "; valid: a pipeline of stages");
+  throw UserError(std::string("an engine cannot ") + what + "; valid: a pipeline of LPC's stages");
 }
 
 template <int D>
@@ -26,7 +26,7 @@ struct Player {
   void operator()(const RemoveBody& d) { world.remove(cast[d.body]); }
   void operator()(const PushBody<D>& d) { world.applyImpulse(cast[d.body], {d.impulse, d.angular}); }
   void operator()(const PullBody<D>& d) {
-    if (!world.valid(cast[d.body])) throw UserError("the body that is pulled is gone");
+    if (!world.valid(cast[d.body])) throw UserError("the dragged body no longer exists");
     const Bodies<D>& b = world.bodies();
     const Pose<D>& X_WC = b.pose[row(d.body)];
     const Vec<D> arm = X_WC.q * Vec<D>(d.at - b.center[row(d.body)]);
@@ -43,18 +43,17 @@ struct Player {
     if (d.velocity || d.angularVelocity) world.setMotion(cast[d.body], motion);
   }
   void operator()(const JoinBodies<D>& d) {
-    if (!world.settings().features.joints)
-      throw UserError("in a world that was saved without joints a joint holds nothing");
+    if (!world.settings().features.joints) throw UserError("joints are disabled in this saved world");
     JointDef<D> def = d.def;
     def.bodyA = d.bodyA < 0 ? Handle{} : cast[d.bodyA], def.bodyB = cast[d.bodyB];
-    if (d.bodyA >= 0 && !world.valid(def.bodyA)) throw UserError("the body that is joined is gone");
+    if (d.bodyA >= 0 && !world.valid(def.bodyA)) throw UserError("the body to be joined no longer exists");
     world.add(def);
   }
   void operator()(const MergeBodies& d) { worldOf(world, "merge bodies").merge(cast[d.into], cast[d.other]); }
   void operator()(const TakeApart& d) {
-    World<D>& own = worldOf(world, "take a body apart");
+    World<D>& own = worldOf(world, "split a body");
     if (!own.valid(cast[d.body]) || static_cast<int>(own.shapesOf(row(d.body)).size()) != d.shapes) {
-      throw UserError("a body that is taken apart has other shapes");
+      throw UserError("the body to be split has different shapes now");
     }
     const std::vector<Handle> parts = own.takeApart(cast[d.body]);
     for (std::size_t i = 1; i < parts.size(); ++i) cast.add(parts[i]);

@@ -80,8 +80,8 @@ std::string scriptOf(std::span<const Deed<D>> deeds, const SceneSpec<D>& scene, 
   for (const Deed<D>& deed : deeds) {
     if (deed.step <= steps) writer.write(deed), last = deed.step;  // after a step back, later actions may be redone
   }
-  return writer.out().text("what was done by hand in " + file.name(),
-                           last < steps ? steps : std::max(scene.steps, steps + 1), file.scriptText());
+  return writer.out().text("manual actions in " + file.name(), last < steps ? steps : std::max(scene.steps, steps + 1),
+                           file.scriptText());
 }
 
 template std::string scriptOf(std::span<const Deed<2>>, const SceneSpec<2>&, const SceneFile&, long);

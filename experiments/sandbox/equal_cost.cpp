@@ -79,7 +79,7 @@ std::string whyCostStays(const Session<D>& session, std::size_t lane) {
   const auto& l = session.lanes()[lane];
   const double factor = factorOf(session, lane);
   if (lane == 0 || !l.fallen.empty() || std::abs(factor - 1) < kSameCost) return "";
-  if (engineOf(l.pipeline)) return "an engine keeps the iterations that it began with";
+  if (engineOf(l.pipeline)) return "an engine cannot change its iterations during a run";
   std::string text = l.pipeline;
   const Scaled scaled = scale(text, factor, D);
   if (scaled == Scaled::hasNone) return "its solver has no iterations";

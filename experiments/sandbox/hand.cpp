@@ -16,13 +16,13 @@ constexpr DrawColour kPreview{40, 120, 220, 120}, kPreviewEdge{20, 80, 180}, kSe
     kSpringLine{200, 40, 40};
 
 constexpr ToolInfo kTools[] = {
-    {Tool::grab, "grab", "drags bodies, selects by a click or a rectangle"},
-    {Tool::circle, "circle", "drag from its middle to its rim; in 3D a ball"},
+    {Tool::grab, "grab", "drag a body; select by a click or a rectangle"},
+    {Tool::circle, "circle", "drag from centre to rim; in 3D a ball"},
     {Tool::box, "box", "drag from corner to corner"},
     {Tool::capsule, "capsule", "drag from end to end"},
-    {Tool::polygon, "polygon", "click its corners, then Enter; in 3D a prism"},
-    {Tool::compound, "compound", "drag boxes, then Enter: one body"},
-    {Tool::joint, "joint", "click one body, then another, or nothing for the world"},
+    {Tool::polygon, "polygon", "click the corners, then Enter; in 3D a prism"},
+    {Tool::compound, "compound", "drag several boxes, then Enter: one body"},
+    {Tool::joint, "joint", "click one body, then another, or empty space for the world"},
 };
 
 std::optional<DrawnKind> drawnBy(Tool tool) {

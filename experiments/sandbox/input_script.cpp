@@ -39,10 +39,10 @@ InputScript::InputScript(const std::string& path) : m_path(path) {
     if (kind == std::end(kKinds)) {
       std::vector<std::string> names;
       for (const OrderKind& k : kKinds) names.emplace_back(k.name);
-      fail("there is no order '" + order.name + "'" + validNames(names, order.name));
+      fail("unknown order '" + order.name + "'" + validNames(names, order.name));
     }
     if (order.words.size() < kind->least || order.words.size() > kind->most) {
-      fail("'" + order.name + "' has " + std::to_string(order.words.size()) + " words behind it; valid: " +
+      fail("'" + order.name + "' has " + std::to_string(order.words.size()) + " arguments; valid: " +
            std::to_string(kind->least) + (kind->most > kind->least ? " to " + std::to_string(kind->most) : ""));
     }
   }

@@ -59,8 +59,8 @@ std::string laneState(const Session<D>& session, std::size_t lane) {
   std::string out = text;
   if (lane == 0 || l.samples.empty()) return out;
   const double error = l.samples.back().error;
-  out += error > 0 ? ", " + lengthText(error) + " off" : ", as the first";
-  return l.partedAt < 0 ? out : out + ", parted at step " + std::to_string(l.partedAt);
+  out += error > 0 ? ", " + lengthText(error) + " off" : ", equal to the first";
+  return l.partedAt < 0 ? out : out + ", diverged at step " + std::to_string(l.partedAt);
 }
 
 std::string lengthText(double length) {

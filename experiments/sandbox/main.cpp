@@ -11,7 +11,7 @@
 
 int main(int argc, char** argv) {
   try {
-    if (argc != 2) throw lpc::UserError("lpc-sandbox is started by `lpc sandbox`");
+    if (argc != 2) throw lpc::UserError("start lpc-sandbox by `lpc sandbox`");
     const lpc::Opening opening = lpc::openingFromJson(nlohmann::json::parse(argv[1]));
     for (const std::string& path : opening.plugins) lpc::loadPlugin(path);
     std::optional<lpc::InputScript> script;

@@ -64,7 +64,7 @@ void PairLook<D>::look(const std::string& query, const Simulation<D>& world, std
     (s.body == a ? now.a : now.b).push_back({s.shape, world.bodies().pose[static_cast<std::size_t>(s.body)] * s.X_CS});
   }
   if (m_asked && m_asked->query == query && same(m_asked->a, now.a) && same(m_asked->b, now.b)) return;
-  nobody("one of them has no shape");
+  nobody("a selected body has no shape");
   m_asked = std::move(now);
   const auto parts = nearestOf<D>(partsOf<D>(m_asked->a), partsOf<D>(m_asked->b));
   if (!parts) return;

@@ -24,18 +24,18 @@ double turnOf(const Rot<D>& q) {
 template <int D>
 void bodyPanel(App<D>& app) {
   const std::vector<int>& selected = app.hand.selected();
-  if (selected.empty()) return ImGui::TextUnformatted("nobody is selected");
+  if (selected.empty()) return ImGui::TextUnformatted("no body selected");
   const int body = selected.back();
   const Handle h = app.session.handle(body);
   const Simulation<D>& world = app.session.world();
-  if (!world.valid(h)) return ImGui::TextUnformatted("the body is gone");
+  if (!world.valid(h)) return ImGui::TextUnformatted("the body no longer exists");
   const auto i = static_cast<std::size_t>(h.slot);
   const Bodies<D>& b = world.bodies();
   const Pose<D> X_WB = world.pose(h);
-  if (selected.size() > 1) ImGui::Text("the last of %d that are selected", static_cast<int>(selected.size()));
+  if (selected.size() > 1) ImGui::Text("last of %d selected bodies", static_cast<int>(selected.size()));
   ImGui::Text("body %d, %s%s%s", body, bodyTypeName(b.type[i]), b.pinned[i] ? ", pinned" : "",
               b.awake[i] ? "" : ", asleep");
-  ImGui::Text("mass %.6g kg, turned %.4g rad", static_cast<double>(b.mass[i]), turnOf<D>(X_WB.q));
+  ImGui::Text("mass %.6g kg, rotation %.4g rad", static_cast<double>(b.mass[i]), turnOf<D>(X_WB.q));
   ImGui::Text("speed %.4g m/s", static_cast<double>(b.motion[i].v.norm()));
   constexpr const char* kAxes[] = {"x (m)", "y (m)", "z (m)"};
   for (int d = 0; d < D; ++d) {

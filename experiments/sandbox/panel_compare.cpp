@@ -59,7 +59,7 @@ void comparePanel(App<D>& app) {
   app.arrangeAs(beside ? Arrangement::sideBySide : Arrangement::overlaid);
   const double first = medianTime(lanes[0].samples);
   if (lanes.size() > 1) {
-    ImGui::Checkbox("same cost: iterations follow the first's time", &app.equalCost);
+    ImGui::Checkbox("same cost: iterations adapted to the first one's time", &app.equalCost);
     app.marks.last("Compare/same cost");
   }
   for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
@@ -70,15 +70,15 @@ void comparePanel(App<D>& app) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", app.laneLooks()[lane].label.c_str());
     ImGui::TextWrapped("%s", laneState(app.session, lane).c_str());
     const std::string stays = app.equalCost ? whyCostStays(app.session, lane) : "";
-    if (!stays.empty()) ImGui::TextWrapped("no other cost: %s", stays.c_str());
+    if (!stays.empty()) ImGui::TextWrapped("cost not adapted: %s", stays.c_str());
     if (lane > 0) errorPlot(l.samples, Session<D>::kParted, l.partedAt, app.laneLooks()[lane].colour);
-    if (lanes.size() > 1 && ImGui::SmallButton("take out")) {
+    if (lanes.size() > 1 && ImGui::SmallButton("remove")) {
       app.act([&] { app.takeOut(lane); });
     }
-    app.marks.last("Compare/take out " + std::to_string(lane + 1));
+    app.marks.last("Compare/remove " + std::to_string(lane + 1));
     if (lane > 0 && first > 0) {
       ImGui::SameLine();
-      ImGui::Text("a step takes %.2f of the first's", medianTime(l.samples) / first);
+      ImGui::Text("time per step: %.2f x the first one's", medianTime(l.samples) / first);
     }
     ImGui::PopID();
   }
@@ -86,7 +86,7 @@ void comparePanel(App<D>& app) {
   static std::string text;  // being typed
   ImGui::InputText("pipeline or engine", &text);
   app.marks.last("Compare/pipeline");
-  if (ImGui::Button("add, and begin anew")) app.act([&] { app.addLane(text); });
+  if (ImGui::Button("add and restart")) app.act([&] { app.addLane(text); });
   app.marks.last("Compare/add");
 }
 

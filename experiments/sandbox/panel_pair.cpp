@@ -51,7 +51,7 @@ void plotProved(const PairTrace<D>& trace, int step) {
     if (std::isfinite(s.best)) best.push_back(static_cast<float>(s.best));  // not before the first direction
   }
   if (best.size() < 8) return;  // for a few steps the text suffices
-  ImGui::TextUnformatted("proved (m), step by step");
+  ImGui::TextUnformatted("proved bound (m), step by step");
   const auto [least, most] = std::minmax_element(best.begin(), best.end());
   const float low = *least, high = std::max(*most, low + 1e-12f);
   const ImVec2 corner = ImGui::GetCursorScreenPos();
@@ -73,7 +73,7 @@ void lookIntoPair(App<D>& app) {
   if (selected.size() < 2) return app.pair.nobody("select two bodies (Shift adds the second)");
   const Handle a = app.session.handle(selected[0]), b = app.session.handle(selected[1]);
   const Simulation<D>& world = app.session.world();
-  if (!world.valid(a) || !world.valid(b)) return app.pair.nobody("one of them is gone");
+  if (!world.valid(a) || !world.valid(b)) return app.pair.nobody("a selected body no longer exists");
   app.pair.look(app.pairQuery, world, a.slot, b.slot);
   if (!app.pair.trace()) return;
   const int last = static_cast<int>(app.pair.trace()->steps.size()) - 1;
@@ -105,7 +105,8 @@ void pairPanel(App<D>& app) {
   jump("first", 0, "the first step");
   jump("-1", app.pairStep - 1, "the step before");
   jump("+1", app.pairStep + 1, "the next step");
-  jump("found", static_cast<int>(app.pair.found()), "the step that first has the answer's axis; the others prove it");
+  jump("found", static_cast<int>(app.pair.found()),
+       "first step with the axis of the answer; later steps only prove it");
   jump("answer", last, "the last step");
   ImGui::NewLine();
   plotProved(*trace, app.pairStep);

@@ -20,7 +20,7 @@ void plot(const char* name, const char* unit, const std::vector<Sample>& samples
     const auto v = static_cast<float>(value(samples[i]));
     if (std::isfinite(v)) shown.push_back(v);
   }
-  if (shown.empty()) return ImGui::Text("%s: not told so far", name);
+  if (shown.empty()) return ImGui::Text("%s: no value yet", name);
   const auto [least, most] = std::minmax_element(shown.begin(), shown.end());
   char text[96];
   std::snprintf(text, sizeof text, "%s %.4g %s (%.4g .. %.4g)", name, static_cast<double>(shown.back()), unit,

@@ -29,9 +29,9 @@ void keysPanel(App<D>&) {
   for (const Command<D>& c : commands<D>()) {
     if (c.key) keyLine(SDL_GetKeyName(c.key), std::string(c.name) + ": " + c.meaning);
   }
-  keyLine("left mouse", "selects, drags, draws (Shift: adds to the selection)");
-  keyLine("right mouse", D == 2 ? "pans; the wheel zooms" : "turns, with Shift pans; the wheel zooms");
-  keyLine("Ctrl", "while dragging: no rotation; with the wheel: turns");
+  keyLine("left mouse", "select, drag, draw (Shift: add to the selection)");
+  keyLine("right mouse", D == 2 ? "pan; wheel: zoom" : "rotate, with Shift pan; wheel: zoom");
+  keyLine("Ctrl", "while dragging: no rotation; with the wheel: rotate the body");
 }
 
 // Sliders for numbers in their ranges, for settings other than algorithms.
@@ -147,7 +147,7 @@ std::vector<StatusLine> statusLines(App<D>& app) {
   const Simulation<D>& world = app.session.world();
   if (app.verbosity > 0) {
     std::snprintf(text, sizeof text,
-                  "%s%s  step %ld  %.2f s  %d bodies  physics %.2f ms  drawing %.2f ms  %.0f pictures/s%s",
+                  "%s%s  step %ld  %.2f s  %d bodies  physics %.2f ms  drawing %.2f ms  %.0f frames/s%s",
                   app.file.name().c_str(), std::is_same_v<Real, float> ? " in f32" : "", app.session.steps(),
                   static_cast<double>(world.time()), world.bodyCount(), 1e3 * app.stepSeconds, 1e3 * app.drawSeconds,
                   app.window.picturesPerSecond(), statesOf(app).c_str());

@@ -26,7 +26,7 @@ std::string joined(const std::vector<std::string>& words) {
 double number(const std::string& word, const InputScript& script) {
   char* end = nullptr;
   const double value = std::strtod(word.c_str(), &end);
-  if (word.empty() || *end) script.fail("'" + word + "' is no number");
+  if (word.empty() || *end) script.fail("'" + word + "' is not a number");
   return value;
 }
 
@@ -34,8 +34,7 @@ void push(SDL_Event event) { SDL_PushEvent(&event); }
 
 void pushKey(const std::string& name, bool down, InputScript& script) {
   const SDL_Keycode code = SDL_GetKeyFromName(name.c_str());
-  if (code == SDLK_UNKNOWN)
-    script.fail("there is no key '" + name + "'; valid: names such as p, F1, Return, Left Ctrl");
+  if (code == SDLK_UNKNOWN) script.fail("unknown key '" + name + "'; valid: names such as p, F1, Return, Left Ctrl");
   for (const auto& [key, flag] : {std::pair(SDLK_LCTRL, KMOD_LCTRL), std::pair(SDLK_LSHIFT, KMOD_LSHIFT)}) {
     if (code == key)
       SDL_SetModState(static_cast<SDL_Keymod>(down ? SDL_GetModState() | flag : SDL_GetModState() & ~flag));
@@ -53,7 +52,7 @@ int buttonNamed(const std::string& name, const InputScript& script) {
   if (name == "left") return SDL_BUTTON_LEFT;
   if (name == "right") return SDL_BUTTON_RIGHT;
   if (name == "middle") return SDL_BUTTON_MIDDLE;
-  script.fail("there is no button '" + name + "'; valid: left, right, middle");
+  script.fail("unknown button '" + name + "'; valid: left, right, middle");
 }
 
 template <class A>

@@ -116,7 +116,7 @@ void Session<D>::look(std::size_t lane, double seconds) {
   const Bodies<D>& b = l.world->bodies();
   for (std::size_t i = 0; i < b.pose.size(); ++i) {
     if (b.used[i] && (!b.pose[i].p.allFinite() || !b.motion[i].v.allFinite() || !b.motion[i].w.allFinite())) {
-      l.fallen += ": body " + std::to_string(i) + " is nowhere";
+      l.fallen += ": the position of body " + std::to_string(i) + " is not finite";
       return;
     }
   }
@@ -194,7 +194,7 @@ void Session<D>::goTo(std::size_t lane, long step, const Patience& patience) {
   const bool engine = after == kept.begin();
   for (long made = 0; l.fallen.empty() && p.steps < step; ++made) {
     if (engine && patience && made % kAskEvery == 0 && !patience(lane, double(p.steps) / double(step))) {
-      l.fallen = "given up while it made " + std::to_string(step) + " steps again for a step back";
+      l.fallen = "step back cancelled while recomputing " + std::to_string(step) + " steps";
       p.givenUp = true;
       return;
     }
@@ -247,7 +247,7 @@ bool Session<D>::takenBack(const typename Deed<D>::What& what) {
 
 template <int D>
 void Session<D>::perform(typename Deed<D>::What what) {
-  if (fallen()) throw UserError("the first lane has fallen: " + m_lanes[0].fallen + "; valid: one step back");
+  if (fallen()) throw UserError("the first competitor has failed: " + m_lanes[0].fallen + "; valid: one step back");
   const Deed<D> deed{m_steps, std::move(what)};
   playOne(0, deed);
   std::erase_if(m_deeds, [&](const Deed<D>& d) { return d.step > m_steps; });

@@ -19,7 +19,7 @@ const SceneFile& scriptNamed(const std::string& name) {
   if (it != read.end()) return it->second;
   const std::string path = findToml("scripts", name);
   return read
-      .emplace(name, SceneFile::parse("name = \"empty\"\nsummary = \"nobody\"\ndimensions = [2, 3]\n", "empty",
+      .emplace(name, SceneFile::parse("name = \"empty\"\nsummary = \"no bodies\"\ndimensions = [2, 3]\n", "empty",
                                       readFile(path), path))
       .first->second;
 }

@@ -34,7 +34,7 @@ void moveCamera(ViewCamera<D>& camera, const SDL_Event& event) {
 
 template <int D>
 void view(Simulation<D>& world, Real dt) {
-  if (!(dt > 0)) throw UserError("view: a step of " + std::to_string(dt) + " s; valid: more than none");
+  if (!(dt > 0)) throw UserError("view: a step of " + std::to_string(dt) + " s; valid: above 0");
   Window window("Large Polygon Collider", 1280, 800);
   GlCanvas<D> canvas;
   ViewCamera<D> camera;

@@ -51,7 +51,8 @@ Flock<D> everywhere(int n, double side, Random& random) {
 
 struct Uniform {
   static constexpr const char* kName = "uniform";
-  static constexpr const char* kMeaning = "unit boxes anywhere, as dense for every n: overlaps grow with n";
+  static constexpr const char* kMeaning =
+      "unit boxes placed uniformly, with equal density for every n: overlaps grow with n";
   void visit(ParamVisitor&) {}
   template <int D>
   Flock<D> make(int n, Random& random) const {
@@ -62,9 +63,11 @@ struct Uniform {
 struct Cluster {
   static constexpr const char* kName = "cluster";
   static constexpr const char* kMeaning =
-      "nine of ten boxes, of many sizes, around few centres: no one cell size serves";
+      "boxes of many sizes, nine of ten of them in clusters, so that no single cell size suits";
   int spread = 10;
-  void visit(ParamVisitor& v) { v.integer("spread", spread, 1, 100, "side of a cluster, in hundredths of the room's"); }
+  void visit(ParamVisitor& v) {
+    v.integer("spread", spread, 1, 100, "side of a cluster, in hundredths of the room's side");
+  }
   template <int D>
   Flock<D> make(int n, Random& random) const {
     Flock<D> flock;
@@ -86,9 +89,9 @@ struct Cluster {
 
 struct Director2 {
   static constexpr const char* kName = "director_2";
-  static constexpr const char* kMeaning = "the room of the 2009 script, which stays as large while boxes come";
+  static constexpr const char* kMeaning = "room of fixed size that fills with boxes (director script 2 of 2009)";
   Real side = 80;
-  void visit(ParamVisitor& v) { v.real("side", side, 1, Real(1e6), "m", "of the room"); }
+  void visit(ParamVisitor& v) { v.real("side", side, 1, Real(1e6), "m", "side of the room"); }
   template <int D>
   Flock<D> make(int n, Random& random) const {
     return everywhere<D>(n, static_cast<double>(side), random);
@@ -99,8 +102,7 @@ struct Director2 {
 
 struct CentreLine {
   static constexpr const char* kName = "centre_line";
-  static constexpr const char* kMeaning =
-      "every box lies across x = 0, the border on which trees of regions divide first";
+  static constexpr const char* kMeaning = "every box crosses x = 0, the first dividing plane of region trees";
   void visit(ParamVisitor&) {}
   template <int D>
   Flock<D> make(int n, Random& random) const {
@@ -117,7 +119,7 @@ struct CentreLine {
 struct Towers {
   static constexpr const char* kName = "towers";
   static constexpr const char* kMeaning =
-      "two towers so far apart that centres vary most along x, where all boxes of a tower overlap: against sweeps";
+      "two distant towers: centres vary most along x, where all boxes of a tower overlap; worst case for sweeps";
   void visit(ParamVisitor&) {}
   template <int D>
   Flock<D> make(int n, Random& random) const {
@@ -136,7 +138,7 @@ struct Towers {
 
 struct HugeGround {
   static constexpr const char* kName = "huge_ground";
-  static constexpr const char* kMeaning = "uniform, and one box as large as the room: against cells of one size";
+  static constexpr const char* kMeaning = "uniform, plus one box as large as the room; worst case for uniform cells";
   void visit(ParamVisitor&) {}
   template <int D>
   Flock<D> make(int n, Random& random) const {
@@ -149,9 +151,10 @@ struct HugeGround {
 
 struct Outlier {
   static constexpr const char* kName = "outlier";
-  static constexpr const char* kMeaning = "uniform, and one box that got lost: against what spans all that there is";
+  static constexpr const char* kMeaning =
+      "uniform, plus one very distant box; worst case for structures that span all boxes";
   int rooms = 1000;
-  void visit(ParamVisitor& v) { v.integer("rooms", rooms, 1, 1000000, "how far the box is, in sides of the room"); }
+  void visit(ParamVisitor& v) { v.integer("rooms", rooms, 1, 1000000, "distance of that box, in sides of the room"); }
   template <int D>
   Flock<D> make(int n, Random& random) const {
     const double side = sideFor<D>(n);
@@ -164,7 +167,8 @@ struct Outlier {
 
 struct BatchSpawn {
   static constexpr const char* kName = "batch_spawn";
-  static constexpr const char* kMeaning = "all boxes come at once into a quarter of the room's side and fly apart";
+  static constexpr const char* kMeaning =
+      "all boxes appear in one step within a quarter of the room's side and fly apart";
   void visit(ParamVisitor&) {}
   template <int D>
   Flock<D> make(int n, Random& random) const {

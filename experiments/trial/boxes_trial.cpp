@@ -35,21 +35,21 @@ const Measure<BoxesSeen> kMetrics[] = {
     {{"ns_per_frame_median", "time per frame", "ns", "processor time of update and findPairs for one frame, median",
       MetricRole::cost, "cheaper", TrialNeed::timing},
      [](S s) { return quantile(s.nanoseconds, 0.5); }},
-    {{"box_tests_mean", "box tests per frame", "1", "box against box overlap tests per frame", MetricRole::cost,
+    {{"box_tests_mean", "box tests per frame", "1", "overlap tests between boxes per frame", MetricRole::cost,
       "cheaper"},
      [](S s) { return mean(s.tests); }},
-    {{"wrong_pairs", "wrong pairs", "1", "pairs missed or too many, before all pairs tested", MetricRole::error,
-      "fewer wrong pairs"},
+    {{"wrong_pairs", "wrong pairs", "1", "missing and extra pairs, compared with the test of all pairs",
+      MetricRole::error, "fewer wrong pairs"},
      [](S s) { return s.wrong; }},
     {{"node_visits_mean", "visits per frame", "1", "tree nodes or grid cells visited per frame", MetricRole::detail,
       "cheaper"},
      [](S s) { return mean(s.visits); }},
     {{"pairs_mean", "pairs per frame", "1", "overlapping pairs per frame", MetricRole::detail, ""},
      [](S s) { return mean(s.found); }},
-    {{"ns_per_frame_p25", "time per frame, lower quartile", "ns", "a quarter of the frames is faster",
+    {{"ns_per_frame_p25", "time per frame, lower quartile", "ns", "25th percentile of the time per frame",
       MetricRole::detail, "cheaper", TrialNeed::timing},
      [](S s) { return quantile(s.nanoseconds, 0.25); }},
-    {{"ns_per_frame_p75", "time per frame, upper quartile", "ns", "a quarter of the frames is slower",
+    {{"ns_per_frame_p75", "time per frame, upper quartile", "ns", "75th percentile of the time per frame",
       MetricRole::detail, "cheaper", TrialNeed::timing},
      [](S s) { return quantile(s.nanoseconds, 0.75); }},
 };
@@ -124,7 +124,7 @@ TrialResult runBoxes(const BoxesRequest& asked) {
       const ProxyPair first = missing.empty() ? extra[0] : missing[0];
       out.fail("wrong",
                std::to_string(missing.size()) + " pairs missing, " + std::to_string(extra.size()) +
-                   " too many; first: " + std::to_string(first.a) + "-" + std::to_string(first.b),
+                   " extra; first: " + std::to_string(first.a) + "-" + std::to_string(first.b),
                frame);
     }
     flock.advance(kFrameDt);

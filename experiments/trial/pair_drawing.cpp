@@ -122,21 +122,21 @@ DrawnPair<D> drawFrom(const PairRequest<D>& request, Random& random, Along along
 }
 
 struct Apart : NoParams {
-  static constexpr const char *kName = "apart", *kMeaning = "up to four times as far as they could touch";
+  static constexpr const char *kName = "apart", *kMeaning = "centres up to four times the touching distance apart";
   template <int D>
   DrawnPair<D> draw(const PairRequest<D>& request, Random& random) const {
     return drawFrom<D>(request, random, Along::anything, Then::stays, [](const auto& drawn) { return drawn[0]; });
   }
 };
 struct Near : NoParams {
-  static constexpr const char *kName = "near", *kMeaning = "about as far as they could touch";
+  static constexpr const char *kName = "near", *kMeaning = "centres about the touching distance apart";
   template <int D>
   DrawnPair<D> draw(const PairRequest<D>& request, Random& random) const {
     return drawFrom<D>(request, random, Along::anything, Then::stays, [](const auto& drawn) { return drawn[1]; });
   }
 };
 struct Touching : NoParams {
-  static constexpr const char *kName = "touching", *kMeaning = "within 1e-9 m of touching, anyhow turned";
+  static constexpr const char *kName = "touching", *kMeaning = "within 1e-9 m of touching, random rotations";
   template <int D>
   DrawnPair<D> draw(const PairRequest<D>& request, Random& random) const {
     return drawFrom<D>(request, random, Along::anything, Then::touches, [](const auto&) { return 1.0; });
@@ -150,7 +150,7 @@ struct Overlapping : NoParams {
   }
 };
 struct Centred : NoParams {
-  static constexpr const char *kName = "centred", *kMeaning = "both centres at one place";
+  static constexpr const char *kName = "centred", *kMeaning = "both centres at the same point";
   template <int D>
   DrawnPair<D> draw(const PairRequest<D>& request, Random& random) const {
     return drawFrom<D>(request, random, Along::anything, Then::stays, [](const auto&) { return 0.0; });
@@ -158,7 +158,7 @@ struct Centred : NoParams {
 };
 struct ParallelFaces : NoParams {
   static constexpr const char *kName = "parallel_faces",
-                              *kMeaning = "not turned, within 1e-9 m of touching along an axis";
+                              *kMeaning = "equal orientation, within 1e-9 m of touching along an axis";
   template <int D>
   DrawnPair<D> draw(const PairRequest<D>& request, Random& random) const {
     return drawFrom<D>(request, random, Along::anAxis, Then::touches, [](const auto&) { return 1.0; });
@@ -168,7 +168,7 @@ struct ParallelFaces : NoParams {
 // Families in which methods differ. A new family does not join: stored results use these six.
 struct InTurn : NoParams {
   static constexpr const char* kName = "in_turn";
-  static constexpr const char* kMeaning = "apart, near, touching, overlapping, centred, parallel_faces, and again";
+  static constexpr const char* kMeaning = "apart, near, touching, overlapping, centred and parallel_faces in turn";
   template <int D>
   DrawnPair<D> draw(const PairRequest<D>& request, Random& random) const {
     using Draw = DrawnPair<D> (*)(const PairRequest<D>&, Random&);

@@ -178,7 +178,7 @@ TrialResult runStream(const StreamRequest& asked, const SceneFile& file) {
     if (method.supports(a, b)) continue;
     return unsupported(std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
   }
-  if (asked.stream == "warm" && !method.remembers()) return unsupported("it remembers nothing of a pair");
+  if (asked.stream == "warm" && !method.remembers()) return unsupported("the method caches nothing between queries");
   const std::size_t every = (replay.views.size() + kJudged - 1) / kJudged;
   if (asked.stream == "drawn") {
     Random random(asked.seed);

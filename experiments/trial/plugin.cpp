@@ -15,7 +15,7 @@ constexpr std::string_view kMark = "LPC-ABI|";
 std::string abiOf(const std::string& path) {
   std::error_code absent;  // a pipe may block, and a device may never end
   if (std::filesystem::exists(path, absent) && !std::filesystem::is_regular_file(path, absent)) {
-    throw UserError("plugin " + path + ": it is no file");
+    throw UserError("plugin " + path + ": it is not a regular file");
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) throw UserError("plugin " + path + ": cannot be read");
@@ -24,7 +24,8 @@ std::string abiOf(const std::string& path) {
   const std::string all = bytes.str();
   const std::size_t at = all.find(kMark);
   if (at == std::string::npos) {
-    throw UserError("plugin " + path + ": no lpc_abi in it; put LPC_PLUGIN; of framework/stage/plugin.h into one file");
+    throw UserError("plugin " + path +
+                    ": it does not define lpc_abi; put LPC_PLUGIN; (framework/stage/plugin.h) into one source file");
   }
   return all.substr(at, all.find('\0', at) - at);
 }
@@ -46,7 +47,7 @@ void loadPlugin(const std::string& path) {
   }
   void* library = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (!library) throw UserError("plugin " + path + ": " + dlerror());
-  if (!dlsym(library, "lpc_abi")) throw UserError("plugin " + path + ": it does not export lpc_abi");
+  if (!dlsym(library, "lpc_abi")) throw UserError("plugin " + path + ": it does not export the symbol lpc_abi");
 }
 
 }}  // namespace lpc::LPC_PRECISION

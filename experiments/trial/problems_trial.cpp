@@ -246,7 +246,7 @@ class ProblemTrial {
 template <int D>
 TrialResult runProblem(const ProblemRequest& asked, const ProblemFile& file) {
   const auto& list = file.of<D>();
-  if (asked.problem >= list.size()) throw UserError("there is no problem " + std::to_string(asked.problem));
+  if (asked.problem >= list.size()) throw UserError("no problem has the number " + std::to_string(asked.problem));
   try {
     return ProblemTrial<D>(asked, list[asked.problem].problem).run();
   } catch (const UserError& e) {  // a witness that does not support such a problem, or is absent

@@ -17,7 +17,7 @@ int indexOf(const Names& names, const std::string& name) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == name) return static_cast<int>(i);
   }
-  throw UserError("verify: there is no '" + name + "'");
+  throw UserError("verify: unknown name '" + name + "'");
 }
 
 void loadPlugins(const nlohmann::json& request) {
@@ -41,7 +41,7 @@ nlohmann::json runVerifyTask(const nlohmann::json& request) {
   loadPlugins(request);
   const nlohmann::json& t = request.at("verify");
   const StageInfo* stage = stageByName(t.at("stage").get<std::string>());
-  if (!stage) throw UserError("verify: there is no stage " + t.at("stage").dump());
+  if (!stage) throw UserError("verify: unknown stage " + t.at("stage").dump());
   VerifyTask task{.stage = stage->kind,
                   .dimension = t.at("dimension"),
                   .range = {.seed = t.at("seed"), .first = t.at("first"), .count = t.at("count")},

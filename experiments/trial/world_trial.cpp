@@ -165,7 +165,7 @@ class WorldTrial {
   void save(long step) {
     for (SavedScene& s : m_saves) {
       const auto* world = dynamic_cast<const World<D>*>(m_simulation.get());
-      if (!world) throw UserError("the state of an engine is its own: it cannot be saved");
+      if (!world) throw UserError("the state of an engine cannot be saved; valid: a pipeline of LPC's stages");
       if (s.step() == step) s.write(*world, m_scene, m_asked.pipeline);
     }
   }
@@ -278,7 +278,7 @@ class WorldTrial {
     } else if (const std::string left = m_edge.left(m_world); !left.empty()) {
       m_out.fail("left", left, step + 1);
     } else if (limits.drift > 0 && drift > static_cast<double>(limits.drift) && !onlySags()) {
-      std::snprintf(why, sizeof why, "body %d is %.4g m from where it came, over %.4g m", farthest, drift,
+      std::snprintf(why, sizeof why, "body %d is %.4g m from where it entered the world, over %.4g m", farthest, drift,
                     static_cast<double>(limits.drift));
       m_out.fail("collapsed", why, step + 1);
     }
@@ -421,7 +421,8 @@ TrialResult runWorld(const TrialRequest& request) {
   if (request.memory) {
     memory = memoryCounter();
     if (!memory)
-      throw UserError("--memory: the sanitizers of this build allocate, and cannot be counted; valid: a build without");
+      throw UserError(
+          "--memory: this build has sanitizers, which allocate uncounted memory; valid: a build without sanitizers");
   }
   try {
     return WorldTrial<D>(request, std::move(scene), restsAfter, memory).run();

@@ -41,9 +41,9 @@ struct DrawLayers {
   std::optional<DrawColour> tint = {};
 
   void visit(ParamVisitor& v) {
-    v.real("normal_length", normalLength, 0, 10, "m", "how long normals are drawn");
-    v.real("impulse_length", impulseLength, 0, 100, "m/(N s)", "how long an impulse is drawn");
-    v.real("velocity_time", velocityTime, 0, 10, "s", "velocities are drawn as the way of so long");
+    v.real("normal_length", normalLength, 0, 10, "m", "length of normals");
+    v.real("impulse_length", impulseLength, 0, 100, "m/(N s)", "length of an impulse");
+    v.real("velocity_time", velocityTime, 0, 10, "s", "velocities are drawn as the motion in this time");
   }
 };
 
@@ -54,18 +54,18 @@ struct DrawLayer {
 };
 inline constexpr std::array<DrawLayer, 14> kDrawLayers = {{
     {"shapes", "the convex parts of all bodies", &DrawLayers::shapes},
-    {"sleep", "who sleeps is paler", &DrawLayers::sleep},
-    {"islands", "bodies that touch or are jointed have one colour", &DrawLayers::islands},
-    {"contacts", "points of contact, red where they bore something in the last step", &DrawLayers::contacts},
-    {"normals", "normals of contacts, from the first body to the second", &DrawLayers::normals},
-    {"impulses", "what contacts bore along their normals in the last step", &DrawLayers::impulses},
-    {"friction", "impulses of friction on the second body", &DrawLayers::friction},
-    {"boxes", "boxes as the broadphase saw them last, grown by half the contact margin", &DrawLayers::boxes},
-    {"structure", "what the broadphase divides by: cells, nodes of trees", &DrawLayers::structure},
-    {"pairs", "whom the last step asked for contacts, from box to box", &DrawLayers::pairs},
-    {"joints", "anchors, the way between them, and those from the centres of mass", &DrawLayers::joints},
-    {"joint errors", "joints that are off by more than eyes forgive, and how far", &DrawLayers::jointErrors},
-    {"centres", "centres of mass of what moves", &DrawLayers::centres},
+    {"sleep", "sleeping bodies are paler", &DrawLayers::sleep},
+    {"islands", "connected bodies have the same colour", &DrawLayers::islands},
+    {"contacts", "contact points, red with an impulse in the last step", &DrawLayers::contacts},
+    {"normals", "contact normals, from the first body to the second", &DrawLayers::normals},
+    {"impulses", "normal impulses of contacts in the last step", &DrawLayers::impulses},
+    {"friction", "friction impulses on the second body", &DrawLayers::friction},
+    {"boxes", "boxes of the last broadphase, including half the contact margin", &DrawLayers::boxes},
+    {"structure", "structure of the broadphase: cells or tree nodes", &DrawLayers::structure},
+    {"pairs", "pairs passed to the contact generator in the last step, from box to box", &DrawLayers::pairs},
+    {"joints", "anchors, the line between them, and lines to the centres of mass", &DrawLayers::joints},
+    {"joint errors", "visible joint errors, and their size", &DrawLayers::jointErrors},
+    {"centres", "centres of mass of moving bodies", &DrawLayers::centres},
     {"velocities", "velocities of the centres of mass", &DrawLayers::velocities},
 }};
 

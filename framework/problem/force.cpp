@@ -13,14 +13,15 @@ ForceRecord<D> makeForce(const ForceDef<D>& def, const Bodies<D>& bodies) {
   const ForceEnds ends = force.kind->ends();
   const auto refuse = [&](const std::string& why) { throw UserError("force '" + spec.name + "' " + why); };
   const bool toAll = force.bodyB < 0;
-  if (!ends.from && force.bodyA >= 0) refuse("comes from no body; valid: b alone, the body that it acts on");
-  if (!ends.all && toAll) refuse("acts on one body; valid: b, its name");
+  if (!ends.from && force.bodyA >= 0) refuse("takes no body a; valid: b alone, the body that it acts on");
+  if (!ends.all && toAll) refuse("needs a body to act on; valid: b");
   if (!toAll && force.bodyA == force.bodyB)
-    refuse("between a body and itself; valid: two bodies, or the world and one");
+    refuse("acts between a body and itself; valid: two bodies, or the world and a body");
   const auto moves = [&](std::int32_t body) { return body >= 0 && movedByForces(bodies, body); };
-  if (!toAll && !moves(force.bodyA) && !moves(force.bodyB)) refuse("on bodies that do not move");
-  if (!ends.anchors && (def.anchorA || def.anchorB)) refuse("acts at no point; valid: no anchors");
-  if (toAll && def.anchorB) refuse("on all bodies acts at their centres of mass; valid: no anchor on b");
+  if (!toAll && !moves(force.bodyA) && !moves(force.bodyB))
+    refuse("acts on bodies that cannot move; valid: at least one dynamic body");
+  if (!ends.anchors && (def.anchorA || def.anchorB)) refuse("takes no anchors; valid: no anchors");
+  if (toAll && def.anchorB) refuse("acts at the centres of mass of all bodies; valid: no anchor on b");
   const auto local = [&](std::int32_t body, const std::optional<Vec<D>>& anchor) -> Vec<D> {
     if (!anchor) return Vec<D>::Zero();
     if (!anchor->allFinite()) refuse("has an anchor that is not finite");

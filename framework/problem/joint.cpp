@@ -27,7 +27,7 @@ JointRecord<D> makeJoint(const JointDef<D>& def, const Pose<D>& X_WA, const Pose
   joint.X_CaJ = seenFrom(X_WA, def.X_WJ), joint.X_CbJ = seenFrom(X_WB, X_WJb);
   for (const Pose<D>& X_CJ : {joint.X_CaJ, joint.X_CbJ}) {
     if (X_CJ.p.allFinite()) continue;
-    throw UserError("the joint's body is at no finite place; valid: a joint that is made before its bodies are lost");
+    throw UserError("the pose of the joint's body is not finite; valid: a body at a finite pose");
   }
   joint.breakForce = def.breakForce, joint.breakTorque = def.breakTorque;
   joint.kind->begin(joint, X_WA, X_WB);

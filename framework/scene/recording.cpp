@@ -71,8 +71,8 @@ bool getArrival(const Reading& reading, typename Recording<D>::Arrival& a) {
   std::istream& in = reading.in;
   std::uint32_t parts = 0;
   if (!get(in, a.slot) || !get(in, a.generation) || !get(in, a.type) || !get(in, parts)) return false;
-  reading.require(a.slot >= 0, "a body of no known place");
-  reading.require(a.type <= BodyType::dynamic, "a body of no known type");
+  reading.require(a.slot >= 0, "a body with an invalid slot");
+  reading.require(a.type <= BodyType::dynamic, "a body of unknown type");
   for (std::uint32_t i = 0; i < parts; ++i) {
     auto& p = a.parts.emplace_back();
     std::uint32_t vertices = 0;
@@ -81,9 +81,9 @@ bool getArrival(const Reading& reading, typename Recording<D>::Arrival& a) {
       return false;
     }
     reading.require(static_cast<int>(p.kind) < kShapeKinds && (p.kind == ShapeKind::custom || kindExists(p.kind, D)),
-                    "a shape of no known kind");
+                    "a shape of unknown kind");
     const bool turned = std::abs(lengthOf(p.X_CS.q) - 1) < kWrittenUnit;
-    reading.require(p.X_CS.p.allFinite() && turned, "a shape has no place on its body");
+    reading.require(p.X_CS.p.allFinite() && turned, "a shape's pose is invalid");
     if (!isUnit(p.X_CS.q)) p.X_CS.q = p.X_CS.q.normalized();
     for (std::uint32_t k = 0; k < vertices; ++k) {
       if (!getVec(in, p.vertices.emplace_back(Vec<D>::Zero()))) return false;
@@ -97,7 +97,7 @@ bool getFrame(const Reading& reading, typename Recording<D>::Frame& f) {
   std::istream& in = reading.in;
   std::uint32_t arrivals = 0, bodies = 0;
   if (!get(in, f.step) || !get(in, f.time) || !get(in, arrivals) || !get(in, bodies)) return false;
-  reading.require(f.step >= 0 && std::isfinite(f.time), "a frame at no step or time");
+  reading.require(f.step >= 0 && std::isfinite(f.time), "a frame with an invalid step or time");
   for (std::uint32_t i = 0; i < arrivals; ++i) {
     if (!getArrival<D>(reading, f.arrivals.emplace_back())) return false;
   }
@@ -107,7 +107,7 @@ bool getFrame(const Reading& reading, typename Recording<D>::Frame& f) {
         !getRot(in, b.X_WC.q)) {
       return false;
     }
-    reading.require(b.slot >= 0, "a body of no known place");
+    reading.require(b.slot >= 0, "a body with an invalid slot");
     reading.require(b.awake <= 1, "a body's flag is neither 0 nor 1");
   }
   return true;
@@ -179,7 +179,7 @@ template <int D>
 Recording<D> Recording<D>::read(std::istream& in) {
   const std::int32_t dimension = readHeader(in);
   if (dimension != D) {
-    throw UserError("the recording is " + std::to_string(dimension) + "D, asked was " + std::to_string(D) + "D");
+    throw UserError("the recording is " + std::to_string(dimension) + "D; asked: " + std::to_string(D) + "D");
   }
   Recording r;
   while (in.peek() != std::istream::traits_type::eof()) {

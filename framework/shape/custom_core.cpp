@@ -46,7 +46,7 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
     const Vec<D> p = core.support(d);
     if (!p.allFinite()) refuse("its support point along " + listed<D>(d) + " is not finite");
     if (((p.cwiseAbs() - half).array() > slack).any()) {
-      refuse("its support point along " + listed<D>(d) + " is " + listed<D>(p) + ", outside of its half extents " +
+      refuse("its support point along " + listed<D>(d) + " is " + listed<D>(p) + ", outside its half extents " +
              listed<D>(half));
     }
     IndexedArray<long double, D> wide;
@@ -64,7 +64,7 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
     }
     for (const Vec<D>& c : corners) {
       if (c.allFinite() && ((c.cwiseAbs() - half).array() <= slack).all() && c.dot(d) <= p.dot(d) + slack) continue;
-      refuse("a corner of its support face along " + listed<D>(d) + " is " + listed<D>(c) + ", outside of the core");
+      refuse("a corner of its support face along " + listed<D>(d) + " is " + listed<D>(c) + ", outside the core");
     }
     farthest.push_back(p);
   }
@@ -72,7 +72,7 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
     for (std::size_t j = 0; j < along.size(); ++j) {
       if (farthest[j].dot(along[i]) <= farthest[i].dot(along[i]) + slack) continue;
       refuse("it is not convex: its support point along " + listed<D>(along[j]) + " lies farther along " +
-             listed<D>(along[i]) + " than the one that it gives there");
+             listed<D>(along[i]) + " than its support point there");
     }
   }
   for (int k = 0; k < D; ++k) {
@@ -83,7 +83,8 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
              std::to_string(k) + "; valid: the tightest box around its own origin");
     }
   }
-  if (!core.support(Vec<D>::Zero().eval()).allFinite()) refuse("its support point of no direction is not finite");
+  if (!core.support(Vec<D>::Zero().eval()).allFinite())
+    refuse("its support point for the zero direction is not finite");
   const MassProperties<D> m = core.massProperties(1);
   if (!(m.mass > 0) || !std::isfinite(m.mass) || !m.center.allFinite() || !m.inertia.allFinite()) {
     refuse("its mass is " + std::to_string(m.mass) + "; valid: finite and above zero, about a finite centre");

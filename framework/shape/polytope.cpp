@@ -31,7 +31,7 @@ struct Cloud {
 template <int D>
 Cloud<D> readPoints(std::span<const Vec<D>> points) {
   if (points.size() < static_cast<std::size_t>(D) + 1) {
-    throw UserError("convex hull: " + std::to_string(points.size()) + " points are given; valid: at least " +
+    throw UserError("convex hull: " + std::to_string(points.size()) + " points given; valid: at least " +
                     std::to_string(D + 1));
   }
   Cloud<D> cloud;
@@ -356,7 +356,7 @@ std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points) {
     if (!qhull.run(coordinates, grown * cloud.tolerance, "Q12")) continue;
     if (auto hull = assemble(points, cloud, qhull.loops())) return hull;
   }
-  throw UserError("convex hull: the points are too near to one plane for a hull with whole faces");
+  throw UserError("convex hull: the points are too close to one plane for a valid hull");
 }
 
 }}  // namespace lpc::LPC_PRECISION

@@ -33,7 +33,7 @@ ShapeKind shapeKindFromName(std::string_view name) {
   for (std::size_t i = 0; i < kKindNames.size(); ++i) {
     if (kKindNames[i] == name) return static_cast<ShapeKind>(i);
   }
-  throw UserError("there is no shape '" + std::string(name) + "'" +
+  throw UserError("unknown shape '" + std::string(name) + "'" +
                   validNames({kKindNames.begin(), kKindNames.end()}, name));
 }
 
@@ -78,7 +78,7 @@ Shape<D> Shape<D>::capsule(Real halfLength, Real radius) {
 
 template <int D>
 Shape<D> Shape<D>::segment(Real halfLength) {
-  if (D != 2) throw UserError("segment: exists in 2D only; valid in 3D: sphere, capsule, box, polytope");
+  if (D != 2) throw UserError("segment: 2D only; valid in 3D: sphere, capsule, box, polytope");
   requireSize("segment", "half length", halfLength, false);
   Shape s;
   s.m_view.kind = ShapeKind::segment, s.m_view.half[0] = halfLength;
@@ -92,13 +92,13 @@ Shape<D> Shape<D>::polytope(std::span<const Vec<D>> points, Real rounding) {
 
 template <int D>
 Shape<D> Shape<D>::polytope(std::shared_ptr<const Polytope<D>> hull, Real rounding) {
-  if (!hull) throw UserError("polytope: there is no hull");
+  if (!hull) throw UserError("polytope: the hull is null");
   requireSize("polytope", "rounding", rounding, true);
   if constexpr (D == 3) {
     if (hull->firstSpoke.size() != hull->vertices.size() + 1) {  // a hull made by hand
       auto linked = std::make_shared<Polytope<3>>(*hull);
       linkVertices(*linked);
-      if (linked->firstSpoke.empty()) throw UserError("polytope: a face or an edge of a vertex that does not exist");
+      if (linked->firstSpoke.empty()) throw UserError("polytope: a face or an edge refers to a missing vertex");
       hull = std::move(linked);
     }
   }
@@ -113,7 +113,7 @@ template <int D>
 Shape<D> Shape<D>::triangle(const Vec<D>& p0, const Vec<D>& p1, const Vec<D>& p2, Real rounding) {
   requireSize("triangle", "rounding", rounding, true);
   if constexpr (D == 2) {
-    throw UserError("triangle: exists in 3D only; valid in 2D: polytope");
+    throw UserError("triangle: 3D only; valid in 2D: polytope");
   } else {
     Shape s;
     s.m_hull = flatTriangle({p0, p1, p2}, "triangle");
@@ -128,7 +128,7 @@ Shape<D> Shape<D>::ofCorners(ShapeKind kind, std::span<const Vec<D>> corners, Re
   LPC_ASSERT(coreClass(kind) == CoreClass::hull);
   if (kind != ShapeKind::triangle) return polytope(corners, rounding);
   if (corners.size() != 3) {
-    throw UserError("triangle: " + std::to_string(corners.size()) + " points are given; valid: 3");
+    throw UserError("triangle: " + std::to_string(corners.size()) + " points given; valid: 3");
   }
   return triangle(corners[0], corners[1], corners[2], rounding);
 }
@@ -147,7 +147,7 @@ const CurvedKind<D>& curvedKind(ShapeKind kind) {
   for (const auto& [known, unused] : curvedKinds<D>()) {
     valid += (valid.empty() ? "" : ", ") + std::string(shapeKindName(known));
   }
-  throw UserError(std::string(shapeKindName(kind)) + ": is no curved kind in " + std::to_string(D) +
+  throw UserError(std::string(shapeKindName(kind)) + ": is not a curved shape kind in " + std::to_string(D) +
                   "D; valid: " + valid);
 }
 
@@ -156,10 +156,10 @@ Shape<D> Shape<D>::curved(ShapeKind kind, std::span<const Real> sizes, Real roun
   const CurvedKind<D>& made = curvedKind<D>(kind);
   const std::string name(shapeKindName(kind));
   if (made.claims > 1)
-    throw UserError(name + ": " + std::to_string(made.claims) + " plugins give one; valid: one of them");
+    throw UserError(name + ": " + std::to_string(made.claims) + " plugins define it; valid: one plugin");
   if (sizes.size() != made.sizes.size()) {
     throw UserError(name + ": " + std::to_string(sizes.size()) +
-                    " sizes are given; valid: " + std::to_string(made.sizes.size()));
+                    " sizes given; valid: " + std::to_string(made.sizes.size()));
   }
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     requireSize(name.c_str(), std::string(made.sizes[i]).c_str(), sizes[i], false);
@@ -171,7 +171,7 @@ Shape<D> Shape<D>::curved(ShapeKind kind, std::span<const Real> sizes, Real roun
     requireConvexCore(*s.m_curved, name);
     const std::span<const Real> kept = s.m_curved->sizes();
     if (sizes.empty() || !std::equal(sizes.begin(), sizes.end(), kept.begin(), kept.end())) {
-      throw UserError(name + ": its sizes are not those that it was made of; valid: one or more, all of them kept");
+      throw UserError(name + ": its constructor does not keep its sizes; valid: one or more sizes, all of them kept");
     }
   }
   s.m_view.kind = kind, s.m_view.radius = rounding, s.m_view.half = s.m_curved->half();

@@ -18,7 +18,7 @@ void checkCorners(IndexedSpan<const Vec<D>> points, std::span<const std::array<i
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) throw UserError(who + ": point " + std::to_string(i) + " is not finite");
   }
-  if (parts.empty()) throw UserError(who + ": it has no " + kPartName<D> + "s; valid: one or more");
+  if (parts.empty()) throw UserError(who + ": no " + kPartName<D> + "s; valid: one or more");
   if (parts.size() > kMostTriangles) {
     throw UserError(who + ": it has " + std::to_string(parts.size()) + " " + kPartName<D> + "s; valid: up to " +
                     std::to_string(kMostTriangles));
@@ -26,7 +26,7 @@ void checkCorners(IndexedSpan<const Vec<D>> points, std::span<const std::array<i
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (const int v : parts[i]) {
       if (v >= 0 && static_cast<std::size_t>(v) < points.size()) continue;
-      throw UserError(who + ", " + kPartName<D> + " " + std::to_string(i) + ": there is no point " + std::to_string(v) +
+      throw UserError(who + ", " + kPartName<D> + " " + std::to_string(i) + ": unknown point " + std::to_string(v) +
                       "; valid: 0 to " + std::to_string(std::int64_t(points.size()) - 1));
     }
   }
@@ -52,7 +52,7 @@ PlacedView<2> placeSegment(const std::array<Vec<2>, 2>& p, const std::string& wh
   const double length = along.norm(), largest = std::max(p[0].cwiseAbs().maxCoeff(), p[1].cwiseAbs().maxCoeff());
   if (!(length > kHullRounding * largest && length > 1 / kLargestExtent && length < 2 * kLargestExtent)) {
     throw UserError(who + ": it is " + std::to_string(length) +
-                    " m long; valid: two ends that lie apart, by more than rounding and less than numbers hold");
+                    " m long; valid: two ends that differ by more than rounding, at a finite distance");
   }
   PlacedView<2> part;
   part.view.kind = ShapeKind::segment, part.view.half[0] = static_cast<Real>(length / 2);
@@ -142,7 +142,7 @@ void Surface<3>::findNeighbours(std::string_view who) {
     const std::string edge = std::string(who) + ", the edge of points " + std::to_string(sides[i].low) + " and " +
                              std::to_string(sides[i].high) + ": ";
     if (next > i + 2) {
-      throw UserError(edge + "it belongs to " + std::to_string(next - i) + " triangles; valid: one or two");
+      throw UserError(edge + "belongs to " + std::to_string(next - i) + " triangles; valid: one or two");
     }
     const Side &a = sides[i], &b = sides[i + 1];
     if (a.rising == b.rising) {
@@ -172,7 +172,7 @@ typename Surface<D>::Border Surface<D>::border(std::int32_t part, int number) co
 template <int D>
 Shape<D> Shape<D>::mesh(std::span<const Vec<D>> points, std::span<const std::array<int, 3>> triangles) {
   if constexpr (D == 2) {
-    throw UserError("mesh: exists in 3D only; valid in 2D: chain");
+    throw UserError("mesh: 3D only; valid in 2D: chain");
   } else {
     Shape s;
     s.m_surface = std::make_shared<const Surface<3>>(points, triangles, "mesh");
@@ -183,12 +183,11 @@ Shape<D> Shape<D>::mesh(std::span<const Vec<D>> points, std::span<const std::arr
 template <int D>
 Shape<D> Shape<D>::chain(std::span<const Vec<D>> points, bool closed) {
   if constexpr (D == 3) {
-    throw UserError("chain: exists in 2D only; valid in 3D: mesh");
+    throw UserError("chain: 2D only; valid in 3D: mesh");
   } else {
     if (points.size() < (closed ? 3u : 2u)) {
       throw UserError("chain: " + std::to_string(points.size()) +
-                      " points are given; valid: two or more, of a closed "
-                      "one three or more");
+                      " points given; valid: two or more, for a closed chain three or more");
     }
     const int n = static_cast<int>(std::min(points.size(), kMostTriangles + 2));
     std::vector<std::array<int, 2>> segments;

@@ -44,7 +44,7 @@ PairTrace<D> tracePair(std::string_view query, const ShapeView<D>& a, const Shap
   const ShapeKind first = out.pair.a.kind, second = out.pair.b.kind;
   const bool supports = method->supports(first, second);
   if (!supports || !method->traces(first, second)) {
-    const std::string lacks = supports ? "' shows no steps with " : "' does not support ";
+    const std::string lacks = supports ? "' cannot show its steps for " : "' does not support ";
     throw UserError("'" + spec.name + lacks + std::string(shapeKindName(first)) + " against " +
                     std::string(shapeKindName(second)) + "; valid: " + joined(tracers(out.pair)));
   }

@@ -54,13 +54,13 @@ void Profiler::writeCsv(std::ostream& out) const {
   out << "# step: number of the step, from 0\n"
          "# seconds: wall time of the whole step, s\n"
          "# seconds_NAME: wall time of a stage, or of a phase inside a stage (stage.phase), s\n"
-         "# bodies, awake, pairs, manifolds, points: how many after the step; awake counts dynamic bodies\n";
+         "# bodies, awake, pairs, manifolds, points: counts after the step; awake counts dynamic bodies\n";
   if (m_counter) {
-    out << "# allocations_NAME, allocated_NAME, held_NAME: how many allocations in the step, their bytes, and those "
+    out << "# allocations_NAME, allocated_NAME, held_NAME: allocations in the step, their bytes, and the bytes "
            "bytes\n"
-           "# less what was given back; without what stages and phases inside tell; elsewhere: outside of all\n";
+           "# minus the freed ones; without nested stages and phases; elsewhere: outside all stages\n";
   }
-  out << "# other columns: work done in the step, a count\n"
+  out << "# other columns: counts of work in the step\n"
          "step,seconds";
   for (const char* n : names) out << ",seconds_" << n;
   out << ",bodies,awake,pairs,manifolds,points";

@@ -196,7 +196,7 @@ const Registered& Registry::find(StageKind stage, int dimension, std::string_vie
                                 : "";
   std::vector<std::string> names;
   for (const Registered* r : list(stage, dimension)) names.push_back(r->info.name);
-  throw UserError("there is no " + std::string(stageName(stage)) + " '" + std::string(name) + "' in " +
+  throw UserError("unknown " + std::string(stageName(stage)) + " '" + std::string(name) + "' in " +
                   std::to_string(dimension) + "D" + (place.empty() ? "" : "; " + place) + validNames(names, name));
 }
 
@@ -291,8 +291,8 @@ std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm
              entry.info.name + "{" + p.name + "=" + algorithm + "}";
     }
   }
-  if (!isOurs(stage)) return "an engine stands alone, in place of all stages: engine=" + algorithm;
-  return name + " is no part of a pipeline: scenes choose it";
+  if (!isOurs(stage)) return "an engine replaces all stages: engine=" + algorithm;
+  return name + " is not part of a pipeline: scenes choose it";
 }
 
 }}  // namespace lpc::LPC_PRECISION

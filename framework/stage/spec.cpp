@@ -79,7 +79,7 @@ class Parser {
 Spec Spec::parse(std::string_view text) {
   Parser p(text);
   Spec s = p.spec();
-  if (!p.atEnd()) p.fail("nothing may follow here");
+  if (!p.atEnd()) p.fail("unexpected text after the end");
   return s;
 }
 

@@ -25,7 +25,7 @@ bool sameBits(const Pose<D>& a, const Pose<D>& b) {
 
 template <int D>
 std::size_t BodyTable<D>::slotOf(Handle body) const {
-  if (!valid(body)) throw UserError("world: there is no body with handle " + std::to_string(body.slot) + " (removed?)");
+  if (!valid(body)) throw UserError("world: no body has the handle " + std::to_string(body.slot) + " (removed?)");
   return static_cast<std::size_t>(body.slot);
 }
 

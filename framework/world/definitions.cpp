@@ -31,9 +31,9 @@ void checkGivenMass(const MassProperties<D>& m, const std::string& who) {
   checkAmount(m.mass, who, "the mass (kg)");
   if (!m.center.allFinite() || !m.inertia.allFinite()) throw UserError(who + ": its centre or inertia is not finite");
   if (isInertia(m.inertia)) return;
-  throw UserError(who + ": no body has such an inertia; valid: " +
+  throw UserError(who + ": the inertia is not that of a rigid body; valid: " +
                   (D == 2 ? "a number >= 0"
-                          : "a symmetric matrix whose principal values are >= 0, none above the sum of the others"));
+                          : "a symmetric matrix with principal values >= 0, each at most the sum of the other two"));
 }
 
 // Mass properties in the world frame.
@@ -82,14 +82,14 @@ Weighed<D> weigh(const BodyDef<D>& def) {
     w.mass = combined(w.mass, part);
     if (!isFinite(part) || !isFinite(w.mass)) {
       throw UserError(who + ": its mass, " + std::to_string(part.mass) +
-                      " kg, or its inertia is beyond what numbers hold; valid: smaller ones");
+                      " kg, or its inertia is too large; valid: smaller ones");
     }
     if (s.shape.isPlane() && def.type != BodyType::fixed) {
-      throw UserError(who + ": a plane has no end and cannot move; make the body fixed, or give it a box");
+      throw UserError(who + ": a plane on a moving body; valid: a fixed body, or a bounded shape");
     }
     if (s.shape.surface() && def.type != BodyType::fixed) {
       throw UserError(who + ": a " + (D == 2 ? "chain" : "mesh") +
-                      " moves nothing; valid for bodies that move: convex shapes or a compound of them");
+                      " on a moving body; valid for moving bodies: convex shapes or a compound of them");
     }
     markKinds(s.shape, w.kinds);
   }
@@ -98,7 +98,7 @@ Weighed<D> weigh(const BodyDef<D>& def) {
     w.mass = *def.mass;
   }
   if (def.type == BodyType::dynamic && !(w.mass.mass > 0)) {
-    throw UserError(who + ": a dynamic body needs mass; give it one, or a shape with density > 0, or make it fixed");
+    throw UserError(who + ": a dynamic body without mass; valid: a mass, a shape with density > 0, or a fixed body");
   }
   if (def.type == BodyType::dynamic) {
     std::optional<Inertia<D>> inverse = Inertia<D>(Inertia<D>::Zero());
@@ -107,7 +107,7 @@ Weighed<D> weigh(const BodyDef<D>& def) {
       char kilograms[32];
       std::snprintf(kilograms, sizeof kilograms, "%g", double(w.mass.mass));
       throw UserError(who + ": its mass, " + kilograms +
-                      " kg, or its inertia has no inverse that numbers hold; valid: larger ones");
+                      " kg, or its inertia is too small to invert; valid: larger ones");
     }
     w.invInertia = *inverse;
   }
@@ -117,7 +117,7 @@ Weighed<D> weigh(const BodyDef<D>& def) {
 template <int D>
 BodyDef<D> merged(const BodyDef<D>& a, const BodyDef<D>& b) {
   if (a.type != b.type || a.type == BodyType::kinematic) {
-    throw UserError("merge: bodies of two types, or kinematic ones; valid: two dynamic bodies, or two fixed ones");
+    throw UserError("merge: the bodies differ in type or are kinematic; valid: two dynamic or two fixed bodies");
   }
   BodyDef<D> def = a;
   const Pose<D> X_AB = poseBetween(a.X_WB, b.X_WB);

@@ -26,7 +26,7 @@ ForceHandle ForceTable<D>::add(const ForceDef<D>& def, BodyTable<D>& table) {
 template <int D>
 void ForceTable<D>::remove(ForceHandle force, BodyTable<D>& table) {
   if (!holdsRecord(records, force)) {
-    throw UserError("world: there is no force with handle " + std::to_string(force.slot) + " (removed?)");
+    throw UserError("world: no force has the handle " + std::to_string(force.slot) + " (removed?)");
   }
   const auto i = static_cast<std::size_t>(force.slot);
   wakeActedOn(records[i], table);

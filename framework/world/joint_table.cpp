@@ -16,8 +16,10 @@ JointHandle JointTable<D>::add(const JointDef<D>& def, BodyTable<D>& table) {
   const bool toWorld = def.bodyA == Handle{};
   const std::size_t b = table.slotOf(def.bodyB), a = toWorld ? b : table.slotOf(def.bodyA);
   const auto moves = [&](std::size_t i) { return bodies.type[i] == BodyType::dynamic; };
-  if (def.bodyA == def.bodyB) throw UserError("world: a joint needs two bodies, or the world and a body");
-  if (!moves(b) && (toWorld || !moves(a))) throw UserError("world: a joint of two bodies that do not move");
+  if (def.bodyA == def.bodyB)
+    throw UserError("world: a joint between a body and itself; valid: two bodies, or the world and a body");
+  if (!moves(b) && (toWorld || !moves(a)))
+    throw UserError("world: a joint between two bodies that cannot move; valid: at least one dynamic body");
   JointRecord<D> j = makeJoint(def, poseOf(bodies, def.bodyA.slot), bodies.pose[b]);
   j.kind->weigh(j, massBetween(bodies, j.bodyA, j.bodyB));
   const std::size_t i = m_slots.take(table.visits);
@@ -34,7 +36,7 @@ JointHandle JointTable<D>::add(const JointDef<D>& def, BodyTable<D>& table) {
 template <int D>
 void JointTable<D>::remove(JointHandle joint, BodyTable<D>& table) {
   if (!holdsRecord(records, joint)) {
-    throw UserError("world: there is no joint with handle " + std::to_string(joint.slot) + " (removed?)");
+    throw UserError("world: no joint has the handle " + std::to_string(joint.slot) + " (removed?)");
   }
   const auto i = static_cast<std::size_t>(joint.slot);
   release(records[i], table.events);
@@ -119,7 +121,7 @@ void JointTable<D>::requireMoving(std::size_t body, BodyTable<D>& table) const {
     const JointRecord<D>& j = records[static_cast<std::size_t>(joint)];
     const std::int32_t other = j.bodyA == static_cast<std::int32_t>(body) ? j.bodyB : j.bodyA;
     if (other >= 0 && table.bodies.type[static_cast<std::size_t>(other)] == BodyType::dynamic) continue;
-    throw UserError("change: a joint would be left between two bodies that do not move; valid: remove it first");
+    throw UserError("change: a joint would remain between two bodies that cannot move; valid: remove the joint first");
   }
 }
 

@@ -40,18 +40,18 @@ void checkBodies(const Bodies<D>& b, std::size_t userForces) {
     require(size == n, "the tables of bodies have unequal lengths");
   }
   for (std::size_t i = 0; i < n; ++i) {
-    require(b.type[i] <= BodyType::dynamic, "a body of no known type");
+    require(b.type[i] <= BodyType::dynamic, "a body of unknown type");
     require(isFlag(b.used[i]) && isFlag(b.awake[i]) && isFlag(b.canSleep[i]) && isFlag(b.pinned[i]) &&
                 isFlag(b.rotatable[i]),
             "a body's flag is neither 0 nor 1");
-    require(isAmount(b.mass[i]), "a mass is no finite number >= 0");
+    require(isAmount(b.mass[i]), "a mass is not a finite number >= 0");
     require(!b.used[i] || b.type[i] != BodyType::dynamic || b.mass[i] > 0, "a dynamic body without mass");
     require(b.center[i].allFinite(), "a centre of mass is not finite");
-    require(std::isfinite(b.gravityScale[i]), "a body's share of gravity is not finite");
+    require(std::isfinite(b.gravityScale[i]), "a body's gravity scale is not finite");
     const auto& given = b.givenMass[i];
     require(!given || (isAmount(given->mass) && given->center.allFinite() && given->inertia.allFinite() &&
                        isInertia(given->inertia)),
-            "a body's given mass is of no body");
+            "a given mass belongs to no body");
   }
 }
 
@@ -69,24 +69,25 @@ bool isNormal(const Vec<D>& n) {
 }
 
 void checkHull(const Polytope<2>& hull) {
-  require(hull.vertices.size() >= 3 && hull.normals.size() == hull.vertices.size(), "a polygon without all its edges");
-  require(isExtent<2>(hull.vertices), "a polygon's vertex is nowhere");
-  require(std::all_of(hull.normals.begin(), hull.normals.end(), isNormal<2>), "a polygon's normal has not unit length");
+  require(hull.vertices.size() >= 3 && hull.normals.size() == hull.vertices.size(), "a polygon with missing edges");
+  require(isExtent<2>(hull.vertices), "a polygon's vertex is not finite");
+  require(std::all_of(hull.normals.begin(), hull.normals.end(), isNormal<2>),
+          "a polygon's normal is not a unit vector");
 }
 
 void checkHull(const Polytope<3>& hull) {
   require(hull.vertices.size() >= 4 && hull.vertices.size() + hull.faces.size() == hull.edges.size() + 2 &&
               hull.loop.size() == 2 * hull.edges.size(),
           "a polytope that is not closed");
-  require(isExtent<3>(hull.vertices), "a polytope's vertex is nowhere");
-  for (const int v : hull.loop) require(holds(hull.vertices, v), "a polytope's face has a corner that does not exist");
+  require(isExtent<3>(hull.vertices), "a polytope's vertex is not finite");
+  for (const int v : hull.loop) require(holds(hull.vertices, v), "a polytope's face refers to an invalid vertex");
   std::int64_t end = 0;
   for (const auto& f : hull.faces) {
-    require(f.begin == end && std::int64_t(f.end) - f.begin >= 3, "a polytope's face without three corners");
-    require(isNormal<3>(f.normal) && std::isfinite(f.offset), "a polytope's face without a plane");
+    require(f.begin == end && std::int64_t(f.end) - f.begin >= 3, "a polytope's face with fewer than three corners");
+    require(isNormal<3>(f.normal) && std::isfinite(f.offset), "a polytope's face with an invalid plane");
     end = f.end;
   }
-  require(end == static_cast<std::int64_t>(hull.loop.size()), "a polytope's faces do not share out its corners");
+  require(end == static_cast<std::int64_t>(hull.loop.size()), "the faces of a polytope do not use all its corners");
   // Edge walks rely on this: an edge runs in the direction of its first face, and against that of its second.
   std::vector<std::array<int, 3>> sides;
   for (std::size_t f = 0; f < hull.faces.size(); ++f) {
@@ -104,9 +105,8 @@ void checkHull(const Polytope<3>& hull) {
   for (const auto& e : hull.edges) {
     require(holds(hull.vertices, e.v0) && holds(hull.vertices, e.v1) && e.v0 != e.v1 && holds(hull.faces, e.faceA) &&
                 holds(hull.faces, e.faceB),
-            "a polytope's edge with an end or a face that does not exist");
-    require(isSide(e.v0, e.v1, e.faceA) && isSide(e.v1, e.v0, e.faceB),
-            "a polytope's edge that is no side of its faces");
+            "a polytope's edge refers to an invalid vertex or face");
+    require(isSide(e.v0, e.v1, e.faceA) && isSide(e.v1, e.v0, e.faceB), "a polytope's edge is not on its faces");
   }
 }
 
@@ -114,15 +114,15 @@ template <int D>
 void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts) {
   std::array<bool, kShapeKinds> kinds{};
   for (const ShapeRecord<D>& s : saved.shapes) {
-    require(s.body == -1 || isBody(saved.bodies, s.body), "a shape of a body that does not exist");
+    require(s.body == -1 || isBody(saved.bodies, s.body), "a shape refers to an invalid body");
     if (s.body < 0) continue;
     markKinds(s.shape, kinds);
     forParts(s.shape, s.X_CS, [&](const ShapeView<D>& part, const auto&) {
       if (part.kind == ShapeKind::polytope) checkHull(*part.hull);  // a triangle was built again from its corners
     });
-    require(s.X_CS.p.allFinite() && isUnit(s.X_CS.q), "a shape has no place on its body");
+    require(s.X_CS.p.allFinite() && isUnit(s.X_CS.q), "a shape's pose is invalid");
     require(isAmount(s.friction) && isAmount(s.restitution) && isAmount(s.density),
-            "friction, restitution or density is no finite number >= 0");
+            "friction, restitution or density is not a finite number >= 0");
     require(!s.shape.isPlane() || saved.bodies.type[static_cast<std::size_t>(s.body)] == BodyType::fixed,
             "a plane on a body that is not fixed");
     require(!s.shape.surface() || saved.bodies.type[static_cast<std::size_t>(s.body)] == BodyType::fixed,
@@ -138,9 +138,9 @@ void checkPair(const SavedState<D>& saved, const Pair& p, std::string_view who) 
     return holds(saved.shapes, shape) && saved.shapes[static_cast<std::size_t>(shape)].body == body;
   };
   require(isBody(saved.bodies, p.bodyA) && isBody(saved.bodies, p.bodyB) && p.bodyA < p.bodyB, who,
-          " of a body that does not exist");
-  require(isShapeOf(p.shapeA, p.bodyA) && isShapeOf(p.shapeB, p.bodyB), who, " of a shape that does not exist");
-  require(p.childA >= 0 && p.childB >= 0, who, " of a part with a negative number");
+          " refers to an invalid body");
+  require(isShapeOf(p.shapeA, p.bodyA) && isShapeOf(p.shapeB, p.bodyB), who, " refers to an invalid shape");
+  require(p.childA >= 0 && p.childB >= 0, who, " has a negative part number");
 }
 
 template <int D>
@@ -148,7 +148,7 @@ void checkRecords(const SavedState<D>& saved) {
   const PairRecord* before = nullptr;
   for (const PairRecord& r : saved.records) {
     checkPair(saved, r, "a record");
-    require(!before || before->key() < r.key(), "records of pairs out of order");
+    require(!before || before->key() < r.key(), "pair records out of order");
     before = &r;
   }
 }
@@ -158,7 +158,7 @@ void checkManifolds(const SavedState<D>& saved) {
   const Manifold<D>* before = nullptr;
   for (const Manifold<D>& m : saved.manifolds) {
     checkPair(saved, m, "a contact");
-    require(m.count >= 1 && m.count <= kManifoldPoints<D>, "a contact with no number of points");
+    require(m.count >= 1 && m.count <= kManifoldPoints<D>, "a contact with an invalid number of points");
     require(isFlag(m.begun) && isFlag(m.ignored), "a contact's flag is neither 0 nor 1");
     require(!before || !(m.key() < before->key()), "contacts out of order");
     before = &m;
@@ -172,9 +172,9 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
   const WorldSettings<D>& s = saved.settings;
   require(s.gravity.allFinite() && isAmount(s.margin) && isAmount(s.restitutionThreshold), "a setting is not finite");
   for (const MixRule rule : {s.mixing.friction, s.mixing.restitution}) {
-    require(static_cast<std::size_t>(rule) < kMixRuleNames.size(), "a mixing rule of no known name");
+    require(static_cast<std::size_t>(rule) < kMixRuleNames.size(), "an unknown mixing rule");
   }
-  require(isAmount(saved.time) && isAmount(saved.lastDt), "the time is no finite number >= 0");
+  require(isAmount(saved.time) && isAmount(saved.lastDt), "the time is not a finite number >= 0");
   require(saved.steps >= 0 && saved.steps <= std::numeric_limits<std::int64_t>::max() / 2,
           "the number of steps has overflowed");
   checkBodies(saved.bodies, saved.userForces.size());
@@ -182,26 +182,26 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
   for (const JointRecord<D>& j : saved.joints) {
     if (!j.kind) continue;
     require((j.bodyA == -1 || isBody(saved.bodies, j.bodyA)) && isBody(saved.bodies, j.bodyB) && j.bodyA != j.bodyB,
-            "a joint of a body that does not exist");
+            "a joint refers to an invalid body");
     require(isFlag(j.collide) && isFlag(j.broken), "a joint's flag is neither 0 nor 1");
-    require(j.breakForce > 0 && j.breakTorque > 0, "a joint that breaks at no force");
-    require(isUnit(j.X_CaJ.q) && isUnit(j.X_CbJ.q), "a joint's frame is no rotation");
-    require(j.X_CaJ.p.allFinite() && j.X_CbJ.p.allFinite(), "a joint's frame is at no finite place");
+    require(j.breakForce > 0 && j.breakTorque > 0, "a joint's break force or torque is not above 0");
+    require(isUnit(j.X_CaJ.q) && isUnit(j.X_CbJ.q), "a joint's frame is not a rotation");
+    require(j.X_CaJ.p.allFinite() && j.X_CbJ.p.allFinite(), "a joint's frame is not at a finite position");
   }
   for (const ForceRecord<D>& f : saved.forces) {
     if (!f.kind) continue;
     const ForceEnds ends = f.kind->ends();
     require((f.bodyA == -1 || (ends.from && isBody(saved.bodies, f.bodyA))) &&
                 (f.bodyB == -1 ? ends.all : isBody(saved.bodies, f.bodyB) && f.bodyA != f.bodyB),
-            "a force of a body that does not exist");
-    require(f.localA.allFinite() && f.localB.allFinite(), "a force's anchor is at no finite place");
+            "a force refers to an invalid body");
+    require(f.localA.allFinite() && f.localB.allFinite(), "a force's anchor is not finite");
   }
   checkManifolds(saved);
   checkRecords(saved);
   for (const SleepEvent& e : saved.events) {
-    require(e.kind <= SleepEvent::jointRemoved, "an event of no known kind");
+    require(e.kind <= SleepEvent::jointRemoved, "an event of unknown kind");
     require(holds(saved.bodies.used, e.body) && (e.other == -1 || holds(saved.bodies.used, e.other)),
-            "an event of a body that does not exist");
+            "an event refers to an invalid body");
   }
 }
 

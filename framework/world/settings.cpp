@@ -27,7 +27,7 @@ void setSlop(Spec& solver, Real slop) {
     if (takes(StageKind::position, resolver.name)) return solver.set("position", resolver);
   }
   throw UserError("settings: a slop for solver=" + solver.text() +
-                  ", which takes none; valid: a solver or position resolver with the parameter 'slop'");
+                  ", which has no slop; valid: a solver or position resolver with the parameter 'slop'");
 }
 
 }  // namespace

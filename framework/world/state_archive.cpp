@@ -132,7 +132,7 @@ std::unique_ptr<Kind> createSaved(const std::string& text) {
   if (!all.contains({Kind::kStage, Kind::kDimension, spec.name})) {
     throw UserError("load: the saved world has the " + std::string(stageName(Kind::kStage)) + " '" + spec.name +
                     "', which is not registered in " + std::to_string(Kind::kDimension) +
-                    "D; valid: with the plugin that it is from");
+                    "D; valid: load the plugin that defines it");
   }
   return createStage<Kind>(spec);
 }
@@ -177,7 +177,7 @@ void convexFields(Archive& a, ShapeKind kind, Shape<D>& shape) {
   v.kind = kind;
   a(v.radius, v.half);
   if (static_cast<int>(v.kind) >= kShapeKinds) {
-    throw UserError("load: the saved world is damaged (a shape of no known kind)");
+    throw UserError("load: the saved world is damaged (a shape of unknown kind)");
   }
   switch (v.core()) {
     case CoreClass::point:
@@ -208,7 +208,7 @@ void convexFields(Archive& a, ShapeKind kind, Shape<D>& shape) {
       a(sizes);
       if (v.kind == ShapeKind::custom && !curvedKinds<D>().contains(v.kind)) {
         throw UserError("load: the saved world has a shape 'custom', which is not registered in " + std::to_string(D) +
-                        "D; valid: with the plugin that it is from");
+                        "D; valid: load the plugin that defines it");
       }
       shape = Shape<D>::curved(v.kind, sizes, v.radius);
       break;
@@ -278,7 +278,7 @@ Header readHeader(std::istream& in) {
   if (std::memcmp(header.magic.data(), kMagic, sizeof kMagic) != 0) {
     const std::string_view found(header.magic.data(), header.magic.size() - 1);
     if (!found.starts_with("LPCWORLD")) throw UserError("load: this is not a saved world");
-    throw UserError("load: the saved world has the format " + std::string(found) + ", this program reads " + kMagic);
+    throw UserError("load: the saved world has the format " + std::string(found) + "; this program reads " + kMagic);
   }
   outer(header.dimension, header.realBytes, header.size, header.checksum);
   return header;
@@ -310,19 +310,19 @@ SavedState<D> readState(std::istream& in) {
   const Header header = readHeader(in);
   if (header.dimension != D || header.realBytes != static_cast<std::int32_t>(sizeof(Real))) {
     throw UserError("load: the saved world is " + std::to_string(header.dimension) + "D with " +
-                    std::to_string(std::int64_t(8) * header.realBytes) + "-bit numbers, this one is " +
+                    std::to_string(std::int64_t(8) * header.realBytes) + "-bit numbers; this world is " +
                     std::to_string(D) + "D with " + std::to_string(8 * sizeof(Real)) + "-bit numbers");
   }
   std::istringstream body(readBytes(in, header.size));
   const std::string_view bytes = body.view();
   if (XXH64(bytes.data(), bytes.size(), 0) != header.checksum) {
-    throw UserError("load: the saved world is damaged (its checksum is another)");
+    throw UserError("load: the saved world is damaged (its checksum does not match)");
   }
   SavedState<D> s;
   try {
     Archive inner(body);
     inner(s);
-    if (body.peek() != std::istringstream::traits_type::eof()) throw UserError("there is more than a world holds");
+    if (body.peek() != std::istringstream::traits_type::eof()) throw UserError("data after the end of the world");
   } catch (const UserError& e) {  // also thrown for a shape's size or a joint's parameter
     const std::string_view what = e.what();
     if (what.starts_with("load: ")) throw;

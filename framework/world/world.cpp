@@ -273,7 +273,7 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
 template <int D>
 void World<D>::merge(Handle into, Handle other) {
   const std::size_t a = slotOf(into), b = slotOf(other);
-  if (a == b) throw UserError("merge: a body with itself; valid: two bodies");
+  if (a == b) throw UserError("merge: a body and itself; valid: two different bodies");
   const BodyDef<D> def = merged(definition(into), definition(other));
   weigh(def, into.slot);  // throws before anything changes
   m_forces.handOver(b, a, m_table.bodies);
@@ -309,7 +309,7 @@ template <int D>
 void changeGravity(Simulation<D>& simulation, const Vec<D>& gravity) {
   if (auto* world = dynamic_cast<World<D>*>(&simulation)) return world->setGravity(gravity);
   auto* engine = dynamic_cast<ChangesGravity<D>*>(&simulation);
-  if (!engine) throw UserError("this engine keeps the gravity that it began with");
+  if (!engine) throw UserError("this engine cannot change gravity during a run");
   engine->setGravity(gravity);
 }
 template void changeGravity(Simulation<2>&, const Vec<2>&);

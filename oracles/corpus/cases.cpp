@@ -290,7 +290,7 @@ CaseFinding readFinding(const Place& at, const Json& found, CaseQuery query) {
               : query == CaseQuery::broadphase ? StageKind::broadphase
                                                : StageKind::pairQuery;
   if (!(isPair(query) || query == CaseQuery::broadphase) || stage != stageName(out.stage)) {
-    at.fail("field 'stage' holds '" + stage + "', which is not who answers the query");
+    at.fail("field 'stage' holds '" + stage + "', which does not answer this query");
   }
   out.precision = at.text(found, "precision");
   if (out.precision != "f64" && out.precision != "f32") {
@@ -329,7 +329,7 @@ BoxChange<D> readChange(const Place& at, const Json& change, std::vector<SlotRea
   }
   if (slot.moved || (out.what == What::removed && slot.added)) {
     at.fail(which + " is " + name + " after it was " + (slot.moved ? "moved" : "added") +
-            " in the same step; valid: removed, added, moved, each once at most and in this order");
+            " in the same step; valid: removed, added, moved, each at most once and in this order");
   }
   slot.added |= out.what == What::added, slot.moved |= out.what == What::moved;
   slot.used = out.what != What::removed;

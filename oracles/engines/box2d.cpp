@@ -14,10 +14,10 @@ struct Box2dParams {
   int positionIterations = 4;
   bool warmStart = true;
   void visit(ParamVisitor& v) {
-    v.integer("iterations", iterations, 1, 10000, "sweeps over all velocities", ParamRole::effort);
-    v.integer("position_iterations", positionIterations, 0, 10000, "sweeps over all positions, at most",
+    v.integer("iterations", iterations, 1, 10000, "velocity iterations", ParamRole::effort);
+    v.integer("position_iterations", positionIterations, 0, 10000, "largest number of position iterations",
               ParamRole::effort);
-    v.flag("warm_start", warmStart, "start from the last step's impulses");
+    v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
   }
 };
 
@@ -53,16 +53,16 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
   }
 
   void checkBody(const BodyDef<2>& def) const override {
-    if (def.pinned) throw UserError("box2d: a body that is pinned and turns is not mapped");
+    if (def.pinned) throw UserError("box2d: a pinned body that can rotate is not supported");
     for (const ShapeDef<2>& s : def.shapes) {
-      if (s.category > 0xffff) throw UserError("box2d: categories have 16 bits");
-      if (s.shape.surface()) throw UserError("box2d: no shape is a chain");
+      if (s.category > 0xffff) throw UserError("box2d: a category has at most 16 bits");
+      if (s.shape.surface()) throw UserError("box2d: chains are not supported");
       forParts(s.shape, {}, [](const ShapeView<2>& part, const Pose<2>&) {
         const bool polygon = part.core() == CoreClass::box || part.core() == CoreClass::hull;
         if (!polygon && part.core() != CoreClass::point) {
-          throw UserError("box2d: no shape is a " + std::string(shapeKindName(part.kind)));
+          throw UserError("box2d: no shape of kind " + std::string(shapeKindName(part.kind)));
         }
-        if (polygon && part.radius > 0) throw UserError("box2d: no shape is a rounded polygon");
+        if (polygon && part.radius > 0) throw UserError("box2d: rounded polygons are not supported");
         if (part.hull && part.hull->vertices.size() > b2_maxPolygonVertices) {
           throw UserError("box2d: a polygon has at most " + std::to_string(b2_maxPolygonVertices) + " corners");
         }
@@ -146,7 +146,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
       spec.takes({});
       create(b2WeldJointDef());
     } else {
-      spec.refuse("no joint is a " + spec.kind());
+      spec.refuse("no joint of kind " + spec.kind());
     }
   }
   JointFrames<2> framesOf(const JointRecord<2>& joint) const {
@@ -168,10 +168,11 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
     b2DistanceJointDef d;
     const Real length = spec.real("length");
     d.length = static_cast<float>(length < 0 ? now : length);
-    if (d.length < b2_linearSlop) spec.refuse("a distance is at least 5 mm");
+    if (d.length < b2_linearSlop) spec.refuse("the length of a 'distance' is below 5 mm; valid: 5 mm or more");
     if (spec.text("mode") == "spring") {
       d.stiffness = static_cast<float>(spec.real("stiffness")), d.damping = static_cast<float>(spec.real("damping"));
-      if (d.damping > 0 && !(d.stiffness > 0)) spec.refuse("no spring has damping alone; valid: stiffness > 0");
+      if (d.damping > 0 && !(d.stiffness > 0))
+        spec.refuse("a spring has damping but no stiffness; valid: stiffness > 0");
     } else {
       d.maxLength = d.length;
       if (spec.text("mode") == "rod") d.minLength = d.length;
@@ -225,9 +226,10 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
   std::vector<b2Joint*> m_joints;  // by slot; owned by the world
 };
 
-constexpr const char* kSummary = "Box2D 2.4: sequential impulses with blocks of two, then positions; f32 only";
+constexpr const char* kSummary =
+    "Box2D 2.4: sequential impulses with blocks of two contacts, then position correction; f32 only";
 #else
-constexpr const char* kSummary = "absent from this build: install libbox2d-dev and configure again";
+constexpr const char* kSummary = "not in this build; install libbox2d-dev and configure again";
 #endif
 
 template <int D>
@@ -247,15 +249,15 @@ class Box2d final : public Engine<D> {
   std::unique_ptr<Simulation<D>> start([[maybe_unused]] const WorldSettings<D>& settings) const override {
 #ifdef LPC_HAS_BOX2D
     if constexpr (sizeof(Real) == sizeof(float)) return std::make_unique<Box2dWorld>(m_params, settings);
-    throw UserError("box2d computes in f32 alone");
+    throw UserError("box2d runs in f32 only; valid: precision f32");
 #else
     throw UserError(std::string("box2d is ") + kSummary);
 #endif
   }
   std::string differences() const override {
-    return "polygons have a skin of 1 cm, so bodies rest 1 to 1.5 cm apart (b2_polygonRadius); no body moves more than "
-           "2 m or a quarter turn a step; a fifth of each depth over 5 mm is corrected per sweep, 0.2 m at most; the "
-           "points of a rope or spring stay 5 mm apart";
+    return "polygons have a skin of 1 cm, so bodies rest 1 to 1.5 cm apart (b2_polygonRadius); a body moves at most 2 "
+           "m and a quarter turn a step; a fifth of each depth over 5 mm is corrected per iteration, at most 0.2 m; "
+           "the points of a rope or spring stay 5 mm apart";
   }
 
  private:

@@ -35,10 +35,10 @@ struct BulletParams {
   bool warmStart = true;
   bool splitImpulse = true;
   void visit(ParamVisitor& v) {
-    v.integer("iterations", iterations, 1, 10000, "sweeps over all rows", ParamRole::effort);
-    v.real("slop", slop, 0, 1, "m", "depth that contacts keep; the library's own is 0");
-    v.flag("warm_start", warmStart, "start from 0.85 of the last step's impulses");
-    v.flag("split_impulse", splitImpulse, "depths over 4 cm are corrected by impulses that leave no velocity");
+    v.integer("iterations", iterations, 1, 10000, "passes over all constraint rows", ParamRole::effort);
+    v.real("slop", slop, 0, 1, "m", "penetration left uncorrected; Bullet's default is 0");
+    v.flag("warm_start", warmStart, "warm start from 0.85 of the last step's impulses");
+    v.flag("split_impulse", splitImpulse, "depths over 4 cm are corrected by split impulses, which add no velocity");
   }
 };
 
@@ -128,13 +128,14 @@ class BulletWorld final : public EngineWorld<3> {
           s.mask != first.mask) {
         throw UserError("bullet: a body has one friction, restitution, category and mask, not one per shape");
       }
-      if (s.shape.surface()) throw UserError("bullet: a mesh of ours has one side, Bullet's has two");
+      if (s.shape.surface())
+        throw UserError("bullet: meshes are not supported: LPC's are one-sided, Bullet's two-sided");
       forParts(s.shape, {}, [](const ShapeView<3>& part, const Pose<3>&) {
         const bool rounded = part.radius > 0 && (part.core() == CoreClass::box || part.core() == CoreClass::curved);
         const bool strange = part.core() == CoreClass::curved && part.kind != ShapeKind::cylinder;
         if (rounded || strange) {
-          const char* article = rounded ? " rounded " : part.kind == ShapeKind::ellipsoid ? "n " : " ";
-          throw UserError(std::string("bullet: no shape is a") + article + std::string(shapeKindName(part.kind)));
+          const char* article = rounded ? "rounded " : "";
+          throw UserError(std::string("bullet: no shape of kind ") + article + std::string(shapeKindName(part.kind)));
         }
       });
     }
@@ -261,11 +262,11 @@ class BulletWorld final : public EngineWorld<3> {
       spec.takes({});
       j.constraint = std::make_unique<btFixedConstraint>(bodyA, *b.body, frameA, frameB);
     } else {
-      spec.refuse("no joint is a " + spec.kind());
+      spec.refuse("no joint of kind " + spec.kind());
     }
     if (std::isfinite(joint.breakForce) || std::isfinite(joint.breakTorque)) {
       if (scene().bodies().pinned[static_cast<std::size_t>(joint.bodyB)]) {
-        spec.refuse("the force of a joint on a pinned body is not told, so that it cannot break");
+        spec.refuse("Bullet reports no joint force on a pinned body, so the joint cannot break");
       }
       j.load = std::make_unique<btJointFeedback>(), j.anchorB = frameB.getOrigin();
       j.constraint->setJointFeedback(j.load.get());
@@ -282,8 +283,8 @@ class BulletWorld final : public EngineWorld<3> {
     const bool stops = !spec.usual("lower") || !spec.usual("upper");
     if (stops && (upper - lower > Real(1.5) * SIMD_PI || std::abs(angle - (lower + upper) / 2) >= SIMD_PI)) {
       spec.refuse(
-          "a hinge there does not count whole turns; valid: limits at most 3/4 of a turn apart, and a start "
-          "within half a turn of their middle");
+          "Bullet's hinge does not count whole turns; valid: limits at most 3/4 of a turn apart, and a start within "
+          "half a turn of their middle");
     }
     if (stops) hinge.setLimit(lower, upper, Real(0.9), 1, 0);
     hinge.enableAngularMotor(spec.real("motor_torque") > 0, spec.real("motor_speed"), 0);
@@ -376,7 +377,7 @@ class BulletWorld final : public EngineWorld<3> {
 
 constexpr const char* kSummary = "Bullet 3: sequential impulses over persistent manifolds";
 #else
-constexpr const char* kSummary = "absent from this build: install libbullet-dev and configure again";
+constexpr const char* kSummary = "not in this build; install libbullet-dev and configure again";
 #endif
 
 template <int D>
@@ -401,11 +402,11 @@ class Bullet final : public Engine<D> {
 #endif
   }
   std::string differences() const override {
-    return "contacts are kept from step to step and merged, 4 a pair, until they are a fiftieth of a body's size "
-           "apart; friction is one row, along the way of sliding; a fifth of each depth over the slop is corrected per "
-           "step, through velocities below 4 cm; warm start from 0.85; no body turns more than a quarter turn a step; "
-           "implicit gyroscopic torque; joints start from nothing in each step, a fifth of their error is corrected "
-           "per step; a hinge's stop acts when it is passed, in one row with its motor, which slows down before it";
+    return "contacts persist between steps, 4 a pair, until they are a fiftieth of a body's size apart; friction is "
+           "one row along the sliding direction; a fifth of each depth over the slop is corrected per step, through "
+           "velocities below 4 cm; warm start from 0.85; a body rotates at most a quarter turn a step; implicit "
+           "gyroscopic torque; joints start cold in each step, a fifth of their error is corrected per step; a hinge's "
+           "limit acts once it is passed, in one row with the motor, which slows down before it";
   }
 
  private:

@@ -48,7 +48,8 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     const ForceHandle force = m_scene.add(def);
     if (m_scene.forces()[static_cast<std::size_t>(force.slot)].kind->readsContacts()) {
       m_scene.remove(force);
-      throw UserError("force '" + def.kind + "' acts by the loads of contacts, and an engine tells of none");
+      throw UserError("force '" + def.kind +
+                      "' needs the contact loads, which an engine does not report; valid: a pipeline");
     }
     return force;
   }

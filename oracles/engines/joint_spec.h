@@ -44,7 +44,7 @@ class JointSpec {
     for (const Spec::Field& f : m_spec.fields) {
       const bool taken = std::find(parameters.begin(), parameters.end(), f.key) != parameters.end();
       if (!taken && !usual(f.key)) {
-        refuse("a " + kind() + " there has no '" + f.key + "'; valid: " + m_usual.find(f.key)->name);
+        refuse("its " + kind() + " joint has no '" + f.key + "'; valid: " + f.key + "=" + m_usual.find(f.key)->name);
       }
     }
   }

@@ -42,7 +42,7 @@ void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>&
     // Separated by more than the contact band until then.
     tell(row, bracket.free < static_cast<double>(g.duration) ? bracket.free : bracket.met);
     if (!bracket.decided) row.verdict = CaseVerdict::refused, row.reason = "undecided";
-    if (row.verdict == CaseVerdict::wrong) row.reason = "the file's expected value is not the time";
+    if (row.verdict == CaseVerdict::wrong) row.reason = "the file's expected time is wrong";
   }
   for (const Registered* r : Registry::instance().list(StageKind::timeOfImpact, D)) {
     const auto method = createStage<TimeOfImpact<D>>(Spec::parse(r->info.name));

@@ -31,7 +31,7 @@ double toleranceOf(const Case& c) {
 constexpr double kRelative = sizeof(Real) == 8 ? 1e-9 : 1e-2;
 
 constexpr std::string_view kReferee = "referee", kUnknownMethod = "unknown_method", kSide = "side",
-                           kSideAlone = "by the side alone: it claims no gap",
+                           kSideAlone = "by the side alone: the method claims no distance",
                            kWrongSide = "wrong_side";  // as in the verdict of a case with a finding
 
 // The registered pair queries of one dimension, created once: a witness keeps its process from case to case.
@@ -96,7 +96,8 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
   const Interval along = separationAlong(a, g.a.X_WS, b, g.b.X_WS, n);
   if (along.hi < expected.distance - allowed) {
     std::ostringstream reason;
-    reason << std::setprecision(3) << "normal is short of that by " << expected.distance - along.hi;
+    reason << std::setprecision(3) << "the separation along the normal is too small by "
+           << expected.distance - along.hi;
     row.reason = reason.str();
     return;
   }
@@ -421,7 +422,7 @@ std::string expectedOr(const CaseResult& row, const char* otherwise) {
 std::string reasonOf(const CaseResult& row) {
   if (!row.again) return row.reason;
   return *row.again ? "fails again: " + row.reason
-                    : row.reason + (row.reason.empty() ? "" : ", ") + "not as it was found";
+                    : row.reason + (row.reason.empty() ? "" : ", ") + "different from the failure found earlier";
 }
 
 void print(const CaseResult& row, std::ostream& out) {
@@ -466,8 +467,8 @@ int printCases(const std::vector<CaseResult>& rows, std::ostream& out, std::ostr
     for (const auto& [verdict, count] : counts) out << "  " << caseVerdictName(verdict) << ' ' << count;
     out << '\n';
   }
-  if (found > 0) out << "found failures: " << found << ", of which fail again " << again << '\n';
-  out << "our faults: " << faults << '\n';
+  if (found > 0) out << "failures found earlier: " << found << ", of which " << again << " still fail" << '\n';
+  out << "wrong answers of LPC's own methods: " << faults << '\n';
   return faults == 0 ? 0 : 1;
 }
 

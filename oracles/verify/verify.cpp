@@ -31,7 +31,8 @@ template <int D>
 Verified verifyIn(const VerifyTask& task) {
   Verified out;
   if (task.relations) {
-    if (task.stage != StageKind::pairQuery) throw UserError("verify: only pair queries have relations");
+    if (task.stage != StageKind::pairQuery)
+      throw UserError("verify: metamorphic relations exist for pair queries only");
     verifyRelations<D>(task.kindA, task.kindB, task.range, candidates<PairQuery<D>>(task.methods), out);
     return out;
   }

@@ -85,16 +85,18 @@ class Box2dPairs final : public IsolatedWitness<2> {
   static AlgorithmInfo info() {
     return {
         .name = "box2d",
-        .summary = "Box2D's b2Distance of cores, and where shapes overlap the deepest point of b2Collide*; in float",
+        .summary =
+            "Box2D's b2Distance on cores; for overlapping shapes the deepest point of b2Collide*; single precision",
         .paper = "",
         .complexity = "GJK, or corners x faces",
         .guarantee = Guarantee::approximate,
-        .failures = {{.when = "a polytope of more than eight corners",
-                      .symptom = "refused: b2_maxPolygonVertices",
-                      .test = "Witnesses.Box2dRefusesNineCorners"},
-                     {.when = "polygons whose least depths along a face of either differ by less than 5e-4 of the size",
-                      .symptom = "the depth along the first's face",
-                      .test = "Witnesses.Box2dPrefersFacesOfTheFirst"}},
+        .failures =
+            {{.when = "a polytope of more than eight corners",
+              .symptom = "refused (b2_maxPolygonVertices)",
+              .test = "Witnesses.Box2dRefusesNineCorners"},
+             {.when = "polygons with least depths along a face of A and of B that differ by less than 5e-4 of the size",
+              .symptom = "the depth along A's face is returned",
+              .test = "Witnesses.Box2dPrefersFacesOfTheFirst"}},
         .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {

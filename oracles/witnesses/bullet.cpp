@@ -172,13 +172,15 @@ class BulletGjkEpa final : public IsolatedWitness<3> {
 
   static AlgorithmInfo info() {
     return {.name = "bullet_gjk_epa",
-            .summary = "Bullet's btGjkPairDetector with its EPA as depth solver, in double precision",
+            .summary = "Bullet's btGjkPairDetector with its EPA as depth solver; double precision",
             .paper = "",
             .complexity = "GJK and EPA",
             .guarantee = Guarantee::approximate,
-            .failures = {{.when = "boxes of equal orientation, one deep in the other",
-                          .symptom = "a depth that is too small, along no separating direction (0.346 for 0.5)",
-                          .test = "Witnesses.BulletDepthOfAlignedBoxesIsOff"}},
+            .failures =
+                {{.when = "boxes of equal orientation that overlap deeply",
+                  .symptom =
+                      "the depth is too small, and moving along its normal does not separate the boxes (0.346 for 0.5)",
+                  .test = "Witnesses.BulletDepthOfAlignedBoxesIsOff"}},
             .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
@@ -232,12 +234,12 @@ class BulletBoxBox final : public IsolatedWitness<3> {
 
   static AlgorithmInfo info() {
     return {.name = "bullet_box_box",
-            .summary = "Bullet's btBoxBoxDetector: separating axes of ODE, depths only, in double precision",
+            .summary = "Bullet's btBoxBoxDetector (ODE's separating axis test): depths only; double precision",
             .paper = "",
             .complexity = "15 axes",
             .guarantee = Guarantee::approximate,
             .failures = {{.when = "the least depth is between two edges, by less than 5 %",
-                          .symptom = "the depth of a face: the two are weighed 1 to 1.05",
+                          .symptom = "the depth of a face is returned, because edges are weighted by 1.05",
                           .test = "Witnesses.BulletBoxBoxPrefersFaces"}},
             .role = AlgorithmRole::witness};
   }

@@ -25,7 +25,7 @@ class BulletDbvt final : public Broadphase<D> {
 
   static AlgorithmInfo info() {
     return {.name = "bullet_dbvt",
-            .summary = "Bullet's btDbvtBroadphase: two trees of fat boxes, and the pairs of the step before",
+            .summary = "Bullet's btDbvtBroadphase: two trees of fat boxes, with pairs kept between steps",
             .paper = "",
             .complexity = "n log n",
             .role = AlgorithmRole::witness};

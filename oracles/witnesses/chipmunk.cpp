@@ -76,20 +76,18 @@ class Chipmunk final : public IsolatedWitness<2> {
 
   static AlgorithmInfo info() {
     return {.name = "chipmunk",
-            .summary =
-                "Chipmunk's cpShapesCollide, the deepest of its contacts; of circles cpShapePointQuery, in double "
-                "precision",
+            .summary = "deepest contact of Chipmunk's cpShapesCollide; cpShapePointQuery for circles; double precision",
             .paper = "",
             .complexity = "GJK and EPA",
             .guarantee = Guarantee::approximate,
-            .failures = {{.when = "a shape in the place of another of its kind and size",
-                          .symptom = "a depth of 0 without a direction",
+            .failures = {{.when = "two equal shapes at the same pose",
+                          .symptom = "depth 0 without a direction",
                           .test = "Witnesses.ChipmunkHasNoDepthInTheSamePlace"},
-                         {.when = "capsules end to end on one line",
-                          .symptom = "the depth that they would have if their axes crossed (0.5 for 0.1)",
+                         {.when = "collinear capsules that overlap end to end",
+                          .symptom = "the depth of capsules with crossing axes (0.5 for 0.1)",
                           .test = "Witnesses.ChipmunkCapsulesOnOneLineAreTooDeep"},
-                         {.when = "a circle's centre on the axis of a capsule that is turned",
-                          .symptom = "a normal that is not turned with it",
+                         {.when = "a circle's centre on the axis of a rotated capsule",
+                          .symptom = "the normal is not rotated with the capsule",
                           .test = "Witnesses.ChipmunkForgetsTheTurnOfACapsule"}},
             .role = AlgorithmRole::witness};
   }
@@ -142,7 +140,7 @@ class Chipmunk final : public IsolatedWitness<2> {
 
   Snippet snippet(const PairView<2>& pair) const override {
     Snippet out{.flags = "-lchipmunk", .head = "#include <chipmunk/chipmunk.h>\n#include <cmath>\n#include <cstdio>\n"};
-    out.body = "  cpBody* body = cpBodyNewStatic();  // its pose is not looked at\n";
+    out.body = "  cpBody* body = cpBodyNewStatic();  // its pose is not used\n";
     if (pair.a.core() == CoreClass::point) {
       const Vec<2> centre = placeOfA().p;
       out.body += placed("b", pair.b, placeOfB(pair)) +
@@ -159,7 +157,7 @@ class Chipmunk final : public IsolatedWitness<2> {
     out.body +=
         placed("a", pair.a, placeOfA()) + placed("b", pair.b, placeOfB(pair)) +
         "  const cpContactPointSet found = cpShapesCollide(a, b);\n"
-        "  double depth = -INFINITY;  // by the points: `distance` has the wrong sign where shapes are swapped\n"
+        "  double depth = -INFINITY;  // from the points: `distance` has the wrong sign when shapes are swapped\n"
         "  for (int i = 0; i < found.count; ++i) {\n"
         "    const cpVect along = cpvsub(found.points[i].pointA, found.points[i].pointB);\n"
         "    depth = std::fmax(depth, cpvdot(along, found.normal));\n"

@@ -128,7 +128,7 @@ class FclWitness : public IsolatedWitness<3> {
     Real tolerance = Real(1e-6);
     void visit(ParamVisitor& v) {
       v.real("tolerance", tolerance, Real(1e-14), 1, "1",
-             "of FCL's GJK and EPA; at 1e-10 its distance aborts on spheres", ParamRole::tolerance);
+             "tolerance of FCL's GJK and EPA; FCL's distance aborts on spheres at 1e-10", ParamRole::tolerance);
       PairFrameParams::visit(v);
     }
   };
@@ -182,7 +182,7 @@ class FclWitness : public IsolatedWitness<3> {
         "#include <cmath>\n#include <cstdio>\n#include <exception>\n";
     out.body = fclPlaced("a", pair.a, placeOfA(), out.rounding) + fclPlaced("b", pair.b, placeOfB(pair), out.rounding) +
                "  double distance = NAN;\n"
-               "  bool known = false;  // are points and normals numbers?\n"
+               "  bool known = false;  // points and normals are finite\n"
                "  try {\n" +
                ask +
                "  } catch (const std::exception& error) {\n"
@@ -231,12 +231,12 @@ class FclLibccd final : public FclWitness<D> {
 
   static AlgorithmInfo info() {
     return {.name = "fcl_libccd",
-            .summary = "FCL's signed distance with its libccd solver: GJK of libccd, EPA with FCL's repairs",
+            .summary = "FCL's signed distance with its libccd solver: libccd's GJK, and its EPA with FCL's fixes",
             .paper = "",
             .complexity = "GJK and EPA",
             .guarantee = Guarantee::approximate,
-            .failures = {{.when = "two boxes apart, nearest at an edge and a face",
-                          .symptom = "a distance that is too large (FCL issue 508: 3.16228 for 3)",
+            .failures = {{.when = "two separated boxes, closest at an edge and a face",
+                          .symptom = "the distance is too large (FCL issue 508: 3.16228 for 3)",
                           .test = "Witnesses.FclDistanceOfCubesIsWrong"}},
             .role = AlgorithmRole::witness};
   }
@@ -272,12 +272,13 @@ class FclLibccdCollide final : public FclWitness<D> {
   static AlgorithmInfo info() {
     return {
         .name = "fcl_libccd_collide",
-        .summary = "FCL's collide with its libccd solver: portal refinement, closed forms for spheres, ODE for boxes",
+        .summary =
+            "FCL's collide with its libccd solver: portal refinement; closed forms for spheres, ODE's test for boxes",
         .paper = "",
         .complexity = "5 to 20 support points",
         .guarantee = Guarantee::approximate,
         .failures = {{.when = "the least depth is not along the line of centres",
-                      .symptom = "the depth is too large, up to many times",
+                      .symptom = "the depth is too large, up to many times the least",
                       .test = "Witnesses.FclCollideDepthIsNotMinimal"}},
         .role = AlgorithmRole::witness};
   }
@@ -317,12 +318,12 @@ class FclIndep final : public FclWitness<D> {
 
   static AlgorithmInfo info() {
     return {.name = "fcl_indep",
-            .summary = "FCL's own GJK for the distance, and where shapes overlap its own EPA by collide",
+            .summary = "FCL's own GJK for the distance; its own EPA (collide) for overlapping shapes",
             .paper = "",
             .complexity = "GJK and EPA",
             .guarantee = Guarantee::approximate,
-            .failures = {{.when = "capsules, cones or polytopes deep in one another",
-                          .symptom = "EPA ends early: a depth that is off by up to a third of the size",
+            .failures = {{.when = "capsules, cones or polytopes that overlap deeply",
+                          .symptom = "EPA stops early: the depth is off by up to a third of the size",
                           .test = "Witnesses.FclIndepDepthOfCapsulesIsOff"}},
             .role = AlgorithmRole::witness};
   }
@@ -354,7 +355,7 @@ class FclIndep final : public FclWitness<D> {
   }
   Snippet snippet(const PairView<3>& pair) const override {
     return this->program(pair, this->distanceText("GST_INDEP", false) +
-                                   "    if (distance < 0) {  // they overlap: the depth is asked of collide\n" +
+                                   "    if (distance < 0) {  // overlap: collide gives the depth\n" +
                                    this->collideText("GST_INDEP", "NAN") + "    }\n");
   }
 };

@@ -78,11 +78,11 @@ class LibccdWitness : public IsolatedWitness<3> {
     Snippet out{.flags = "-lccd -lm"};
     out.head =
         "#include <ccd/ccd.h>\n#include <cmath>\n#include <cstdio>\n\n"
-        "// A point of the core, in its own frame, that lies farthest along d.\n" +
+        "// Support point of the core along d, in its own frame.\n" +
         coreSupportText("coreA", pair.a) + coreSupportText("coreB", pair.b) +
         "struct Shape {\n"
         "  void (*core)(const double*, double*);\n"
-        "  double r[3][3], p[3], radius, middle[3];  // the pose, what lies around the core, a point within\n"
+        "  double r[3][3], p[3], radius, middle[3];  // pose, radius around the core, interior point\n"
         "};\n"
         "static const Shape a = " +
         written("coreA", a) + ";\nstatic const Shape b = " + written("coreB", b) + ";\n" +
@@ -95,7 +95,7 @@ class LibccdWitness : public IsolatedWitness<3> {
         "  s.core(local, v);\n"
         "  for (int i = 0; i < 3; ++i) {\n"
         "    const double *r = s.r[i], x = r[0] * v[0], y = r[1] * v[1], z = r[2] * v[2];\n"
-        "    out->v[i] = (i < 2 ? x + y + z : x + (y + z)) + s.p[i];  // the last bit, too, is as it was found\n"
+        "    out->v[i] = (i < 2 ? x + y + z : x + (y + z)) + s.p[i];  // in this order, for the same rounding\n"
         "    if (length > 0) out->v[i] += s.radius / length * d[i];\n"
         "  }\n"
         "}\n"
@@ -141,7 +141,7 @@ class LibccdGjk final : public LibccdWitness {
   struct Params : PairFrameParams {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "EPA stops below; libccd's own default is 1e-4",
+      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "tolerance of EPA; libccd's default is 1e-4",
              ParamRole::tolerance);
       PairFrameParams::visit(v);
     }
@@ -184,8 +184,8 @@ class LibccdMpr final : public LibccdWitness {
   struct Params : PairFrameParams {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "the portal stops below; libccd's own default is 1e-4",
-             ParamRole::tolerance);
+      v.real("tolerance", tolerance, Real(1e-14), 1, "1",
+             "tolerance of the portal refinement; libccd's default is 1e-4", ParamRole::tolerance);
       PairFrameParams::visit(v);
     }
   };
@@ -195,12 +195,12 @@ class LibccdMpr final : public LibccdWitness {
 
   static AlgorithmInfo info() {
     return {.name = "libccd_mpr",
-            .summary = "libccd's portal refinement: depths along the line of centres, an upper bound",
+            .summary = "libccd's portal refinement: depths along the line of centres, an upper bound of the least",
             .paper = "",
             .complexity = "5 to 20 support points",
             .guarantee = Guarantee::approximate,
             .failures = {{.when = "the least depth is not along the line of centres",
-                          .symptom = "the depth is too large, up to many times",
+                          .symptom = "the depth is too large, up to many times the least",
                           .test = "Witnesses.LibccdMprDepthIsNotMinimal"}},
             .role = AlgorithmRole::witness};
   }

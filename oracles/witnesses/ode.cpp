@@ -74,15 +74,15 @@ class Ode final : public IsolatedWitness<3> {
 
   static AlgorithmInfo info() {
     return {.name = "ode",
-            .summary = "ODE's dCollide, the deepest of its contacts, in double precision",
+            .summary = "deepest contact of ODE's dCollide; double precision",
             .paper = "",
             .complexity = "O(1)",
             .guarantee = Guarantee::approximate,
-            .failures = {{.when = "boxes whose least depth is between two edges, by less than 5 %",
-                          .symptom = "the depth of a face: the two are weighed 1 to 1.05",
+            .failures = {{.when = "boxes with the least depth between two edges, by less than 5 %",
+                          .symptom = "the depth of a face is returned, because edges are weighted by 1.05",
                           .test = "Witnesses.OdePrefersFaces"},
-                         {.when = "a capsule whose axis is in a box",
-                          .symptom = "a depth that is not the least, off by a tenth of the size",
+                         {.when = "a capsule with its axis through a box",
+                          .symptom = "the depth is not the least, off by a tenth of the size",
                           .test = "Witnesses.OdeDepthOfCapsulesInBoxesIsOff"}},
             .role = AlgorithmRole::witness};
   }

@@ -27,7 +27,7 @@ class Prisms : public Witness<2> {
     std::optional<Question> asked = m_solid.question(prisms(pair));
     if (asked) {
       asked->snippet.head =
-          "// It is of 2D: both shapes are drawn out along z, much farther than they overlap.\n" + asked->snippet.head;
+          "// A 2D case: both shapes are extruded along z, much farther than they overlap.\n" + asked->snippet.head;
     }
     return asked;
   }

@@ -79,7 +79,7 @@ void answer(Question& of, double* r) {
 Vector ask(Question& of) {
   const auto bytes = static_cast<std::size_t>(of.q.size() + 1) * sizeof(double);  // the last number is the time
   void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "Siconos cannot be given memory");
+  if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "no memory for Siconos's process");
   auto* const r = static_cast<double*>(memory);
   const pid_t parent = getpid(), child = fork();
   if (child == 0) {
@@ -103,12 +103,12 @@ Vector ask(Question& of) {
   of.nanoseconds = r[of.q.size()];
   munmap(memory, bytes);
   const bool ended = child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  if (!ended) throw std::runtime_error("Siconos has not come back");
-  if (!out.allFinite()) throw std::runtime_error("Siconos answers what is no number");
+  if (!ended) throw std::runtime_error("Siconos's process did not end normally");
+  if (!out.allFinite()) throw std::runtime_error("Siconos returned a value that is not finite");
   return out;
 }
 #else
-Vector ask(Question&) { throw UserError("Siconos is absent from this build; valid: one with libsiconos-numerics-dev"); }
+Vector ask(Question&) { throw UserError("Siconos is not in this build; valid: a build with libsiconos-numerics-dev"); }
 #endif
 
 template <int D>
@@ -118,20 +118,20 @@ class Siconos final : public WitnessResolver<D> {
     Real tolerance = Real(1e-12);
     int sweeps = 20000;
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, 0, 1, "1", "its own measure of error at which it ends", ParamRole::tolerance);
-      v.integer("sweeps", sweeps, 1, 10000000, "at most");
+      v.real("tolerance", tolerance, 0, 1, "1", "tolerance, by Siconos's own error measure", ParamRole::tolerance);
+      v.integer("sweeps", sweeps, 1, 10000000, "largest number of passes");
     }
   };
   explicit Siconos(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "siconos",
-            .summary = "Siconos: nonsmooth Gauss-Seidel, each contact solved exactly",
+            .summary = "Siconos's nonsmooth Gauss-Seidel, each contact solved exactly",
             .paper = "",
             .complexity = "sweeps x contacts^2",
             .guarantee = Guarantee::approximate,
             .friction = FrictionLaw::coulomb,
-            .noEffort = "goes on to its tolerance; sweeps are a limit",
+            .noEffort = "it runs until its tolerance; `sweeps` is only a limit",
             .matrixAlone = true,
             .role = AlgorithmRole::witness};
   }
@@ -147,7 +147,7 @@ class Siconos final : public WitnessResolver<D> {
     for (std::int32_t i = 0; i < m_problem.size(); ++i) {
       const ProblemRow<D>& row = m_problem.row(i);
       if (row.ofJoint && row.law == ProblemLaw::interval) {
-        throw UserError("Siconos knows no limits of joints, and no motors that may fail");
+        throw UserError("Siconos supports no joint limits and no motors with a force limit");
       }
       if (row.law == ProblemLaw::free) equalities.push_back(i);
       if (row.law == ProblemLaw::normal || row.law == ProblemLaw::interval) contacts.push_back(i);

@@ -34,7 +34,7 @@ std::string curvedBody(const ShapeView<3>& shape) {
            "  const double length = std::sqrt(square);\n"
            "  for (int k = 0; k < 3; ++k) p[k] = s[k] * (p[k] / length);\n";
   }
-  throw UserError("no program is written of a " + std::string(shapeKindName(shape.kind)));
+  throw UserError("no program can be written for a shape of kind " + std::string(shapeKindName(shape.kind)));
 }
 
 std::string coreBody(const ShapeView<3>& shape) {
@@ -63,7 +63,7 @@ std::string coreBody(const ShapeView<3>& shape) {
     case CoreClass::plane:  // unbounded: there is no support point
       break;
   }
-  throw UserError("no program is written of a " + std::string(shapeKindName(shape.kind)));
+  throw UserError("no program can be written for a shape of kind " + std::string(shapeKindName(shape.kind)));
 }
 
 }  // namespace
@@ -93,11 +93,11 @@ bool Question::isRight(double distance) const {
 
 std::string Question::program(const std::string& title) const {
   return title + snippet.head + "\nint main() {\n" + snippet.body +
-         "  // The true signed distance is proved to lie in [lo, hi]; what is allowed beyond it is for rounding.\n"
+         "  // The true signed distance is proved to lie in [lo, hi]; `allowed` covers rounding.\n"
          "  const double lo = " +
          literal(truth.lo) + ", hi = " + literal(truth.hi) + ", allowed = " + literal(allowed) +
          ";\n"
-         "  const bool apart = distance == INFINITY, overlapping = distance == -INFINITY;  // and no more\n"
+         "  const bool apart = distance == INFINITY, overlapping = distance == -INFINITY;  // without a distance\n"
          "  const bool right = apart ? hi >= -allowed : overlapping ? lo <= allowed\n"
          "                           : distance >= lo - allowed && distance <= hi + allowed;\n"
          "  std::printf(\"answer %.17g, truth [%.17g, %.17g]: %s\\n\", distance, lo, hi, right ? \"right\" : "

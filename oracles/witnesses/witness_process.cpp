@@ -285,7 +285,7 @@ class IsolatedWitness<D>::Process {
     sem_init(&m_block->asked, 1, 0);
     sem_init(&m_block->answered, 1, 0);
     m_child = fork();
-    if (m_child < 0) throw std::system_error(errno, std::generic_category(), "a witness cannot be given a process");
+    if (m_child < 0) throw std::system_error(errno, std::generic_category(), "cannot start a process for a witness");
     if (m_child == 0) serve();
   }
 
@@ -356,7 +356,7 @@ class IsolatedWitness<D>::Process {
     void* memory = mmap(nullptr, sizeof(Block<D>) + m_hullBytes, PROT_READ | PROT_WRITE,
                         MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (memory == MAP_FAILED)
-      throw std::system_error(errno, std::generic_category(), "a witness cannot be given memory");
+      throw std::system_error(errno, std::generic_category(), "no memory for a witness's process");
     m_block = new (memory) Block<D>;
     m_owner = getpid();
   }

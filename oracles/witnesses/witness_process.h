@@ -19,7 +19,7 @@ struct PairFrameParams {
   PairFrame frame = PairFrame::own;
   void visit(ParamVisitor& v) {
     v.choice("frame", frame, {"own", "world"},
-             "where both shapes are shown: A's own frame, or turned and away from it");
+             "frame of the query: A's own frame, or a rotated and translated world frame");
   }
 };
 

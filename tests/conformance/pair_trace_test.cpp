@@ -253,8 +253,9 @@ std::string refusal(const char* query, const Shape<2>& a, const Shape<2>& b) {
 }
 TEST(PairTrace, UntracedMethodsNameTracedOnes) {
   const Shape<2> box = Shape<2>::box({1, 1}), ball = Shape<2>::sphere(1), plane = Shape<2>::plane();
-  EXPECT_EQ(refusal("mpr", box, box), "'mpr' shows no steps with box against box; valid: by_kind, gjk_epa, sat");
-  EXPECT_EQ(refusal("by_kind", ball, ball), "'by_kind' shows no steps with sphere against sphere; valid: gjk_epa, sat");
+  EXPECT_EQ(refusal("mpr", box, box), "'mpr' cannot show its steps for box against box; valid: by_kind, gjk_epa, sat");
+  EXPECT_EQ(refusal("by_kind", ball, ball),
+            "'by_kind' cannot show its steps for sphere against sphere; valid: gjk_epa, sat");
   EXPECT_EQ(refusal("gjk_epa", plane, plane), "'gjk_epa' does not support plane against plane; valid: ");
   EXPECT_NE(refusal("gkj", box, box), "");
 }

@@ -144,7 +144,7 @@ foreach(file IN ITEMS algorithms/broadphase/bucket_sort.cpp algorithms/velocity/
 endforeach()
 follow(${guide} "Outside this tree" ${WORK_DIR}/guide)
 if(EXISTS ${BINARY_DIR}/bin/lpc)
-  should_say("equal buckets along x" "our own methods: all right" "6 run, 0 of these not ok")
+  should_say("equal buckets along x" "LPC's own methods: all correct" "6 run, 0 of these not ok")
   if(NOT output MATCHES "resolvers +[1-9][0-9]* trials, [1-9][0-9]* timed, 0 unsupported")
     message(FATAL_ERROR "the shipped sweep has no trials of the plugin's resolver:\n${output}")
   endif()
@@ -155,7 +155,7 @@ file(COPY ${SOURCE_DIR}/experiments/dominoes DESTINATION ${WORK_DIR}/game/experi
 follow(${reference} "An example program" ${WORK_DIR}/game)
 should_say("19 of 19 dominoes were knocked over, and the bell rang: 24 points" "0 of 19 dominoes were knocked over: 0 points")
 if(EXISTS ${BINARY_DIR}/bin/lpc)
-  should_say("our own methods: all right")
+  should_say("LPC's own methods: all correct")
 endif()
 
 # The program with a window, if its packages are installed: it builds, and reports that there is no display. tests/sandbox tests

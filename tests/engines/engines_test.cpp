@@ -355,11 +355,11 @@ void refuses(const std::string& name, const BodyDef<D>& def, const std::string& 
   }
 }
 TEST(Engines, UnsupportedBodiesAreRefusedWithoutTrace) {
-  refuses<2>("box2d", body<2>(Shape<2>::capsule(1, Real(0.5)), at<2>(0, 5)), "box2d: no shape is a capsule");
+  refuses<2>("box2d", body<2>(Shape<2>::capsule(1, Real(0.5)), at<2>(0, 5)), "box2d: no shape of kind capsule");
   std::vector<Vec<2>> corners;
   for (int i = 0; i < 9; ++i) corners.push_back({Real(std::cos(0.69 * i)), Real(std::sin(0.69 * i))});
   refuses<2>("box2d", body<2>(Shape<2>::polytope(corners), at<2>(0, 5)), "at most 8 corners");
-  refuses<3>("bullet", body<3>(Shape<3>::box(Vec<3>::Ones(), Real(0.1)), at<3>(0, 5)), "no shape is a rounded box");
+  refuses<3>("bullet", body<3>(Shape<3>::box(Vec<3>::Ones(), Real(0.1)), at<3>(0, 5)), "no shape of kind rounded box");
   BodyDef<3> odd = body<3>(cube<3>(), at<3>(0, 5));
   odd.shapes.push_back(odd.shapes[0]), odd.shapes[1].friction = Real(0.1);
   refuses<3>("bullet", odd, "one friction");

@@ -404,12 +404,15 @@ TEST(EngineJoints, UnsupportedJointsAreRefusedWithoutTrace) {
     def.X_WJb = decltype(def.X_WJ){};
     return def;
   };
-  refuses<2>("box2d", joint<2>("hinge{stiffness=5}", {}, {}), "box2d: a hinge there has no 'stiffness'; valid: 0");
-  refuses<2>("box2d", joint<2>("hinge{damping=5}", {}, {}), "box2d: a hinge there has no 'damping'; valid: 0");
-  refuses<2>("box2d", far("distance{mode=spring,stiffness=0,damping=3}", at<2>(0, 1)), "damping alone");
-  refuses<2>("box2d", far("distance{mode=rope,length=0.004}", at<2>(0, 1)), "at least 5 mm");
-  refuses<3>("bullet", far("distance", at<3>(0, 1)), "bullet: no joint is a distance");
-  refuses<3>("bullet", joint<3>("hinge{stiffness=5}", {}, {}), "bullet: a hinge there has no 'stiffness'; valid: 0");
+  refuses<2>("box2d", joint<2>("hinge{stiffness=5}", {}, {}),
+             "box2d: its hinge joint has no 'stiffness'; valid: stiffness=0");
+  refuses<2>("box2d", joint<2>("hinge{damping=5}", {}, {}),
+             "box2d: its hinge joint has no 'damping'; valid: damping=0");
+  refuses<2>("box2d", far("distance{mode=spring,stiffness=0,damping=3}", at<2>(0, 1)), "has damping but no stiffness");
+  refuses<2>("box2d", far("distance{mode=rope,length=0.004}", at<2>(0, 1)), "below 5 mm");
+  refuses<3>("bullet", far("distance", at<3>(0, 1)), "bullet: no joint of kind distance");
+  refuses<3>("bullet", joint<3>("hinge{stiffness=5}", {}, {}),
+             "bullet: its hinge joint has no 'stiffness'; valid: stiffness=0");
   for (const char* kind : {"hinge{upper=1}", "hinge{lower=-1,upper=5}", "hinge{lower=5,upper=6}"}) {
     refuses<3>("bullet", joint<3>(kind, {}, {}), "does not count whole turns");
   }

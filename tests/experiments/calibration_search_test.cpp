@@ -263,7 +263,7 @@ TEST(CalibrationSearch, AnUnknownMetricIsAMistake) {
   w.write("s.toml", twoMethods("work_row_update", "budgets = [8]\n"));
   const Outcome counts = w.lpc("sweep s.toml --store never.db");
   EXPECT_EQ(counts.code, 2);
-  EXPECT_NE(counts.text.find("s.toml:3: 'work_row_update' is no metric of cost; did you mean 'work_row_updates'?"),
+  EXPECT_NE(counts.text.find("s.toml:3: 'work_row_update' is not a metric of cost; did you mean 'work_row_updates'?"),
             std::string::npos)
       << counts.text;
   EXPECT_FALSE(std::filesystem::exists(w.path("never.db")));

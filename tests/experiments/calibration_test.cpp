@@ -85,7 +85,7 @@ TEST(Calibration, EqualCostIsWhatArithmeticGives) {
   w.write("s.toml", kPendulum + calibrated("cost", "work_row_updates", list, ", most = 64") + kAxes);
   const Outcome plan = w.lpc("sweep s.toml --store s.db --dry-run");  // 1, 2, .. 64, then between 32 and 64
   EXPECT_NE(plan.text.find(" 6 trials, 0 timed, 0 unsupported, after 6 searches of iterations at budgets of "
-                           "work_row_updates (1 cell), each of at most 12 settings\n"),
+                           "work_row_updates (1 cell), each over at most 12 settings\n"),
             std::string::npos)
       << plan.text;
   const Outcome first = w.lpc("sweep s.toml --store s.db --quiet");
@@ -135,8 +135,8 @@ TEST(Calibration, EqualErrorTakesTheFewestIterations) {
   EXPECT_EQ(cells.at(between).iterations, 6);
   EXPECT_EQ(cells.at(error.at(1)).iterations, 1);
   EXPECT_EQ(cells.at(1e-15).iterations, 0);
-  EXPECT_EQ(cells.at(1e-15).reason,
-            "iterations=8, the most, errs by " + asText(error.at(8)) + " (penetration_poses), the budget is 1e-15");
+  EXPECT_EQ(cells.at(1e-15).reason, "iterations=8, the most, has the error " + asText(error.at(8)) +
+                                        " (penetration_poses), the budget is 1e-15");
 }
 
 // Methods without the setting or the dimension, or that stop early: each has its rows.
@@ -175,9 +175,9 @@ TEST(Calibration, MistakesAreOneLine) {
   const std::pair<std::string, std::vector<const char*>> cases[] = {
       {calibrated("price", "work_row_updates", "10") + kAxes, {"s.toml:5: ", "'price'", "cost, error"}},
       {calibrated("cost", "penetration_poses", "10") + kAxes,
-       {"s.toml:5: ", "no metric of cost", "ms_per_step_median"}},
+       {"s.toml:5: ", "is not a metric of cost", "ms_per_step_median"}},
       {calibrated("error", "work_row_updates", "10") + kAxes,
-       {"s.toml:5: ", "no metric of error", "penetration_poses"}},
+       {"s.toml:5: ", "is not a metric of error", "penetration_poses"}},
       {calibrated("error", "penetrations", "10") + kAxes, {"s.toml:5: ", "'penetrations'", "max_penetration"}},
       {calibrated("cost", "ms_per_step_median", "10") + kAxes, {"s.toml:", "a time", "timed = true"}},
       {calibrated("cost", "work_row_updates", "") + kAxes, {"s.toml:6: ", "'budgets' is empty"}},
@@ -185,7 +185,7 @@ TEST(Calibration, MistakesAreOneLine) {
       {calibrated("cost", "work_row_updates", "5, 5") + kAxes, {"s.toml:6: ", "5 twice"}},
       {calibrated("cost", "work_row_updates", "5", ", most = 0") + kAxes, {"s.toml:5: ", "'most' is 0", "1 to"}},
       {calibrated("cost", "work_row_updates", "5", ", least = 0") + kAxes, {"s.toml:5: ", "least"}},
-      {good + kAxes + "iterations = [1, 2]\n", {"s.toml:11: ", "'iterations' is what 'calibrate' finds"}},
+      {good + kAxes + "iterations = [1, 2]\n", {"s.toml:11: ", "'iterations' is set by 'calibrate'"}},
       {"calibrate = { equal = \"cost\", metric = \"work_row_updates\", setting = \"budget\" }\nbudgets = [5]\n" + kAxes,
        {"s.toml:5: ", "'setting' is 'budget'", "another name"}},
       {"budgets = [5]\n" + kAxes, {"s.toml:5: ", "'budgets' without 'calibrate'"}},

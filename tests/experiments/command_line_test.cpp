@@ -57,6 +57,31 @@ TEST(CommandLine, listsOneStageAlone) {
   EXPECT_EQ(out.text.find("velocity"), std::string::npos) << out.text;
 }
 
+// Every failure that a method declares is listed, with all tests that show it and the dimension where it is limited to
+// one.
+TEST(CommandLine, listsDeclaredFailures) {
+  Workspace w;
+  const std::string text = w.lpc("list --name catto").text;
+  const auto all = nlohmann::json::parse(w.lpc("list --name catto --json").text);
+  std::set<std::string> failures;
+  for (const auto& f : all["algorithms"][0]["failures"]) {
+    const std::string when = f["when"], symptom = f["symptom"], test = f["test"];
+    const std::string where = f["dimensions"].size() == 2 ? "" : " in " + f["dimensions"][0].dump() + "D";
+    const std::string told = "      declared failure" + where + ": " + when + "\n          " + symptom + " (shown by ";
+    const std::size_t at = text.find(told);
+    ASSERT_NE(at, text.npos) << told << text;
+    const std::size_t tests = at + told.size();
+    EXPECT_NE(text.substr(tests, text.find('\n', tests) - tests).find(test), std::string::npos) << test << text;
+    failures.insert(told);
+  }
+  EXPECT_GE(failures.size(), 4u);
+  const std::string word = "declared failure";
+  std::size_t lines = 0;
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) ++lines;
+  EXPECT_EQ(lines, failures.size()) << text;
+  EXPECT_EQ(w.lpc("list --name sat").text.find(word), std::string::npos) << "it declares none";
+}
+
 // Names fit on a screen; parameters are shown on request, for one method or for all.
 TEST(CommandLine, listsNamesAndDetailsOnRequest) {
   Workspace w;
@@ -174,7 +199,7 @@ TEST(CommandLine, drawsTheTimeline) {
   EXPECT_GE(slow.median.at("findPairs"), 2) << slow.text;
   EXPECT_TRUE(isStacked(slow)) << slow.text;
   EXPECT_EQ(slow.rows[0].size(), 90u) << slow.text;
-  EXPECT_NE(slow.text.find("the median of each column's 3 steps\n"), std::string::npos) << slow.text;
+  EXPECT_NE(slow.text.find("each column is the median of 3 steps\n"), std::string::npos) << slow.text;
   EXPECT_NE(slow.text.find(" 200  step\n"), std::string::npos) << slow.text;
   EXPECT_NE(slow.text.find(" bodies |"), std::string::npos) << slow.text;
   EXPECT_EQ(slow.text.find("\nkinetic "), std::string::npos) << "no series beside it";
@@ -201,7 +226,7 @@ TEST(CommandLine, drawsTheTimeline) {
           "[[body]]\nposition = [0, 0.5]\nshapes = [{ kind = \"box\", half = [0.5, 0.5] }]\n");
   const Timeline rest = timelineOf(w, "run rest.toml --pipeline sleep=split_average");
   EXPECT_NE(rest.text.find("  0 .. 1\n"), std::string::npos) << rest.text;
-  EXPECT_TRUE(w.lpc("run rest.toml --steps 0 --plot timeline").text.ends_with("\ntimeline: this run has no step\n"));
+  EXPECT_TRUE(w.lpc("run rest.toml --steps 0 --plot timeline").text.ends_with("\ntimeline: this run has no steps\n"));
 }
 
 // User mistakes: exit code 2 and one line that names the mistake and what is valid.
@@ -218,7 +243,7 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"run pyramid --pipeline velocity=catto{iterations=4}", {"solver=split_solver{velocity=catto{iterations=4}}"}},
       {"run pyramid --pipeline solver=catto", {"no solver 'catto'", "solver=split_solver{velocity=catto}"}},
       {"run pyramid --pipeline \"cache=none engine=box2d\"", {"alone", "engine=box2d"}},
-      {"run pyramid --pipeline joint=hinge", {"joint is no part of a pipeline", "scenes"}},
+      {"run pyramid --pipeline joint=hinge", {"joint is not part of a pipeline", "scenes"}},
       {"run pyramid --dimension 2 --pipeline contacts=query_clip{query=gjk}", {"in 2D", "did you mean 'gjk_epa'?"}},
       {"run pyramid --plot hieght", {"'hieght'", "did you mean 'height'?"}},
       {"run pyramid --plot timelnie", {"'timelnie'", "did you mean 'timeline'?"}},
@@ -244,7 +269,7 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"verify --dimension 4", {"4", "2, 3"}},
       {"verify --role judge", {"'judge'", "witness"}},
       {"verify --methods gjk_epa{iterations=many}", {"iterations", "many"}},
-      {"verify --dimension 2 --stage contacts --role witness", {"no method of that role"}},
+      {"verify --dimension 2 --stage contacts --role witness", {"no method has this role"}},
       {"verify --cases nowhere.json --pairs 5", {"--cases", "excludes", "--pairs"}},
       {"list --into nowhere.md --stage velocity", {"--into", "excludes", "--stage"}},
       {"list --into nowhere.md --name catto", {"--into", "excludes", "--name"}},

@@ -169,7 +169,7 @@ TEST(Entries, PlansAcceptThem) {
   EXPECT_NE(hullsOf("polytope", 8).key, hullsOf("polytope", 16).key);
   EXPECT_EQ(errorOf([&] { hullsOf("polytope", 3); }), "axis 'vertices' is 3; valid: whole numbers from 4 to 4096");
   EXPECT_EQ(errorOf([&] { hullsOf("box", 8); }),
-            "axis 'vertices' is of hulls; valid: with 'polytope' as kind_a or kind_b");
+            "axis 'vertices' is for hulls; valid: with 'polytope' as kind_a or kind_b");
   EXPECT_EQ(
       errorOf([&] { boxesOf("clusters"); }),
       "unknown distribution 'clusters'; did you mean 'cluster'? valid: uniform, cluster, director_2, centre_line, "

@@ -245,8 +245,7 @@ case "$request" in *'"record":"/'*) echo nothing ;; *) printf %s "$request" | ")
   std::filesystem::permissions(worker, std::filesystem::perms::owner_all);
   const Outcome out = w.lpc("sweep ./crowds.toml --quiet --store s.db --set n=3", "LPC_WORKERS=" + w.path(""));
   EXPECT_EQ(out.code, 0) << out.text;
-  EXPECT_NE(out.text.find("is crash, the worker's result cannot be read when it is run again: not drawn"),
-            std::string::npos)
+  EXPECT_NE(out.text.find("is crash, the worker's result is unreadable when repeated: not drawn"), std::string::npos)
       << out.text;
   EXPECT_EQ(ask(w.path("s.db"), "SELECT outcome FROM trial"), "collapsed");
 }

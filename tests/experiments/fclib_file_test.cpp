@@ -61,7 +61,8 @@ bool isThere(const FrozenProblem<2>& problem, const Workspace& w) {
   try {
     return !fclibBytes<2>(problem, w.path("probe")).empty();
   } catch (const UserError& e) {
-    EXPECT_NE(std::string(e.what()).find("without FCLIB; valid: one with libfclib-dev"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("has no FCLIB; valid: a build with libfclib-dev"), std::string::npos)
+        << e.what();
     return false;
   }
 }
@@ -173,12 +174,12 @@ TEST(FclibFile, RefusesInOneLine) {
     std::string bytes;
     test::Parts parts;
   } cases[] = {
-      {"", {"no file of problems"}},
-      {"mass,velocity\n1,2\n", {"no file of problems"}},
+      {"", {"not a file of problems"}},
+      {"mass,velocity\n1,2\n", {"not a file of problems"}},
       {good.substr(0, 8), {"it is damaged", "FCLIB's global form"}},
       {good.substr(0, good.size() / 2), {"it is damaged"}},
-      {changed("fclib_global", "other_global"), {"it holds no problem of FCLIB", "valid: "}},
-      {changed("fclib_global", std::string("fclib_local\0", 12)), {"it has no list /fclib_local/W/m"}},
+      {changed("fclib_global", "other_global"), {"it contains no FCLIB problem", "valid: "}},
+      {changed("fclib_global", std::string("fclib_local\0", 12)), {"the list is missing: /fclib_local/W/m"}},
       {changed(bytesOf(mu), bytesOf(nan)), {"mu is not finite"}},
       {changed(bytesOf(mu), bytesOf(-mu)), {"friction is negative"}},
   };
@@ -219,7 +220,7 @@ TEST(FclibFile, ReportsWhatItCannotHold) {
       fclibBytes<2>(other, w.path("p.hdf5"));
       ADD_FAILURE() << what;
     } catch (const UserError& e) {
-      expectParts(e.what(), {"p.hdf5: FCLIB holds no ", what, "; valid: a file that ends in .json"}, what);
+      expectParts(e.what(), {"p.hdf5: FCLIB cannot store ", what, "; valid: a file that ends in .json"}, what);
     }
   };
   const auto row = [](auto& p, const auto& change) {
@@ -229,7 +230,7 @@ TEST(FclibFile, ReportsWhatItCannotHold) {
   };
   said("limits", [&](auto& p) { row(p, [](auto& r) { r.lo = -1, r.hi = 1; }); });
   said("springs", [&](auto& p) { row(p, [](auto& r) { r.law = RowLaw::spring, r.stiffness = 10, r.damping = 1; }); });
-  said("may not turn", [](auto& p) { p.features.rotation = false; });
+  said("without rotation", [](auto& p) { p.features.rotation = false; });
   said("pinned", [](auto& p) {
     for (std::size_t i = 0; i < p.bodies.invMass.size(); ++i) {
       if (p.bodies.type[i] == BodyType::dynamic) p.bodies.invMass[i] = 0;
@@ -331,12 +332,12 @@ TEST(FclibFile, RefusesAMatrixInOneLine) {
     EXPECT_EQ(said.find('\n'), said.npos) << said;
   };
   EXPECT_EQ(messageOf(localBytes(good, w), w.path("p.hdf5")), "");
-  refuses({"p.hdf5, problems 0, matrix, velocity ", "of a row that nothing moves"}, [](auto& p) { p.r.setZero(); });
+  refuses({"p.hdf5, problems 0, matrix, velocity ", "for a row without moving bodies"}, [](auto& p) { p.r.setZero(); });
   refuses({"its W or R is not symmetric"}, [](auto& p) { p.w.coeffRef(0, 1) += 1; });
   refuses({"negative on the diagonal"}, [](auto& p) { p.w.coeffRef(0, 0) = -1; });
   refuses({"friction is negative"}, [](auto& p) { p.mu[0] = -1; });
   refuses({"a number of its q is not finite"}, [](auto& p) { p.q[0] = std::nan(""); });
-  refuses({"sizes that do not go together"},
+  refuses({"the sizes of its matrices do not match"},
           [](auto& p) { p.r = Eigen::SparseMatrix<double>(p.r.rows(), p.r.cols() + 1); });
   // A method that applies impulses to bodies says that it does not take matrices, and has a row in the result.
   localBytes(good, w);
@@ -361,8 +362,8 @@ TEST(FclibFile, IsRecordedAndSwept) {
   Workspace w;
   if (!isThere(heapProblem<2>(), w)) GTEST_SKIP() << "FCLIB is absent";
   const std::string scene = "record vertical_stack --param n=3 --param gap=0 --problems t.hdf5";
-  refused(w, scene + " --steps 3,20", {"t.hdf5: a file of FCLIB holds one problem; valid: one step"});
-  refused(w, scene + " --hardest 2", {"t.hdf5: a file of FCLIB holds one problem"});
+  refused(w, scene + " --steps 3,20", {"t.hdf5: an FCLIB file holds one problem; valid: one step"});
+  refused(w, scene + " --hardest 2", {"t.hdf5: an FCLIB file holds one problem"});
   refused(w, "record vertical_stack --steps 3 --problems none/t.hdf5", {"none/t.hdf5: cannot be written"});
   const auto before = test::filesIn(w);
   const test::Outcome recorded = w.lpc(scene + " --steps 20");

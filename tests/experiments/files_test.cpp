@@ -148,9 +148,9 @@ TEST(Files, StandardOutputIsNotReplaced) {
     const Outcome out = w.shell(LPC_BINARY_DIR "/bin/lpc verify --cases c.json --csv " + path + " > out.txt");
     EXPECT_EQ(out.code, 0) << out.text;
     const std::string text = readFile(w.path("out.txt"));
-    EXPECT_TRUE(text.ends_with("our faults: 0\n" + readFile(w.path("x.csv")))) << text;
+    EXPECT_TRUE(text.ends_with("wrong answers of LPC's own methods: 0\n" + readFile(w.path("x.csv")))) << text;
     for (const char* option : {"--record ", "--profile "}) {
-      refused(w, "run r.toml " + std::string(option) + path, {path + ": is another one", "valid: a file"});
+      refused(w, "run r.toml " + std::string(option) + path, {path + ": is a stream of this process", "valid: a file"});
     }
   }
   EXPECT_TRUE(std::filesystem::is_symlink(w.path("first")) && std::filesystem::is_symlink(w.path("link")));

@@ -25,12 +25,13 @@ TEST(FilmBeside, ShowsTwoRunsFromTheirDivergence) {
   const std::string run = "run pyramid --param base=4 --steps 60 --record ";
   ASSERT_EQ(w.lpc(run + "a.rec").code, 0);
   ASSERT_EQ(w.lpc(run + "b.rec --pipeline solver=soft_step").code, 0);
-  EXPECT_NE(w.lpc("replay a.rec --beside a.rec").text.find("never part: 61 frames"), std::string::npos);
+  EXPECT_NE(w.lpc("replay a.rec --beside a.rec").text.find("do not diverge: 61 frames"), std::string::npos);
   const auto step = [&](const std::string& more) {
     const Outcome out = w.lpc("replay a.rec --beside b.rec " + more);
     EXPECT_EQ(out.code, 0) << out.text;
     std::smatch found;
-    EXPECT_TRUE(std::regex_search(out.text, found, std::regex("part at step ([0-9]+): body [0-9]+ is "))) << out.text;
+    EXPECT_TRUE(std::regex_search(out.text, found, std::regex("diverge at step ([0-9]+): body [0-9]+ is ")))
+        << out.text;
     return found.empty() ? -1 : std::stol(found[1]);
   };
   EXPECT_EQ(step(""), 1);
@@ -201,7 +202,7 @@ TEST(FilmBeside, IsAsLongAndAsWideAsBothNeed) {
   const std::string film = " --film x.svg", names[] = {"short.rec --beside long.rec", "long.rec --beside short.rec"};
   for (const std::string& both : names) {
     const Outcome out = w.lpc("replay " + both + film);
-    EXPECT_NE(out.text.find("part at step 3: one goes on"), std::string::npos) << out.text;
+    EXPECT_NE(out.text.find("diverge at step 3: one run continues"), std::string::npos) << out.text;
     EXPECT_NE(readFile(w.path("x.svg")).find("animation: turn 1.01667s"), std::string::npos)
         << both;  // 2/60 to 63/60 s
   }
@@ -242,11 +243,11 @@ TEST(FilmBeside, CorrespondingBodiesHaveOneSlotAndGeneration) {
   record("without_1.rec", "--param gone_1=5"), record("without_3.rec", "--param gone_3=5");
   record("all.rec", ""), record("ghost.rec", "--param ghost=3");
   const std::pair<const char*, const char*> cases[] = {
-      {"without_1.rec --beside without_3.rec", ": body 1 is in one alone\n"},  // bodies 0, 2, 3 and 0, 1, 2
-      {"without_3.rec --beside without_1.rec", ": body 1 is in one alone\n"},
-      {"all.rec --beside without_1.rec", ": one has 5 bodies, the other 4\n"},
-      {"all.rec --beside all.rec", "the runs never part: 9 frames are within 1e-06 m and rad\n"},
-      {"all.rec --beside ghost.rec --tolerance 5", ": body 4 is another one in each\n"},
+      {"without_1.rec --beside without_3.rec", ": body 1 exists in one run only\n"},  // bodies 0, 2, 3 and 0, 1, 2
+      {"without_3.rec --beside without_1.rec", ": body 1 exists in one run only\n"},
+      {"all.rec --beside without_1.rec", ": one run has 5 bodies, the other 4\n"},
+      {"all.rec --beside all.rec", "the runs do not diverge: 9 frames are within 1e-06 m and rad\n"},
+      {"all.rec --beside ghost.rec --tolerance 5", ": body 4 is a different body in each run\n"},
   };
   for (const auto& [arguments, end] : cases) {
     const Outcome out = w.lpc(std::string("replay ") + arguments);

@@ -106,7 +106,7 @@ TEST(Film, RefusesInOneLineAndLeavesNothing) {
   const std::pair<const char*, const char*> cases[] = {
       {"run pyramid --film ball.mp4", "valid: NAME.svg"},
       {"run pyramid --film nowhere/ball.svg", "nowhere/ball.svg: cannot be written"},
-      {"run pyramid --film full/", "full/: is there and not empty"},
+      {"run pyramid --film full/", "full/: the folder exists and is not empty"},
       {"run pyramid --film nowhere/frames/ --record early.rec", "nowhere/frames/: cannot be written: No such file"},
       {"run pyramid --film full/of/frames/ --record early.rec", "full/of/frames/: cannot be written: Not a directory"},
       {"replay none.rec --film x.svg", "none.rec: this is not a recording"},
@@ -190,7 +190,7 @@ TEST(Film, ReportsWhatItOmits) {
   const std::pair<const char*, const char*> cases[] = {
       {"x.svg", "film      x.svg: 120 of 701 frames\n"},
       {"x.strip.svg", "film      x.strip.svg: 8 of 701 frames\n"},
-      {"x/", "film      x/: 600 of 701 frames, without their steps and times\n"},
+      {"x/", "film      x/: 600 of 701 frames, without step numbers and times\n"},
   };
   for (const auto& [name, line] : cases) {
     const Outcome out = w.lpc(std::string("replay r.rec --film ") + name);

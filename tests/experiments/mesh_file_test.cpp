@@ -19,7 +19,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace mesh_file_test { name
 using test::Workspace;
 using Triangles = std::vector<std::array<int, 3>>;
 
-const std::string kNoLibrary = "this build is without assimp";
+const std::string kNoLibrary = "this build has no assimp";
 
 /// 1 x 2 x 3 m from the origin; corners numbered from 0, x slowest.
 const std::vector<Vec<3>> kCorners = {{0, 0, 0}, {0, 0, 3}, {0, 2, 0}, {0, 2, 3},
@@ -141,8 +141,8 @@ TEST(MeshFile, BrokenFilesAreRefusedWithAReason) {
     std::string name, bytes, reason;
   };
   const std::vector<Broken> all = {
-      {"x.ply", box, ": '.ply' is no format of meshes that is read" + valid},
-      {"x", box, ": '' is no format of meshes that is read" + valid},
+      {"x.ply", box, ": '.ply' is not a supported mesh format" + valid},
+      {"x", box, ": '' is not a supported mesh format" + valid},
       {"x.obj", "", ": is empty" + valid},
       {"x.stl", "", ": is empty" + valid},
       {"x.obj", "hello\nworld\n", ": has no faces ('f'); valid: a surface of triangles or larger faces"},
@@ -150,8 +150,8 @@ TEST(MeshFile, BrokenFilesAreRefusedWithAReason) {
       {"x.obj", changed(box, first, "v nan 0 0"), ":1: the coordinate nan; valid: finite, as a number of 32 bits"},
       {"x.obj", changed(box, first, "v 0 0 1e39"), ":1: the coordinate 1e39; valid: finite, as a number of 32 bits"},
       {"x.obj", changed(box, first, "v 0 0"), ":1: a point of 2 numbers; valid: 3"},
-      {"x.obj", changed(box, first, "v a b c"), ":1: 'a' is no coordinate; valid: a number"},
-      {"x.obj", box + "l 1 2\n", ":21: a line or a point by itself ('l'); valid: faces"},
+      {"x.obj", changed(box, first, "v a b c"), ":1: 'a' is not a coordinate; valid: a number"},
+      {"x.obj", box + "l 1 2\n", ":21: a separate line or point ('l'); valid: faces"},
       {"x.obj", box + "f 1 2\n", ": a face of 2 corners; valid: three or more"},
       {"x.obj", box + "f 1 2 9\n", ": cannot be read: OBJ: vertex index out of range" + valid},
       {"x.obj", box + "f 0 1 2\n", ": cannot be read: OBJ: Invalid face index." + valid},
@@ -165,9 +165,9 @@ TEST(MeshFile, BrokenFilesAreRefusedWithAReason) {
            "\n",
        ":21: a face of 257 corners; valid: up to 256"},
       {"x.stl", binary.substr(0, binary.size() - 60),
-       ": its header says 12 triangles, and it has 624 bytes; valid: 84 and 50 for each triangle"},
+       ": its header says 12 triangles, but the file has 624 bytes; valid: 84 and 50 for each triangle"},
       {"x.stl", stl(kCorners, kSides, 4294967295u),
-       ": its header says 4294967295 triangles, and it has 684 bytes; valid: 84 and 50 for each triangle"},
+       ": its header says 4294967295 triangles, but the file has 684 bytes; valid: 84 and 50 for each triangle"},
       {"x.stl", stl(kCorners, {}), ": has no triangles; valid: a surface of them"},
       {"x.stl", "not a mesh",
        ": has 10 bytes, fewer than the header of a binary STL; valid: 84 and 50 for each triangle, or a text that "
@@ -297,16 +297,16 @@ TEST(MeshFile, UnsuitableMeshesOfBodiesAreRefusedWithAdvice) {
       {"file = \"dented.stl\"", "t.toml:5: polytope: dented.stl is not convex: its triangle 7 lies 0.00"},
       {"file = \"flat.obj\"", "t.toml:5: polytope: convex hull: all points lie in one plane within rounding"},
       {"file = \"open.obj\"",
-       "t.toml:5: polytope: open.obj is no closed surface: its triangles have 20 m2, those of its hull 22; valid: a "
+       "t.toml:5: polytope: open.obj is not a closed surface: its triangles have 20 m2, those of its hull 22; valid: a "
        "surface "
        "without holes and without faces that lie on each other, or hull = true"},
       {"file = \"absent.obj\"",
-       "t.toml:5: " + w.path("absent.obj") + ": there is no such file; valid: a path from the scene's folder"},
+       "t.toml:5: " + w.path("absent.obj") + ": the file does not exist; valid: a path relative to the scene's folder"},
       {"file = \"cut.stl\"",
        "t.toml:5: " + w.path("cut.stl") +
-           ": its header says 12 triangles, and it has 300 bytes; valid: 84 and 50 for each triangle"},
+           ": its header says 12 triangles, but the file has 300 bytes; valid: 84 and 50 for each triangle"},
       {"file = \"box.obj\", scale = 0", "t.toml:5: 'scale' is 0; valid: above 0"},
-      {"file = \"box.obj\", points = [[0, 0]]", "t.toml:5: it has 'file' and 'points'; valid: one of them"},
+      {"file = \"box.obj\", points = [[0, 0]]", "t.toml:5: 'file' and 'points' are both given; valid: one of them"},
       {"file = 3", "t.toml:5: "},
       {"file = \"box.obj\", depth = 1", "t.toml:5: "}};
   for (const Case& c : cases) {
@@ -315,7 +315,7 @@ TEST(MeshFile, UnsuitableMeshesOfBodiesAreRefusedWithAdvice) {
     EXPECT_EQ(says.find(" is not convex") != says.npos, says.ends_with(advice)) << says;
   }
   EXPECT_EQ(sceneSays<2>(w, scene("file = \"box.obj\"", "[2, 3]")),
-            "t.toml:5: a file is of a mesh in 3D; valid: 'points', or a scene of dimensions = [3]");
+            "t.toml:5: 'file' needs a 3D scene; valid: 'points', or dimensions = [3]");
   EXPECT_EQ(sceneSays<2>(w, scene("file = \"box.obj\"", "[2, 3]") + "repeat = 0\n"), "");
 }
 

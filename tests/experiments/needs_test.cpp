@@ -74,7 +74,7 @@ TEST(Needs, ReportsWhatChangesAndWhatDoesNot) {
   const std::string command = "needs slope --seeds 2 --steps 60 --quiet --store n.db";
   const Outcome out = w.lpc(command);
   ASSERT_EQ(out.code, 0) << out.text;
-  EXPECT_NE(out.text.find("slope in 2D needs, as its file says: cache,friction\n"), std::string::npos) << out.text;
+  EXPECT_NE(out.text.find("slope in 2D: model by its file: cache,friction\n"), std::string::npos) << out.text;
   const auto farthest = [&](const std::string& model) {
     std::smatch row;
     // model, time (from .. to), multiply-adds, median, farthest

@@ -92,11 +92,11 @@ TEST(PairCorpus, TheRunnerCountsWrongAnswers) {
   const Outcome empty = w.shell("python3 -B corpus/run.py");  // unchanged: no case supported, none wrong
   EXPECT_EQ(empty.code, 0) << empty.text;
   EXPECT_EQ(counted(empty, "pairs, "), all) << empty.text;
-  EXPECT_EQ(counted(empty, "not taken"), all) << empty.text;
+  EXPECT_EQ(counted(empty, "skipped"), all) << empty.text;
 
   const Outcome right = runWith(w, std::string(kSpheres) + "gap\n");
   EXPECT_EQ(right.code, 0) << right.text;
-  EXPECT_EQ(counted(right, "not taken"), all - spheres) << right.text;
+  EXPECT_EQ(counted(right, "skipped"), all - spheres) << right.text;
   EXPECT_EQ(counted(right, "wrong"), 0) << right.text;
 
   // What the runner must count.
@@ -133,7 +133,7 @@ TEST(PairCorpus, AFilledInRunnerStaysAndMistakesWriteNothing) {
   w.write("c/run.py", "# mine\n");
   const Outcome again = w.lpc("corpus --export c --pairs 0 --dimension 2");
   EXPECT_EQ(again.code, 0) << again.text;
-  EXPECT_NE(again.text.find("was there and stays"), std::string::npos) << again.text;
+  EXPECT_NE(again.text.find("exists and is kept"), std::string::npos) << again.text;
   EXPECT_EQ(readFile(w.path("c/run.py")), "# mine\n");
   const std::filesystem::directory_iterator all(w.path("c"));
   EXPECT_EQ(std::distance(begin(all), end(all)), 2);

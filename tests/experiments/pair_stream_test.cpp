@@ -387,7 +387,7 @@ TEST(PairStreamFile, NonsenseIsRefusedInOneLine) {
     std::string from, to;
     Parts parts;
   } cases[] = {
-      {"lpc pairs", "lpc problems", {"p.pairs: is no file of pairs", "lpc record --pairs"}},
+      {"lpc pairs", "lpc problems", {"p.pairs: not a file of pairs", "lpc record --pairs"}},
       {"\"version\": 1", "\"version\": 2", {"version is wrong; valid: 1"}},
       {"\"dimension\": 2", "\"dimension\": 4", {"dimension is wrong; valid: a whole number from 2 to 3"}},
       {"\"dimension\": 2", "\"dimension\": 3", {"shapes 1 is wrong; valid: a list of 3"}},
@@ -404,7 +404,7 @@ TEST(PairStreamFile, NonsenseIsRefusedInOneLine) {
       {"[1,2]", "[1,null]", {"shapes 1 is wrong; valid: a finite number"}},
       {"\"box\"", "\"polytope\"", {"shapes 1 lacks 'points'"}},
       {"[0,5,0,0,0,1", "[0,5,0,0,0,2", {"pairs 0 is wrong; valid: a whole number from 0 to 1"}},
-      {"[0,5,0,0,0,1,6", "[1,5,0,0,0,0,6", {"pairs 0 is wrong; valid: the kind that is listed first"}},
+      {"[0,5,0,0,0,1,6", "[1,5,0,0,0,0,6", {"pairs 0 is wrong; valid: as first shape the kind that comes first"}},
       {"[0,5,0", "[0,5", {"pairs 0 is wrong; valid: a list of 10"}},
       {"[0,5", "[0,-5", {"pairs 0 is wrong"}},
   };
@@ -435,8 +435,7 @@ TEST(RecordPairs, WritesThoseOfSteps) {
   EXPECT_EQ(steps, (std::vector<long>{3, 10, 11, 12, 13, 14}));
   EXPECT_EQ(stream.scene, "vertical_stack");
   EXPECT_EQ(stream.pairs.size(), 4u);
-  EXPECT_NE(some.text.find("6 steps, 24 pairs in all, of 4 different ones and 2 shapes\n"), std::string::npos)
-      << some.text;
+  EXPECT_NE(some.text.find("6 steps, 24 pairs in total, 4 distinct pairs, 2 shapes\n"), std::string::npos) << some.text;
   EXPECT_EQ(test::filesIn(w).size(), 1u);
 
   // Any broadphase and generator that give the same trajectory give the same bytes.
@@ -467,7 +466,7 @@ TEST(RecordPairs, RefusesInOneLine) {
   refused(w, "record s.toml" + p, {"no boxes of 's.toml' come near each other"});
   refused(w, "record s.toml --pairs s.toml", {"over the scene s.toml"});
   refused(w, "record vertical_stack --steps 0:3 --pairs none/p.pairs", {"none/p.pairs: cannot be written"});
-  refused(w, "record vertical_stack --steps 0:3 --pipeline engine=box2d" + p, {"an engine shows no"});
+  refused(w, "record vertical_stack --steps 0:3 --pipeline engine=box2d" + p, {"an engine gives no access to"});
   refused(w, "record tumbler --steps 0:299" + p, {"have more than 1000000 pairs", "valid: fewer steps"});
 }
 

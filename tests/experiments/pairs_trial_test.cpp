@@ -193,7 +193,7 @@ TEST(PairsTrial, AStreamIsQueriedInOrderWithItsMemory) {
   }
   EXPECT_EQ(asked("sat", "cold").outcome, "ok");
   EXPECT_NE(asked("sat", "cold").hash, asked("sat", "drawn").hash);
-  EXPECT_EQ(asked("sat", "warm").reason, "it remembers nothing of a pair");
+  EXPECT_EQ(asked("sat", "warm").reason, "the method caches nothing between queries");
   EXPECT_EQ(asked("closed_form", "cold").reason, "box against box");
 }
 
@@ -251,7 +251,8 @@ TEST(PairsTrial, AxesOfAStreamNeedAScene) {
       planner.pairs(cell);
       ADD_FAILURE() << axis << " was taken";
     } catch (const UserError& e) {
-      EXPECT_EQ(std::string(e.what()), "axis '" + std::string(axis) + "' without 'scene', whose pairs it is of");
+      EXPECT_EQ(std::string(e.what()),
+                "axis '" + std::string(axis) + "' needs the axis 'scene', which gives the pairs");
     }
   }
 }

@@ -177,15 +177,15 @@ TEST(Perturb, aSeedWithoutEffectIsReported) {
   w.write("moved.toml", ensemble("vertical_stack", "perturb = 1e-6\n"));
   w.write("drawn.toml", ensemble("box_pile", "n = 8\n"));
   const std::string note =
-      "sweep idle: the seed decides nothing in scene 'vertical_stack': set its parameter 'perturb', such as 1e-6";
+      "sweep idle: the seed has no effect in scene 'vertical_stack'; set its parameter 'perturb', such as 1e-6";
   EXPECT_NE(w.lpc("sweep ./idle.toml --dry-run").text.find(note), std::string::npos);
-  EXPECT_EQ(w.lpc("sweep ./moved.toml --dry-run").text.find("decides nothing"), std::string::npos);
-  EXPECT_EQ(w.lpc("sweep ./drawn.toml --dry-run").text.find("decides nothing"), std::string::npos);
+  EXPECT_EQ(w.lpc("sweep ./moved.toml --dry-run").text.find("has no effect"), std::string::npos);
+  EXPECT_EQ(w.lpc("sweep ./drawn.toml --dry-run").text.find("has no effect"), std::string::npos);
   // Per cell, not per scene: half of these cells run the same trial three times; the others are perturbed.
+  // The final states confirm it.
   w.write("half.toml", ensemble("vertical_stack", "n = [2, 3]\nperturb = [0, 1e-6]\n"));
   const Outcome half = w.lpc("sweep ./half.toml --dry-run");
-  EXPECT_NE(half.text.find("nothing in scene 'vertical_stack' where perturb=0: set"), half.text.npos) << half.text;
-  // The final states confirm it.
+  EXPECT_NE(half.text.find("no effect in scene 'vertical_stack' where perturb=0; set"), half.text.npos) << half.text;
   const std::string count = "SELECT count(DISTINCT hash) || ' of ' || count(*) FROM trial WHERE outcome = 'ok'";
   for (const auto& [name, hashes] : {std::pair("idle", "1 of 3"), std::pair("moved", "3 of 3"),
                                      std::pair("drawn", "3 of 3"), std::pair("half", "8 of 12")}) {

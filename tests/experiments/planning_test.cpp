@@ -45,9 +45,9 @@ TEST(Planning, AnAxisThatNamesItself) {
       {world("it = \"$to\"\nto = 4\n"), {"s.toml:", "'$it' becomes '$to'", "valid: a value without $"}},
       {world("it = 4\n", "$its$"), {"s.toml:3: ", "'$'", "names no axis", "valid: $it, $scene"}},
       {world("it = 4\n", "$to"), {"s.toml:3: ", "'$'", "names no axis", "valid: $it, $scene"}},
-      {world("it = 4\nvelocity = \"$it\"\n", "4"), {"s.toml:", "'velocity' means nothing"}},
-      {world("it = 4\n", "4"), {"s.toml:6: ", "'it' means nothing"}},
-      {world("it = \"$it\"\n", "4"), {"s.toml:6: ", "'it' means nothing"}},
+      {world("it = 4\nvelocity = \"$it\"\n", "4"), {"s.toml:", "'velocity' is unknown"}},
+      {world("it = 4\n", "4"), {"s.toml:6: ", "'it' is unknown"}},
+      {world("it = \"$it\"\n", "4"), {"s.toml:6: ", "'it' is unknown"}},
   };
   for (const auto& [text, parts] : cases) expectParts(messageOf(w, text), parts, text);
 

@@ -160,9 +160,9 @@ TEST(ProblemFile, RefusesInOneLine) {
     std::string bytes;
     Parts parts;
   } cases[] = {
-      {"", {"p.json", "no file of problems"}},
-      {"PK\x03\x04", {"p.json", "no file of problems"}},
-      {"{\"cases\": []}", {"p.json", "no file of problems", "lpc record"}},
+      {"", {"p.json", "not a file of problems"}},
+      {"PK\x03\x04", {"p.json", "not a file of problems"}},
+      {"{\"cases\": []}", {"p.json", "not a file of problems", "lpc record"}},
       {changed("\"version\": 1", "\"version\": 9"), {"p.json, version is 9", "valid: 1"}},
       {changed("\"dimension\": 2", "\"dimension\": 4"), {"dimension is 4"}},
       {changed("\"dimension\": 2", "\"dimension\": 3"), {"problems 0", "a list of", "valid: 3 numbers"}},
@@ -215,14 +215,14 @@ TEST(ProblemFile, HoldsAMatrix) {
       {"[0,0,2.0]", "[0,0,-2.0]", {"entries 0 2 is -2", "valid: 0 or more, on the diagonal"}},
       {"[0,0,2.0]", "[0,0,null]", {"entries 0 2 is null", "valid: a finite number"}},
       {"[0.4]", "[-0.4]", {"friction 0 is -0.4"}},
-      {"[0.4]", "[0.4,0.4]", {"velocity is a list of 3", "valid: 2 numbers of each contact"}},
+      {"[0.4]", "[0.4,0.4]", {"velocity is a list of 3", "valid: 2 numbers for each contact"}},
       {"0.25]", "0.25,1]", {"impulse is a list of 4", "valid: a list of 3"}},
       {"\"velocity\"", "\"speed\"", {"matrix lacks 'velocity'"}},
-      {"[0,0,2.0],", "", {"problems 0, matrix: the entry at 2, 0 is larger", "valid: a matrix that has no negative"}},
+      {"[0,0,2.0],", "", {"problems 0, matrix: the entry at 2, 0 is too large", "valid: a matrix without negative"}},
       {"[2,0,0.5]", "[2,0,2.5]", {"the entry at 2, 0 is larger"}},
       {"[2,0,0.5],[1,1,1.0],[2,2,3.0]],\"friction\":[0.4],\"impulse\":[0.0,0.0,0.25],\"velocity\":[-1.0,0.125,0.0]",
        "[1,1,1.0]],\"friction\":[0.4],\"impulse\":[0,0,0],\"velocity\":[-1,0.125,0.5]",
-       {"velocity 2 is 0.5", "valid: 0 or more of a row that nothing moves"}},
+       {"velocity 2 is 0.5", "valid: 0 or more for a row without moving bodies"}},
   };
   for (const auto& c : cases) {
     std::string bad = good;
@@ -265,10 +265,12 @@ TEST(Record, RefusesInOneLine) {
   refused(w, "record vertical_stack --steps -3" + p, {"-3"});
   refused(w, "record vertical_stack --hardest 0" + p, {"0"});
   refused(w, "record no_scene --steps 3" + p, {"no_scene"});
-  refused(w, "record s.toml --steps 3" + p, {"no step of 's.toml' shows a velocity problem"});
+  refused(w, "record s.toml --steps 3" + p, {"no step of 's.toml' has a velocity problem"});
   refused(w, "record s.toml --steps 3 --problems s.toml", {"over the scene s.toml"});
-  refused(w, "record vertical_stack --steps 3 --pipeline solver=soft_step" + p, {"the solver owns its loop"});
-  refused(w, "record vertical_stack --steps 3 --pipeline engine=box2d" + p, {"an engine shows no velocity problems"});
+  refused(w, "record vertical_stack --steps 3 --pipeline solver=soft_step" + p,
+          {"a solver without a separate velocity stage"});
+  refused(w, "record vertical_stack --steps 3 --pipeline engine=box2d" + p,
+          {"an engine gives no access to velocity problems"});
   refused(w, "record vertical_stack --steps 3 --problems none/p.json", {"none/p.json: cannot be written"});
 }
 

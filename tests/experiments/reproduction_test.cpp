@@ -165,7 +165,7 @@ TEST(Reproduction, TheCommandWritesAFileAndPrintsOneLine) {
   EXPECT_TRUE(program.starts_with("// Bullet ")) << program;
   EXPECT_NE(program.find(" cubes.cpp -DBT_USE_DOUBLE_PRECISION "), program.npos) << program;
   const Outcome normal = w.lpc("verify --repro drake-21234-cyl-box --witness bullet_gjk_epa --out normal.cpp");
-  EXPECT_TRUE(normal.text.ends_with("; the program returns 0, since it asks for no normal, which is wrong\n"))
+  EXPECT_TRUE(normal.text.ends_with("; the program returns 0, because it does not check the normal, which is wrong\n"))
       << normal.text;
   // By number, to standard output, from a named file; the witness is right, and the message says so.
   const Outcome numbered = w.lpc("verify --repro 61 --witness ode --cases " + keptCases());
@@ -183,10 +183,10 @@ TEST(Reproduction, MistakesAreOneLineAndNothingIsWritten) {
       {"--repro libccd-25-cube --witness ode", {"'libccd-25-cube'", "did you mean 'libccd-25-cubes'?", "0 to 94"}},
       {"--repro 95 --witness ode", {"'95'", "0 to 94"}},
       {"--repro box2d-728-hull-a --witness libccd_gjk", {"convex_hull", "valid: signed_distance"}},
-      {"--repro 61 --witness gjk_epa", {"no witness of pairs 'gjk_epa' in 3D", "ode"}},
+      {"--repro 61 --witness gjk_epa", {"unknown pair query witness 'gjk_epa' in 3D", "ode"}},
       {"--repro 61 --witness libccd_gjk{tolerance=x}", {"tolerance"}},
-      {"--repro drake-convex-3 --witness ode", {"polytope", "not asked"}},
-      {"--repro 0 --witness libccd_gjk --cases cases.json", {"not asked", "plane"}},
+      {"--repro drake-convex-3 --witness ode", {"polytope", "does not support"}},
+      {"--repro 0 --witness libccd_gjk --cases cases.json", {"does not support", "plane"}},
       {"--repro 61", {"--witness"}},
       {"--witness ode", {"--repro"}},
       {"--repro 61 --witness ode --pairs 400", {"--pairs"}},

@@ -60,8 +60,8 @@ TEST(SavedScene, MistakesAreOneLine) {
     EXPECT_NE(out.text.find(said), std::string::npos) << arguments << out.text;
     EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
   };
-  refused("pyramid --save 20", "valid: a step and a name");
-  refused("pyramid --save x:b.toml", "valid: a step and a name");
+  refused("pyramid --save 20", "valid: a step and a file name");
+  refused("pyramid --save x:b.toml", "valid: a step and a file name");
   refused("pyramid --save 20:b.world", "valid: NAME.toml");
   refused("pyramid --steps 10 --save 20:b.toml", "no step 20");
   refused("./a.toml --save 1:a.toml", "a.toml");  // it would be overwritten
@@ -75,7 +75,7 @@ TEST(SavedScene, MistakesAreOneLine) {
   with("gravity = [0, -1]\n", "'gravity' beside 'saved'");
   with("settings = \"2009\"\n", "'settings' beside 'saved'");
   w.write("b.toml", scene.substr(0, scene.find("dt = ")) + "\n");
-  refused("./b.toml", "'saved' without 'dt'");
+  refused("./b.toml", "'saved' needs 'dt'");
   w.write("a.world", world.substr(0, world.size() / 2));
   refused("./a.toml", "a.toml:");
   w.write("a.world", "LPCWORLD3" + world.substr(9));

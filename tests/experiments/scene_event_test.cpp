@@ -417,38 +417,37 @@ TEST(SceneEvent, MistakesAreOneLine) {
        {"t.toml:23: ", "removed at step 3 already"}},
       {"do = \"remove\"\nstep = 3\nbody = \"box\"\n[[event]]\ndo = \"push\"\nstep = 4\nbody = \"box\"\nimpulse = "
        "[1, 0]\n",
-       {"t.toml:20: ", "at step 4 'box' is not there: it is removed at 3"}},
+       {"t.toml:20: ", "at step 4 'box' does not exist: it is removed at 3"}},
       {"do = \"add\"\nstep = 5\nname = \"late\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n"
        "[[event]]\ndo = \"push\"\nstep = 4\nbody = \"late\"\nimpulse = [1, 0]\n",
-       {"t.toml:21: ", "at step 4 'late' is not there: it comes at 5"}},
+       {"t.toml:21: ", "at step 4 'late' does not exist: it is added at 5"}},
       {"do = \"remove\"\nstep = 3\nbody = \"box\"\n[[body]]\nname = \"late\"\nfrom = 5\nposition = [3, 3]\nshapes = [{ "
        "kind = \"circle\", radius = 1 }]\n[[joint]]\nkind = \"pivot\"\na = \"box\"\nb = \"late\"\nanchor = [2, 2]\n",
-       {"t.toml:25: ", "at step 5 'box' is not there: it is removed at 3"}},
+       {"t.toml:25: ", "at step 5 'box' does not exist: it is removed at 3"}},
       {"do = \"merge\"\nstep = 3\ninto = \"box\"\nother = \"peg\"\n",
        {"t.toml:20: ", "valid: both dynamic, or both fixed"}},
       {"do = \"merge\"\nstep = 3\ninto = \"box\"\nother = \"box\"\n", {"t.toml:20: ", "valid: two bodies"}},
       {"do = \"take_apart\"\nstep = 3\nbody = \"box\"\n", {"t.toml:16: ", "'names' is missing"}},
-      {"do = \"take_apart\"\nstep = 3\nbody = \"box\"\nnames = [\"a[0]\"]\n",
-       {"t.toml:20: ", "'a[0]'", "without a '['"}},
+      {"do = \"take_apart\"\nstep = 3\nbody = \"box\"\nnames = [\"a[0]\"]\n", {"t.toml:20: ", "'a[0]'", "without '['"}},
       {"do = \"push\"\nstep = 3\nbody = \"#2\"\nimpulse = [1, 0]\n",
        {"t.toml:19: ", "'body' is '#2', and the scene has 2 bodies of its own"}},
       {"do = \"push\"\nstep = 3\nbody = \"##0\"\nimpulse = [1, 0]\n",
        {"t.toml:19: ", "'body' is '##0', and the script has 0 bodies of its own"}},
-      {"do = \"unjoin\"\nstep = 3\njoint = \"string\"\n", {"t.toml:19: ", "there is no joint named 'string'"}},
-      {"do = \"remove_force\"\nstep = 3\nforce = \"wind\"\n", {"t.toml:19: ", "there is no force named 'wind'"}},
+      {"do = \"unjoin\"\nstep = 3\njoint = \"string\"\n", {"t.toml:19: ", "unknown joint 'string'"}},
+      {"do = \"remove_force\"\nstep = 3\nforce = \"wind\"\n", {"t.toml:19: ", "unknown force 'wind'"}},
       {"do = \"add_force\"\nstep = 3\nkind = \"winde\"\n", {"t.toml:16: ", "'winde'", "wind"}},
       {"do = \"gravity\"\nstep = 3\n", {"t.toml:16: ", "'gravity' is missing"}},
       {"do = \"exchange\"\nstep = 3\npipeline = \"solver=nobody\"\n", {"t.toml:19: ", "nobody"}},
       {"do = \"material\"\nstep = 3\nbody = \"box\"\n", {"t.toml:16: ", "friction, restitution, density"}},
       {"do = \"material\"\nstep = 3\nbody = \"box\"\nfriction = -1\n", {"t.toml:20: ", "'friction' is -1"}},
-      {"do = \"set\"\nstep = 3\nbody = \"box\"\nrotation = [1, 1]\n", {"t.toml:20: ", "has not the length 1"}},
+      {"do = \"set\"\nstep = 3\nbody = \"box\"\nrotation = [1, 1]\n", {"t.toml:20: ", "does not have length 1"}},
       {"do = \"set\"\nstep = 3\nbody = \"box\"\nrotation = [1, 0, 0, 0]\n", {"t.toml:20: ", "cosine and sine"}},
       {"do = \"set\"\nstep = 3\nbody = \"box\"\nangle = 1\nrotation = [1, 0]\n", {"t.toml:21: ", "beside 'angle'"}},
       {"do = \"clear\"\nstep = 3\n[[event]]\ndo = \"push\"\nstep = 4\nbody = \"box\"\nimpulse = [1, 0]\n",
-       {"t.toml:19: ", "at step 4 'box' is not there: it is cleared away at 3"}},
+       {"t.toml:19: ", "at step 4 'box' does not exist: it is cleared at 3"}},
       {"do = \"push\"\nstep = 5\nbody = \"new\"\nimpulse = [1, 0]\n[[event]]\ndo = \"add\"\nstep = 5\nname = \"new\"\n"
        "shapes = [{ kind = \"circle\", radius = 1 }]\n",
-       {"t.toml:16: ", "'new' is not there: it comes at 5, by an event that stands below"}},
+       {"t.toml:16: ", "'new' does not exist: it is added at 5, by a later event of the file"}},
   };
   for (const auto& [event, parts] : cases) {
     std::string message = "no error";
@@ -465,7 +464,8 @@ TEST(SceneEvent, MistakesAreOneLine) {
     Played<2>(scene<2>("[[event]]\ndo = \"take_apart\"\nstep = 2\nbody = \"box\"\nnames = [\"a\", \"b\"]\n"), 4);
     FAIL();
   } catch (const UserError& e) {
-    EXPECT_STREQ(e.what(), "t.toml:16: at step 2: the body has 1 shapes, and 'names' are 2; valid: one for each");
+    EXPECT_STREQ(e.what(),
+                 "t.toml:16: at step 2: the body has 1 shapes, but the number of 'names' is 2; valid: one for each");
   }
   Workspace w;
   w.write("t.toml", kHead + "[[event]]\ndo = \"pusch\"\nstep = 3\n");

@@ -234,7 +234,7 @@ TEST(SceneFile, mistakesHaveFileAndLine) {
       {"[[body]]\nrepeat = { i = 0 }\nshapes = [\n{ kind = \"polytope\", corners = \"3 + j\", radius = 1 }]\n",
        {"t.toml:7: ", "'3 + j'"}},
       {"[[body]]\nshapes = [\n{ kind = \"compound\" }]\n", {"t.toml:6: ", "'parts' is missing"}},
-      {"[[body]]\nshapes = [\n{ kind = \"compound\", parts = [] }]\n", {"t.toml:6: compound: it has no parts"}},
+      {"[[body]]\nshapes = [\n{ kind = \"compound\", parts = [] }]\n", {"t.toml:6: compound: no parts"}},
       {"[[body]]\nshapes = [{ kind = \"compound\", parts = [\n{ kind = \"plane\" }] }]\n",
        {"t.toml:6: a part is a plane", "convex"}},
       {"[[body]]\nshapes = [{ kind = \"compound\", parts = [\n{ kind = \"circle\", radius = 1, repeat = 0.5 }] }]\n",
@@ -278,8 +278,8 @@ TEST(SceneFile, badJointsAreRefused) {
     std::vector<const char*> parts;
   };
   const std::vector<Case> cases = {
-      {"a", "a", "kind = \"pivot\"", {"with itself", "world"}},
-      {"world", "fixed", "kind = \"pivot\"", {"do not move"}},
+      {"a", "a", "kind = \"pivot\"", {"between a body and itself", "world"}},
+      {"world", "fixed", "kind = \"pivot\"", {"cannot move"}},
       {"fixed", "world", "kind = \"pivot\"", {"'world'", "a, fixed"}},
       {"fixed", "a", "kind = \"glue\"", {"'glue'", "valid: ", "pivot"}},
       {"fixed", "a", "kind = \"hinge\"\nparameters = { lower = 1, upper = 0 }", {"cross", "lower <= upper"}},
@@ -295,10 +295,7 @@ TEST(SceneFile, badJointsAreRefused) {
       {"fixed", "a", "kind = \"wheel\"\nalong = [1e-200, 0]", {"'along'", "no length"}},
       {"fixed", "a", "kind = \"wheel\"\nalong = [1e200, 0]", {"'along'", "longer", "[1, 0, 0]"}},
       {"fixed", "a", "kind = \"wheel\"\nalong = 1", {"numbers"}},
-      {"fixed",
-       "a",
-       "kind = \"wheel\"\naxis = [0, 0, 1]\nalong = [0, 1, 0.1]",
-       {"'along'", "right angle", "across it"}},
+      {"fixed", "a", "kind = \"wheel\"\naxis = [0, 0, 1]\nalong = [0, 1, 0.1]", {"'along'", "not perpendicular"}},
   };
   for (const Case& c : cases) {
     const std::string text = "name = \"t\"\nsummary = \"t\"\ndimensions = [3]\nneeds = [\"joints\"]\n" + bodies +

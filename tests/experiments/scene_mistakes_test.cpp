@@ -129,10 +129,10 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
       {"1,000", {"comma", "point"}},
       {"max((1, 2), 3)", {"comma", "point"}},
       {"(0,5)", {"comma", "point"}},
-      {"0 < n < 2", {"two comparisons", "&&"}},
-      {"1 == 1 == 1", {"two comparisons"}},
-      {"max(n, 1) < 2 < 3", {"two comparisons"}},
-      {"n <> 3", {"two comparisons"}},
+      {"0 < n < 2", {"two chained comparisons", "&&"}},
+      {"1 == 1 == 1", {"two chained comparisons"}},
+      {"max(n, 1) < 2 < 3", {"two chained comparisons"}},
+      {"n <> 3", {"two chained comparisons"}},
       {"sin(1e20)", {"finite", "100000 rad"}},
       {"cos(100001)", {"finite", "100000 rad"}},
       {"1e400", {"1e400"}},
@@ -313,8 +313,8 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       {"[[body]]\nangle = [0, 0, -1e6]\n" + kBall, {"t.toml:5: ", "'angle' is -1e+06", "-1e+05 to 1e+05 rad"}},
       {shape("\"circle\", radius = 1, angle = \"1e300\""), {"t.toml:5: ", "'angle' is 1e+300", "1e+05 rad"}},
       {kNamed + "[[event]]\ndo = \"set\"\nstep = 1\nbody = \"a\"\nangle = 1e308\n", {"t.toml:11: ", "'angle'", "rad"}},
-      {shape("\"circle\", radius = 1, offset = [1e300, 0]"), {"t.toml:4: ", "inertia", "more than numbers hold"}},
-      {shape("\"circle\", radius = 1e200, density = 1e-300"), {"t.toml:4: ", "more than numbers hold"}},
+      {shape("\"circle\", radius = 1, offset = [1e300, 0]"), {"t.toml:4: ", "inertia is too large"}},
+      {shape("\"circle\", radius = 1e200, density = 1e-300"), {"t.toml:4: ", "is too large"}},
       {"[[body]]\n" + fixed + "shapes = [{ kind = \"box\", half = [1e300, 1e300, 1e300] }]\n",
        {"t.toml:4: ", "inf kg"}},
       {"[[body]]\ntype = \"kinematic\"\n" + plane, {"t.toml:4: ", "plane", "fixed"}},
@@ -324,25 +324,26 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       {"[[body]]\nfrom = 10\nevery = 5\nuntil = 30\nremove = 24\n" + kBall,
        {"t.toml:8: ", "'remove' is 24", "step 25"}},
       {joints + kNamed + "[[joint]]\nkind = \"pivot\"\na = \"a\"\nb = \"a\"\nanchor = [0, 0]\n",
-       {"t.toml:8: ", "a joint of a body with itself"}},
+       {"t.toml:8: ", "a joint between a body and itself"}},
       {joints + kNamed +
            "[[event]]\ndo = \"joint\"\nstep = 1\nkind = \"pivot\"\na = \"a\"\nb = \"a\"\nanchor = [0, 0]\n",
-       {"t.toml:8: ", "a joint of a body with itself"}},
+       {"t.toml:8: ", "a joint between a body and itself"}},
       {kNamed + force("spring", "a = \"a\"\nb = \"a\"\n"), {"t.toml:7: ", "'spring' between a body and itself"}},
       {kNamed + "[[body]]\nname = \"wall\"\n" + fixed + kBall + force("spring", "a = \"world\"\nb = \"wall\"\n"),
-       {"t.toml:11: ", "'spring' on bodies that do not move"}},
-      {kNamed + force("spring", "a = \"a\"\n"), {"t.toml:7: ", "'spring' acts on one body", "b, its name"}},
-      {kNamed + force("spring", "b = \"c\"\n"), {"t.toml:9: ", "no body named 'c'"}},
-      {kNamed + force("drag", "a = \"a\"\n"), {"t.toml:7: ", "'drag' comes from no body"}},
-      {kNamed + force("drag", "anchor_b = [1, 0]\nb = \"a\"\n"), {"t.toml:7: ", "'drag' acts at no point"}},
+       {"t.toml:11: ", "'spring' acts on bodies that cannot move; valid: at least one dynamic body"}},
+      {kNamed + force("spring", "a = \"a\"\n"), {"t.toml:7: ", "'spring' needs a body to act on", "valid: b"}},
+      {kNamed + force("spring", "b = \"c\"\n"), {"t.toml:9: ", "unknown body 'c'"}},
+      {kNamed + force("drag", "a = \"a\"\n"), {"t.toml:7: ", "'drag' takes no body a"}},
+      {kNamed + force("drag", "anchor_b = [1, 0]\nb = \"a\"\n"), {"t.toml:7: ", "'drag' takes no anchors"}},
       {kNamed + force("attraction", "anchor_b = [1, 0]\na = \"a\"\n"), {"t.toml:7: ", "centres of mass"}},
       {kNamed + force("spring", "b = \"a\"\nparameters = { rest_length = 1 }\n"),
-       {"t.toml:7: ", "ends meet", "rest_length 0"}},
-      {kNamed + force("torque", "a = \"a\"\n"), {"t.toml:7: ", "turns one other"}},
+       {"t.toml:7: ", "ends of the spring coincide", "rest_length=0"}},
+      {kNamed + force("torque", "a = \"a\"\n"), {"t.toml:7: ", "has a body a but no body b"}},
       {kNamed + force("drag", "from = 5\nuntil = 5\n"), {"t.toml:10: ", "'until' is 5", "a later one"}},
       {"[[body]]\nname = \"b\"\nremove = 3\n" + kBall + force("drag", "b = \"b\"\nfrom = 4\n"),
-       {"t.toml:8: ", "'b' is not there", "removed at 3"}},
-      {kNamed + "[[spring]]\nb = \"a\"\nstiffness = 1\n", {"t.toml:7: ", "no [[spring]]", "[[force]] with kind"}},
+       {"t.toml:8: ", "'b' does not exist", "removed at 3"}},
+      {kNamed + "[[spring]]\nb = \"a\"\nstiffness = 1\n",
+       {"t.toml:7: ", "unknown block [[spring]]", "[[force]] with kind"}},
       {kNamed + kPivot, {"t.toml:7: ", "a joint", "'needs' with \"joints\""}},
       {kNamed + "[[event]]\ndo = \"joint\"\nstep = 1\nkind = \"pivot\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n",
        {"t.toml:7: ", "a joint", "'needs' with \"joints\""}},
@@ -350,7 +351,8 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
   });
   const std::string hinge =
       joints + kNamed + "[[joint]]\nkind = \"hinge\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n";
-  EXPECT_NE(messageOf<3>(hinge + "axis = [1e308, 1e308, 0]\n").find("t.toml:13: 'axis' is longer"), std::string::npos);
+  EXPECT_NE(messageOf<3>(hinge + "axis = [1e308, 1e308, 0]\n").find("t.toml:13: 'axis' is too long"),
+            std::string::npos);
   EXPECT_EQ(messageOf<2>("[[body]]\nfrom = 10\nevery = 5\nuntil = 30\nremove = \"step\"\n" + kBall), "no error");
   for (const double angle : {-1e5, 1e5, 3.0}) {
     EXPECT_EQ(messageOf<3>("[[body]]\nangle = " + std::to_string(angle) + "\n" + kBall), "no error");
@@ -364,9 +366,7 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
   if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   const Outcome out = w.lpc("run far.toml --precision f32");
   EXPECT_EQ(out.code, 2) << out.text;
-  EXPECT_EQ(
-      out.text,
-      "lpc: far.toml:6: 1e+39 is more than numbers of this precision hold; valid: up to 3.4028234663852886e+38\n");
+  EXPECT_EQ(out.text, "lpc: far.toml:6: 1e+39 is too large for this precision; valid: up to 3.4028234663852886e+38\n");
 }
 
 // Whatever text a message quotes, it stays one line that a terminal and a table can show.

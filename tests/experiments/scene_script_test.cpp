@@ -212,12 +212,12 @@ TEST(SceneScript, MistakesAreOneLineOfTheScript) {
       {head + "[[body]]\nfrom = 20\nremove = 10\n" + circle, {"play.toml:4: ", "'remove' is 10", "step 20"}},
       {head + "[[body]]\nname = \"late\"\nfrom = 20\n" + circle +
            "[[event]]\ndo = \"remove\"\nstep = 10\nbody = \"late\"\n",
-       {"play.toml:6: ", "at step 10 'late' is not there: it comes at 20"}},
+       {"play.toml:6: ", "at step 10 'late' does not exist: it is added at 20"}},
       {head + "[[body]]\nposition = [\"nobody\", 0]\n" + circle, {"play.toml:3: ", "'nobody'"}},
       {head + "gravity = [0, 0]\n", {"play.toml:2: ", "'gravity'"}},
       {"steps = 3\n", {"play.toml:1: ", "'summary' is missing"}},
       {head + "[parameters]\nwide = { default = 3, min = 0, max = 9, meaning = \"m\" }\n",
-       {"play.toml:3: ", "'wide' is one of scene 'room', too"}},
+       {"play.toml:3: ", "'wide' is also a parameter of scene 'room'"}},
       {head + "[[body]\n", {"play.toml:2: "}},
   };
   for (const auto& [script, parts] : cases) {

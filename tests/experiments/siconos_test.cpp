@@ -45,7 +45,7 @@ TEST(Siconos, AgreesOnTheShippedProblems) {
     const ProblemFile file = ProblemFile::load(shipped(name));
     file.dimension == 2 ? askAll<2>(name, file, siconos) : askAll<3>(name, file, siconos);
   }
-  if (siconos["stack"] == Tally::refused) GTEST_SKIP() << "Siconos is absent";
+  if (siconos["stack"] == Tally::refused) GTEST_SKIP() << "Siconos is not in this build";
   for (const auto& [name, end] : siconos) {
     if (name == "arch") continue;
     EXPECT_TRUE(end == Tally::agree || (name == "card_house" && end == Tally::tie)) << name;
@@ -59,7 +59,7 @@ TEST(Siconos, IsAMethodOfTrials) {
     return runTrial({.trial = asked, .sceneFile = shipped(problem)});
   };
   const TrialResult r = trialOf("wedged_box");
-  if (r.reason.find("Siconos is absent") != r.reason.npos) GTEST_SKIP() << r.reason;
+  if (r.reason.find("Siconos is not in this build") != r.reason.npos) GTEST_SKIP() << r.reason;
   ASSERT_EQ(r.outcome, "ok") << r.reason;
   EXPECT_EQ(r.series.at("problem_residual").size(), 1u);
   EXPECT_LT(r.metrics.at("problem_residual"), 1e-9);
@@ -86,7 +86,7 @@ TEST(Siconos, ReportsTheTimeOfItsLibrary) {
 TEST(Siconos, StageOfTheLedger) {
   Workspace w;
   test::refused(w, "verify --stage velocities --store v.db", {"unknown stage 'velocities'", "velocity"});
-  test::refused(w, "verify --stage velocity --methods sat --store v.db", {"there is no method 'sat' to verify"});
+  test::refused(w, "verify --stage velocity --methods sat --store v.db", {"unknown method 'sat' to verify"});
   const std::string ours = convergedResolvers(2)[0].text();
   const test::Outcome out = w.lpc("verify --stage velocity --dimension 2 --methods '" + ours + "' --store v.db");
   ASSERT_LE(out.code, 1) << out.text;

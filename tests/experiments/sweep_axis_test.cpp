@@ -112,7 +112,7 @@ TEST(SweepStar, MistakesAreOneLine) {
       {R"({ "$solvers" = "solvers=*" })", {"s.toml:1: ", "unknown stage 'solvers'"}},
       {R"({ "$velocity" = "solver=split_solver{velocity=*}", "catto" = "solver=split_solver" })",
        {"s.toml:1: ", "two methods have the label 'catto'"}},
-      {"[\"*\"]", {"s.toml:1: ", "'r', which is no stage's"}}};
+      {"[\"*\"]", {"s.toml:1: ", "'r', which belongs to no stage"}}};
   for (const auto& [text, parts] : cases) {
     const std::string message = errorOf("r", text);
     for (const char* part : parts) EXPECT_NE(message.find(part), std::string::npos) << text << "\n" << message;
@@ -337,7 +337,7 @@ TEST(SweepWith, MistakesAreOneLine) {
       {"s.toml --with soft=soft_step", {"--with 'soft=soft_step'", "valid: LABEL=PIPELINE"}},
       {"s.toml --with naive=solver=soft_step", {"--with 'naive=", "two methods have the label 'naive'"}},
       {"s.toml --with 'again=solver=split_solver{velocity=naive{iterations=$iterations}}'",
-       {"--with again: ", "s.toml has all its trials under another label"}},
+       {"--with again: ", "s.toml has the same trials under another label"}},
       {"s.toml --with mine=solver=soft_stpe", {"--with mine: ", "'soft_stpe'", "soft_step"}},
       {"s.toml --with mine=sovler=soft_step", {"--with mine: ", "'sovler'", "solver"}},
       {"s.toml --with 'mine=solver=split_solver{velocity=*}'", {"--with 'mine=", "one with $velocity"}},
@@ -418,7 +418,7 @@ TEST(SweepSet, MistakesAreOneLine) {
       {"s.toml --set resolver=catto", {"--set 'resolver=catto'", "labelled methods"}},
       {"choose --set n=many", {"--set 'n=many'", "'n'", "valid: numbers"}},
       {"choose --set dimension=4", {"--set 'dimension=4'", "2 to 3"}},
-      {"choose --set broadphase=*", {"--set 'broadphase=*'", "a star is many", "one value"}},
+      {"choose --set broadphase=*", {"--set 'broadphase=*'", "a star stands for many values", "one value"}},
       {"choose --set broadphase=nosuch", {"--set 'broadphase=nosuch'", "naive"}},
       {"s.toml --set scene=nosuch", {"--set 'scene=nosuch'", "pyramid"}},
       {"s.toml --set iterations=200000", {"--set 'iterations=200000'", "100000"}},

@@ -223,7 +223,7 @@ TEST(SweepRun, aScriptIsAnAxis) {
     EXPECT_NE(out.text.find(said), std::string::npos) << out.text;
   };
   refused("script = \"hat\"\n", "s.toml:5: ");
-  refused("script = \"none\"\nblow = 4\n", "'blow' means nothing");
+  refused("script = \"none\"\nblow = 4\n", "'blow' is unknown");
 
   // Two files of one name would be one value of the axis, and their results repeats of one run.
   std::filesystem::create_directory(w.path("other"));
@@ -231,7 +231,7 @@ TEST(SweepRun, aScriptIsAnAxis) {
   std::filesystem::copy(w.path("hit.toml"), w.path("other/hit.toml"));
   std::filesystem::copy(w.path("hit.toml"), w.path("other/none.toml"));
   refused("script = [\"hit\",\n \"other/hit.toml\"]\n", "s.toml:6: axis 'script': 'hit' is both ");
-  refused("script = [\"none\",\n \"other/none.toml\"]\n", "s.toml:6: axis 'script': 'none' is both none at all and ");
+  refused("script = [\"none\",\n \"other/none.toml\"]\n", "s.toml:6: axis 'script': 'none' is both no file and ");
   refused("[[group]]\n[[group]]\naxes = { scene = \"other/room.toml\" }\n", "axis 'scene': 'room' is both ");
   EXPECT_EQ(planSweeps(sweep("script = [\"hit\", \"other/../hit.toml\"]\n"), {})[0].trials.size(), 1u) << "one file";
 }
@@ -261,9 +261,9 @@ TEST(SweepRun, OneLineSaysWhatRunsAgain) {
   EXPECT_EQ(w.lpc(run).text.find(again), std::string::npos) << "of an empty store";
   EXPECT_EQ(w.lpc(run).text.find(again), std::string::npos) << "of a store that is whole";
   w.write("drop.toml", scene + "\n# changed\n");
-  EXPECT_EQ(
-      w.lpc(run).text.find("lpc: 2 trials of s.db run again: their scene, code, compiler or options have changed\n"),
-      0u);
+  EXPECT_EQ(w.lpc(run).text.find(
+                "lpc: 2 trials of s.db run again, because their scene, code, compiler or options have changed\n"),
+            0u);
 }
 
 // Replaces all workers with a program in the folder "workers".
@@ -283,7 +283,7 @@ TEST(SweepRun, everyEndOfAWorkerIsARow) {
   const std::pair<const char*, const char*> kinds[] = {
       {"exit 1", "crash: exit code 1"},
       {"echo no >&2; exit 3", "crash: exit code 3: no"},
-      {"exit 0", "crash: the worker's result cannot be read"},
+      {"exit 0", "crash: the worker's result is unreadable"},
       {"exec 0<&-; kill -9 $$", "crash: signal 9 (Killed)"},
       {"exec yes", "out_of_memory: its output has 0.0"},
   };
@@ -382,7 +382,7 @@ TEST(SweepRun, oneRunnerAtATime) {
   }
   EXPECT_EQ(timeless(w.path("s.db")), before);
   EXPECT_EQ(w.lpc(sweep + " --dry-run").code, 0);
-  EXPECT_EQ(w.lpc("merge other.db s.db").text, "s.db: 1 trials taken over\n");
+  EXPECT_EQ(w.lpc("merge other.db s.db").text, "s.db: 1 trials copied\n");
   // The lock ends with its holder, however that ends; workers do not hold it.
   first.signal(SIGKILL);
   first.wait();

@@ -221,12 +221,14 @@ TEST(CurvedCore, WrongSizesAreRefused) {
   const Real bad[2] = {1, -1}, good[2] = {1, 1};
   EXPECT_NE(message([&] { Shape<3>::curved(ShapeKind::cylinder, bad); }).find("cylinder: radius is -1"),
             std::string::npos);
-  EXPECT_NE(message([&] { Shape<3>::curved(ShapeKind::ellipsoid, good); }).find("2 sizes are given; valid: 3"),
+  EXPECT_NE(message([&] { Shape<3>::curved(ShapeKind::ellipsoid, good); }).find("2 sizes given; valid: 3"),
             std::string::npos);
-  EXPECT_NE(
-      message([&] { Shape<2>::curved(ShapeKind::cylinder, good); }).find("no curved kind in 2D; valid: ellipsoid"),
-      std::string::npos);
-  EXPECT_NE(message([&] { Shape<3>::curved(ShapeKind::box, good); }).find("no curved kind"), std::string::npos);
+  EXPECT_NE(message([&] {
+              Shape<2>::curved(ShapeKind::cylinder, good);
+            }).find("is not a curved shape kind in 2D; valid: ellipsoid"),
+            std::string::npos);
+  EXPECT_NE(message([&] { Shape<3>::curved(ShapeKind::box, good); }).find("is not a curved shape kind"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ std::string refusal() {
 
 TEST(CustomCore, ExistsWhenItIsRegistered) {
   EXPECT_FALSE(kindExists(ShapeKind::custom, 2) || kindExists(ShapeKind::custom, 3));
-  EXPECT_NE(refusal<3>().find("custom: is no curved kind in 3D; valid: "), std::string::npos) << refusal<3>();
+  EXPECT_NE(refusal<3>().find("custom: is not a curved shape kind in 3D; valid: "), std::string::npos) << refusal<3>();
   const Registered registered;
   EXPECT_TRUE(kindExists(ShapeKind::custom, 2) && kindExists(ShapeKind::custom, 3));
   EXPECT_EQ(refusal<2>(), "taken");
@@ -89,15 +89,16 @@ TEST(CustomCore, ExistsWhenItIsRegistered) {
 
 TEST(CustomCore, UnsoundOnesAreRefused) {
   const Registered registered;
-  const std::pair<Bug, const char*> bugs[] = {{Bug::notFinite, "is not finite"},
-                                              {Bug::dented, "it is not convex: its support point along ("},
-                                              {Bug::smallBox, "outside of its half extents (0.45"},
-                                              {Bug::largeBox, "and it reaches 0.5"},
-                                              {Bug::otherHalf, "its two support functions differ along ("},
-                                              {Bug::noMass, "its mass is 0.0"},
-                                              {Bug::manyCorners, "has 65 corners; valid: 1 to 64"},
-                                              {Bug::farCorner, ", outside of the core"},
-                                              {Bug::noDirection, "its support point of no direction is not finite"}};
+  const std::pair<Bug, const char*> bugs[] = {
+      {Bug::notFinite, "is not finite"},
+      {Bug::dented, "it is not convex: its support point along ("},
+      {Bug::smallBox, "outside its half extents (0.45"},
+      {Bug::largeBox, "and it reaches 0.5"},
+      {Bug::otherHalf, "its two support functions differ along ("},
+      {Bug::noMass, "its mass is 0.0"},
+      {Bug::manyCorners, "has 65 corners; valid: 1 to 64"},
+      {Bug::farCorner, ", outside the core"},
+      {Bug::noDirection, "its support point for the zero direction is not finite"}};
   for (const auto& [bug, reason] : bugs) {
     g_bug = bug;
     for (const std::string& told : {refusal<2>(), refusal<3>()}) {
@@ -111,7 +112,7 @@ TEST(CustomCore, TwoRegistrationsAreRefused) {
   const Registered registered;
   const CurvedRegistrar<Ball, 3> another{ShapeKind::custom, {{"radius"}}};
   EXPECT_EQ(refusal<2>(), "taken");
-  EXPECT_EQ(refusal<3>(), "custom: 2 plugins give one; valid: one of them");
+  EXPECT_EQ(refusal<3>(), "custom: 2 plugins define it; valid: one plugin");
 }
 
 // It comes to rest where a sphere of its size does, and a loaded world continues bit for bit.

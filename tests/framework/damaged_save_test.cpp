@@ -199,77 +199,81 @@ std::vector<Damage<D>> damages() {
       {"unequal lengths", [](P p) { p.bodies.solver.pop_back(); }},
       {"unequal lengths", [](P p) { p.bodies.pose.emplace_back(); }},
       {"unequal lengths", [](P p) { p.userForces.pop_back(); }},
-      {"no known type", [](P p) { p.bodies.type[0] = static_cast<BodyType>(3); }},
+      {"of unknown type", [](P p) { p.bodies.type[0] = static_cast<BodyType>(3); }},
       {"a body's flag", [](P p) { p.bodies.awake[0] = 2; }},
       {"a mass", [](P p) { p.bodies.mass[2] = kNan; }},
       {"without mass", [](P p) { p.bodies.mass[2] = 0; }},
       {"a centre of mass", [](P p) { p.bodies.center[2][0] = kNan; }},
-      {"a shape of a body", [](P p) { p.shapes[0].body = p.bodies.size(); }},
-      {"a shape of a body", [](P p) { p.shapes[0].body = kFreeSlot; }},
-      {"a shape of a body", [](P p) { p.shapes[0].body = -2; }},
-      {"no place on its body", [](P p) { p.shapes[0].X_CS.p[0] = kNan; }},
-      {"no place on its body", [](P p) { p.shapes[0].X_CS.q = Rot<D>{0}; }},
+      {"a shape refers to an invalid body", [](P p) { p.shapes[0].body = p.bodies.size(); }},
+      {"a shape refers to an invalid body", [](P p) { p.shapes[0].body = kFreeSlot; }},
+      {"a shape refers to an invalid body", [](P p) { p.shapes[0].body = -2; }},
+      {"a shape's pose", [](P p) { p.shapes[0].X_CS.p[0] = kNan; }},
+      {"a shape's pose", [](P p) { p.shapes[0].X_CS.q = Rot<D>{0}; }},
       {"friction", [](P p) { p.shapes[0].friction = -1; }},
       {"a plane on a body", [](P p) { p.shape(ShapeKind::plane).body = 2; }},
       {"does not support", [](P p) { p.contacts = "sat_clip"; }},
-      {"a joint of a body", [](P p) { p.joints[0].bodyB = -1; }},
-      {"a joint of a body", [](P p) { p.joints[0].bodyA = -7; }},
-      {"a joint of a body", [](P p) { p.joints[0].bodyB = p.bodies.size(); }},
-      {"a joint of a body", [](P p) { p.joints[0].bodyB = kFreeSlot; }},
-      {"a joint of a body", [](P p) { p.joints[0].bodyB = p.joints[0].bodyA; }},
+      {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyB = -1; }},
+      {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyA = -7; }},
+      {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyB = p.bodies.size(); }},
+      {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyB = kFreeSlot; }},
+      {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyB = p.joints[0].bodyA; }},
       {"a joint's flag", [](P p) { p.joints[0].collide = 2; }},
       {"a joint's flag", [](P p) { p.joints[0].broken = 2; }},
-      {"breaks at no force", [](P p) { p.joints[0].breakTorque = kNan; }},
-      {"no rotation", [](P p) { p.joints[0].X_CbJ.q = Rot<D>{0}; }},
-      {"a force of a body", [](P p) { p.forces[1].bodyA = p.bodies.size(); }},  // a spring's; 0 is a free slot
-      {"a force of a body", [](P p) { p.forces[1].bodyB = kFreeSlot; }},
-      {"a force of a body", [](P p) { p.forces[1].bodyB = -1; }},
-      {"a force of a body", [](P p) { p.forces[1].bodyB = p.forces[1].bodyA; }},
-      {"a force of a body", [](P p) { p.forces[2].bodyA = 0; }},
-      {"a force of a body", [](P p) { p.forces[2].bodyB = -2; }},
+      {"break force or torque", [](P p) { p.joints[0].breakTorque = kNan; }},
+      {"not a rotation", [](P p) { p.joints[0].X_CbJ.q = Rot<D>{0}; }},
+      {"a force refers to an invalid body",
+       [](P p) { p.forces[1].bodyA = p.bodies.size(); }},  // a spring's; 0 is a free slot
+      {"a force refers to an invalid body", [](P p) { p.forces[1].bodyB = kFreeSlot; }},
+      {"a force refers to an invalid body", [](P p) { p.forces[1].bodyB = -1; }},
+      {"a force refers to an invalid body", [](P p) { p.forces[1].bodyB = p.forces[1].bodyA; }},
+      {"a force refers to an invalid body", [](P p) { p.forces[2].bodyA = 0; }},
+      {"a force refers to an invalid body", [](P p) { p.forces[2].bodyB = -2; }},
       {"a force's anchor", [](P p) { p.forces[1].localB[0] = kNan; }},
-      {"a contact of a body", [](P p) { p.manifolds[0].bodyB = p.bodies.size(); }},
-      {"a contact of a body", [](P p) { p.manifolds[0].bodyA = -1; }},
-      {"a contact of a body", [](P p) { std::swap(p.manifolds[0].bodyA, p.manifolds[0].bodyB); }},
-      {"a contact of a shape", [](P p) { p.manifolds[0].shapeB = static_cast<std::int32_t>(p.shapes.size()); }},
-      {"a contact of a shape", [](P p) { p.manifolds[0].shapeB = p.manifolds[0].shapeA; }},
-      {"a contact of a part", [](P p) { p.manifolds[0].childA = -1; }},
+      {"a contact refers to an invalid body", [](P p) { p.manifolds[0].bodyB = p.bodies.size(); }},
+      {"a contact refers to an invalid body", [](P p) { p.manifolds[0].bodyA = -1; }},
+      {"a contact refers to an invalid body", [](P p) { std::swap(p.manifolds[0].bodyA, p.manifolds[0].bodyB); }},
+      {"a contact refers to an invalid shape",
+       [](P p) { p.manifolds[0].shapeB = static_cast<std::int32_t>(p.shapes.size()); }},
+      {"a contact refers to an invalid shape", [](P p) { p.manifolds[0].shapeB = p.manifolds[0].shapeA; }},
+      {"a contact has a negative part number", [](P p) { p.manifolds[0].childA = -1; }},
       {"number of points", [](P p) { p.manifolds[0].count = kManifoldPoints<D> + 1; }},
       {"number of points", [](P p) { p.manifolds[0].count = 0; }},
       {"a contact's flag", [](P p) { p.manifolds[0].ignored = 2; }},
       {"out of order", [](P p) { std::swap(p.manifolds[0], p.manifolds[1]); }},
-      {"a record of a body", [](P p) { p.records[0].bodyB = p.bodies.size(); }},
-      {"a record of a body", [](P p) { std::swap(p.records[0].bodyA, p.records[0].bodyB); }},
-      {"a record of a shape", [](P p) { p.records[0].shapeA = -1; }},
-      {"a record of a part", [](P p) { p.records[0].childB = -1; }},
-      {"records of pairs out of order", [](P p) { std::swap(p.records[0], p.records[1]); }},
-      {"records of pairs out of order", [](P p) { p.records[1] = p.records[0]; }},
-      {"no known kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(6); }},
-      {"an event of a body", [](P p) { p.events[0].body = -1; }},
-      {"an event of a body", [](P p) { p.events[0].other = p.bodies.size(); }},
-      {"vertex is nowhere", [](P p) { p.hull([](auto& h) { h.vertices[1][0] = kNan; }); }},
-      {"vertex is nowhere", [](P p) { p.hull([](auto& h) { h.vertices[1][0] = std::numeric_limits<Real>::max(); }); }},
+      {"a record refers to an invalid body", [](P p) { p.records[0].bodyB = p.bodies.size(); }},
+      {"a record refers to an invalid body", [](P p) { std::swap(p.records[0].bodyA, p.records[0].bodyB); }},
+      {"a record refers to an invalid shape", [](P p) { p.records[0].shapeA = -1; }},
+      {"a record has a negative part number", [](P p) { p.records[0].childB = -1; }},
+      {"pair records out of order", [](P p) { std::swap(p.records[0], p.records[1]); }},
+      {"pair records out of order", [](P p) { p.records[1] = p.records[0]; }},
+      {"of unknown kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(6); }},
+      {"an event refers to an invalid body", [](P p) { p.events[0].body = -1; }},
+      {"an event refers to an invalid body", [](P p) { p.events[0].other = p.bodies.size(); }},
+      {"vertex is not finite", [](P p) { p.hull([](auto& h) { h.vertices[1][0] = kNan; }); }},
+      {"vertex is not finite",
+       [](P p) { p.hull([](auto& h) { h.vertices[1][0] = std::numeric_limits<Real>::max(); }); }},
   };
   const auto hull = [&](const char* says, const std::function<void(Polytope<D>&)>& spoil) {
     list.push_back({says, [spoil](P p) { p.hull(spoil); }});
   };
   if constexpr (D == 2) {
-    hull("all its edges", [](auto& h) { h.normals.pop_back(); });
-    hull("all its edges", [](auto& h) { h.vertices.resize(2), h.normals.resize(2); });
-    hull("unit length", [](auto& h) { h.normals[0] *= 2; });
+    hull("missing edges", [](auto& h) { h.normals.pop_back(); });
+    hull("missing edges", [](auto& h) { h.vertices.resize(2), h.normals.resize(2); });
+    hull("not a unit vector", [](auto& h) { h.normals[0] *= 2; });
   } else {
     hull("not closed", [](auto& h) { h.edges.pop_back(); });
     hull("not closed", [](auto& h) { h.loop.push_back(0); });
-    hull("a corner that", [](auto& h) { h.loop[0] = -1; });
-    hull("a corner that", [](auto& h) { h.loop[3] = static_cast<int>(h.vertices.size()); });
-    hull("without three corners", [](auto& h) { h.faces[0].end = h.faces[0].begin; });
-    hull("without three corners", [](auto& h) { h.faces[0].begin = -1; });
-    hull("share out", [](auto& h) { h.faces.back().end += 1; });
-    hull("without a plane", [](auto& h) { h.faces[0].normal *= 2; });
-    hull("without a plane", [](auto& h) { h.faces[0].offset = kNan; });
-    hull("an end or a face", [](auto& h) { h.edges[0].v1 = static_cast<int>(h.vertices.size()); });
-    hull("an end or a face", [](auto& h) { h.edges[0].v1 = h.edges[0].v0; });
-    hull("an end or a face", [](auto& h) { h.edges[0].faceB = -1; });
+    hull("a polytope's face refers to an invalid vertex", [](auto& h) { h.loop[0] = -1; });
+    hull("a polytope's face refers to an invalid vertex",
+         [](auto& h) { h.loop[3] = static_cast<int>(h.vertices.size()); });
+    hull("fewer than three corners", [](auto& h) { h.faces[0].end = h.faces[0].begin; });
+    hull("fewer than three corners", [](auto& h) { h.faces[0].begin = -1; });
+    hull("do not use all its corners", [](auto& h) { h.faces.back().end += 1; });
+    hull("with an invalid plane", [](auto& h) { h.faces[0].normal *= 2; });
+    hull("with an invalid plane", [](auto& h) { h.faces[0].offset = kNan; });
+    hull("an invalid vertex or face", [](auto& h) { h.edges[0].v1 = static_cast<int>(h.vertices.size()); });
+    hull("an invalid vertex or face", [](auto& h) { h.edges[0].v1 = h.edges[0].v0; });
+    hull("an invalid vertex or face", [](auto& h) { h.edges[0].faceB = -1; });
   }
   return list;
 }
@@ -300,7 +304,7 @@ void lacksAKind() {
     return refusal(world, sealed(other));
   };
   const std::string rest =
-      "', which is not registered in " + std::to_string(D) + "D; valid: with the plugin that it is from";
+      "', which is not registered in " + std::to_string(D) + "D; valid: load the plugin that defines it";
   EXPECT_EQ(renamed("rolling_resistance"), "load: the saved world has the force 'xxxxxxxxxxxxxxxxxx" + rest);
   EXPECT_EQ(renamed("pivot"), "load: the saved world has the joint 'xxxxx" + rest);
 }

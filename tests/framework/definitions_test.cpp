@@ -57,7 +57,7 @@ TYPED_TEST(DefinitionsTest, InvalidBodiesAreRefusedByName) {
     return message;
   };
   const auto says = [](const std::string& message, const char* what) { return message.find(what) != message.npos; };
-  EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = 0; }), "needs mass"));
+  EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = 0; }), "without mass"));
   EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = -1; }), "density"));
   EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].shape = Shape<D>::plane(); }), "plane"));
   EXPECT_TRUE(says(refusal([](auto& d) { d.gravityScale = std::numeric_limits<Real>::infinity(); }), "gravity"));

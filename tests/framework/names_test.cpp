@@ -68,8 +68,7 @@ TEST(Names, APartOfAStageIsShownInItsPlace) {
             "velocity is a part of solver: solver=split_solver{velocity=catto}");
   EXPECT_EQ(placeInPipeline(*stageByName("pair_query"), "sat"),
             "pair_query is a part of contacts: contacts=deepest_point{query=sat}");
-  EXPECT_EQ(placeInPipeline(*stageByName("engine"), "box2d"),
-            "an engine stands alone, in place of all stages: engine=box2d");
+  EXPECT_EQ(placeInPipeline(*stageByName("engine"), "box2d"), "an engine replaces all stages: engine=box2d");
 }
 
 }  // namespace

@@ -339,8 +339,8 @@ void refuses(const Points<D>& points, const std::string& text) {
 
 TEST(Hull, RefusesPointsWithoutVolume) {
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
-  refuses<2>({{0, 0}, {1, 0}}, "2 points are given; valid: at least 3");
-  refuses<3>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, "3 points are given; valid: at least 4");
+  refuses<2>({{0, 0}, {1, 0}}, "2 points given; valid: at least 3");
+  refuses<3>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, "3 points given; valid: at least 4");
   refuses<2>({{0, 0}, {1, nan}, {1, 1}}, "point 1 is not finite");
   refuses<2>({{1, 1}, {1, 1}, {1, 1}}, "the points span");
   refuses<2>({{0, 0}, {1, 1}, {2, 2}, {3, 3}}, "on one line");

@@ -76,13 +76,13 @@ std::vector<Refusal<D>> refusals() {
                     }});
   }
   const Real most = std::numeric_limits<Real>::max();
-  list.push_back(ball<D>("needs mass", [](BodyDef<D>& b) { b.shapes[0].density = 0; }));
-  list.push_back(ball<D>("needs mass", [](BodyDef<D>& b) { b.shapes.clear(); }));
-  list.push_back(
-      ball<D>("no inverse", [](BodyDef<D>& b) { b.shapes[0].density = 8 * std::numeric_limits<Real>::denorm_min(); }));
+  list.push_back(ball<D>("without mass", [](BodyDef<D>& b) { b.shapes[0].density = 0; }));
+  list.push_back(ball<D>("without mass", [](BodyDef<D>& b) { b.shapes.clear(); }));
+  list.push_back(ball<D>("too small to invert",
+                         [](BodyDef<D>& b) { b.shapes[0].density = 8 * std::numeric_limits<Real>::denorm_min(); }));
   if constexpr (D == 3) {  // a needle oblique to the axes: rounding hides the inertia about its own axis
     for (const double angle : {0.3, 0.7853981633974483, 1.2}) {
-      list.push_back(ball<D>("no inverse that numbers hold; valid: larger", [=](BodyDef<D>& b) {
+      list.push_back(ball<D>("too small to invert; valid: larger", [=](BodyDef<D>& b) {
         b.shapes[0].shape = Shape<D>::box(Vec<D>(1, Real(1e-12), Real(1e-12)));
         b.shapes[0].density = Real(1e24), b.shapes[0].X_BS.q = Rot<D>::vector(Ang<D>(0, 0, static_cast<Real>(angle)));
       }));
@@ -110,14 +110,14 @@ std::vector<Refusal<D>> refusals() {
     joint("no motor", kind + "{motor_speed=1}");
     joint("no spring", kind + "{rest=1,stiffness=0}");
   }
-  joint("no width", "cone_twist{swing=0}");
+  joint("swing 0", "cone_twist{swing=0}");
   joint("ratio 0", "gear{ratio=0}");
-  joint("only brakes", "motor{mode=friction,x=1}");
-  joint("only brakes", "motor{mode=friction,angular_damping=1}");
+  joint("mode=friction", "motor{mode=friction,x=1}");
+  joint("mode=friction", "motor{mode=friction,angular_damping=1}");
   joint("no length", "distance");
   joint("negative length", "distance{length=-0.5}");
   joint("stiffness", "distance{mode=spring,stiffness=inf,damping=1}");
-  list.push_back({"do not move", [](W x) { x.add(JointDef<D>{.bodyB = x.handle(0)}); }});
+  list.push_back({"cannot move", [](W x) { x.add(JointDef<D>{.bodyB = x.handle(0)}); }});
   list.push_back(
       {"breaks", [](W x) { x.add(JointDef<D>{.bodyA = x.handle(1), .bodyB = x.handle(2), .breakTorque = 0}); }});
   list.push_back({"no body", [](W x) { x.remove(Handle{77, 0}); }});
@@ -132,14 +132,14 @@ std::vector<Refusal<D>> refusals() {
   force("damping", "spring{dampin=1}", 1, 2);
   force("a number from 0", "drag{linear=-1}", -1, 1);
   force("itself", "spring", 1, 1);
-  force("do not move", "spring", -1, 0);
-  force("do not move", "drag", -1, 0);
+  force("cannot move", "spring", -1, 0);
+  force("cannot move", "drag", -1, 0);
   force("one body", "spring", 1, -1);
-  force("comes from no body", "drag", 1, 2);
-  force("turns one other", "torque", 1, -1);
-  force(D == 2 ? "less than no torque" : "no length", D == 2 ? "torque{mode=speed,torque=-1}" : "torque{z=0}", -1, 1);
-  force("no target", "torque{speed=3}", -1, 1);
-  force("at no point", "wind", -1, 1, Vec<D>(Vec<D>::Zero()));
+  force("takes no body a", "drag", 1, 2);
+  force("has a body a but no body b", "torque", 1, -1);
+  force(D == 2 ? "negative limit" : "a zero axis", D == 2 ? "torque{mode=speed,torque=-1}" : "torque{z=0}", -1, 1);
+  force("mode=constant ignores it", "torque{speed=3}", -1, 1);
+  force("takes no anchors", "wind", -1, 1, Vec<D>(Vec<D>::Zero()));
   force("centres of mass", "attraction", 1, -1, Vec<D>(Vec<D>::Zero()));
   force("not finite", "spring", 1, 2, Vec<D>(Vec<D>::Constant(kNan)));
   list.push_back({"no body", [](W x) { x.add(ForceDef<D>{.bodyB = {77, 0}}); }});

@@ -84,7 +84,7 @@ TEST(Shape, Names) {
     FAIL();
   } catch (const UserError& e) {
     EXPECT_STREQ(e.what(),
-                 "there is no shape 'prism'; valid: sphere, capsule, segment, box, polytope, cylinder, "
+                 "unknown shape 'prism'; valid: sphere, capsule, segment, box, polytope, cylinder, "
                  "ellipsoid, plane, cone, triangle, custom");
   }
 }

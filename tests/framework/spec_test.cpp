@@ -67,10 +67,10 @@ TEST(Spec, Parses) {
 
 TEST(Spec, SaysWhatIsWrongAndWhere) {
   const std::pair<const char*, const char*> cases[] = {
-      {"", "character 1: a name or value is missing"},      {"a{b=1", "character 6: ',' or '}' is missing"},
-      {"a{b}", "character 4: '=' is missing after 'b'"},    {"a{b=1,b=2}", "parameter 'b' is given twice"},
-      {"a{b=}", "character 5: a name or value is missing"}, {"a b", "character 3: nothing may follow here"},
-      {"a{b=1}}", "character 7: nothing may follow here"},  {"a{;}", "character 3: a parameter name is missing"}};
+      {"", "character 1: a name or value is missing"},           {"a{b=1", "character 6: ',' or '}' is missing"},
+      {"a{b}", "character 4: '=' is missing after 'b'"},         {"a{b=1,b=2}", "parameter 'b' is given twice"},
+      {"a{b=}", "character 5: a name or value is missing"},      {"a b", "character 3: unexpected text after the end"},
+      {"a{b=1}}", "character 7: unexpected text after the end"}, {"a{;}", "character 3: a parameter name is missing"}};
   for (const auto& [text, message] : cases) {
     const std::string error = errorOf([text = text] { Spec::parse(text); });
     EXPECT_NE(error.find(message), std::string::npos) << text << ": " << error;
@@ -178,7 +178,7 @@ TEST(Params, AreDescribed) {
 
 TEST(Registry, FindsByNameAndListsTheValid) {
   const std::string error = errorOf([] { Registry::instance().find(StageKind::sleep, 3, "nap"); });
-  EXPECT_NE(error.find("there is no sleep 'nap' in 3D; valid: "), std::string::npos) << error;
+  EXPECT_NE(error.find("unknown sleep 'nap' in 3D; valid: "), std::string::npos) << error;
   EXPECT_NE(error.find("none"), std::string::npos) << error;
   EXPECT_NE(error.find("split_average"), std::string::npos) << error;
   EXPECT_EQ(createStage<SleepPolicy<2>>(Spec::parse("none")) == nullptr, false);

@@ -30,13 +30,13 @@ const Triangles kLevel = {{0, 1, 2}, {0, 2, 3}};
 
 TEST(Triangle, Refuses) {
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
-  refuses([] { Shape<2>::triangle({0, 0}, {1, 0}, {0, 1}); }, "triangle: exists in 3D only");
+  refuses([] { Shape<2>::triangle({0, 0}, {1, 0}, {0, 1}); }, "triangle: 3D only");
   refuses([&] { Shape<3>::triangle({0, 0, 0}, {1, nan, 0}, {0, 1, 0}); }, "triangle: corner 1 is not finite");
   refuses([] { Shape<3>::triangle({0, 0, 0}, {1, 1, 1}, {3, 3, 3}); }, "on one line");
   refuses([] { Shape<3>::triangle({1, 2, 3}, {1, 2, 3}, {3, 3, 3}); }, "on one line");
   refuses([] { Shape<3>::triangle({2, 2, 2}, {2, 2, 2}, {2, 2, 2}); }, "on one line");
   refuses([] { Shape<3>::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, -1); }, "triangle: rounding is -1");
-  refuses([] { Shape<3>::ofCorners(ShapeKind::triangle, kSquare); }, "4 points are given; valid: 3");
+  refuses([] { Shape<3>::ofCorners(ShapeKind::triangle, kSquare); }, "4 points given; valid: 3");
 }
 
 // A closed hull, as all algorithms traverse it: loops, edges with their faces in loop order, unit normals.
@@ -107,24 +107,24 @@ TEST(Mesh, Refuses) {
   std::vector<Vec<3>> spoiled = kSquare;
   spoiled[2][1] = std::numeric_limits<Real>::quiet_NaN();
   refuses(mesh(spoiled, kLevel), "mesh: point 2 is not finite");
-  refuses(mesh(kSquare, {}), "mesh: it has no triangles");
-  refuses(mesh(kSquare, {{0, 1, 2}, {0, 2, 4}}), "mesh, triangle 1: there is no point 4; valid: 0 to 3");
-  refuses(mesh(kSquare, {{-1, 1, 2}}), "there is no point -1");
+  refuses(mesh(kSquare, {}), "mesh: no triangles");
+  refuses(mesh(kSquare, {{0, 1, 2}, {0, 2, 4}}), "mesh, triangle 1: unknown point 4; valid: 0 to 3");
+  refuses(mesh(kSquare, {{-1, 1, 2}}), "unknown point -1");
   refuses(mesh(kSquare, {{0, 1, 2}, {2, 2, 3}}), "mesh, triangle 1: its corners lie on one line");
   refuses(mesh(kSquare, {{0, 1, 2}, {0, 3, 2}}), "points 0 and 2: triangles 0 and 1 are wound oppositely");
   std::vector<Vec<3>> fin = kSquare;
   fin.push_back(at<3>(0.5, 1, 0.5));
-  refuses(mesh(fin, {{0, 1, 2}, {0, 2, 3}, {0, 2, 4}}), "points 0 and 2: it belongs to 3 triangles");
-  refuses([] { Shape<2>::mesh(std::vector<Vec<2>>{}, Triangles{}); }, "mesh: exists in 3D only");
+  refuses(mesh(fin, {{0, 1, 2}, {0, 2, 3}, {0, 2, 4}}), "points 0 and 2: belongs to 3 triangles");
+  refuses([] { Shape<2>::mesh(std::vector<Vec<2>>{}, Triangles{}); }, "mesh: 3D only");
   EXPECT_NO_THROW(mesh(kSquare, kLevel)());
 }
 TEST(Chain, Refuses) {
   const auto chain = [](std::vector<Vec<2>> points, bool closed) { return [=] { Shape<2>::chain(points, closed); }; };
-  refuses(chain({{0, 0}}, false), "chain: 1 points are given");
-  refuses(chain({{0, 0}, {1, 0}}, true), "chain: 2 points are given");
+  refuses(chain({{0, 0}}, false), "chain: 1 points given");
+  refuses(chain({{0, 0}, {1, 0}}, true), "chain: 2 points given");
   refuses(chain({{0, 0}, {1, 0}, {1, 0}}, false), "chain, segment 1: it is 0.000000 m long");
   refuses(chain({{0, 0}, {std::numeric_limits<Real>::infinity(), 0}}, false), "chain: point 1 is not finite");
-  refuses([] { Shape<3>::chain(std::vector<Vec<3>>(3, Vec<3>(0, 0, 0)), true); }, "chain: exists in 2D only");
+  refuses([] { Shape<3>::chain(std::vector<Vec<3>>(3, Vec<3>(0, 0, 0)), true); }, "chain: 2D only");
 }
 
 template <int D>
@@ -140,7 +140,7 @@ void onlyForFixedBodies() {
   for (const BodyType type : {BodyType::dynamic, BodyType::kinematic}) {
     World<D> world;
     refuses([&] { world.add(body<D>(smallSurface<D>(), Vec<D>::Zero(), type)); },
-            "moves nothing; valid for bodies that");
+            "on a moving body; valid for moving bodies");
   }
   const ShapePart<D> part{smallSurface<D>(), {}};
   refuses([&] { Shape<D>::compound({&part, 1}); }, "is a mesh or chain");

@@ -341,10 +341,10 @@ TYPED_TEST(WorldTest, ADamagedRecordingIsToldOrHarmless) {
     std::istringstream in(bytes);
     return messageOf([&] { Recording<D>::read(in); });
   };
-  EXPECT_EQ(toldOf(36 + 3, '\x80'), "the recording is damaged (frame 1: a body of no known place)");
-  EXPECT_EQ(toldOf(36 + 8, '\x03'), "the recording is damaged (frame 1: a body of no known type)");
+  EXPECT_EQ(toldOf(36 + 3, '\x80'), "the recording is damaged (frame 1: a body with an invalid slot)");
+  EXPECT_EQ(toldOf(36 + 8, '\x03'), "the recording is damaged (frame 1: a body of unknown type)");
   const std::size_t pose = (D + (D == 2 ? 2 : 4)) * sizeof(double), lastBody = out.str().size() - pose - 9;
-  EXPECT_EQ(toldOf(lastBody + 3, '\x80'), "the recording is damaged (frame 2: a body of no known place)");
+  EXPECT_EQ(toldOf(lastBody + 3, '\x80'), "the recording is damaged (frame 2: a body with an invalid slot)");
   EXPECT_EQ(toldOf(lastBody + 8, '\x02'), "the recording is damaged (frame 2: a body's flag is neither 0 nor 1)");
 }
 

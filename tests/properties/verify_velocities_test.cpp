@@ -57,7 +57,8 @@ template <int D>
 void agree() {
   std::vector<Method<D>> methods = {registered<D>({"siconos", {}})};
   for (const Spec& spec : convergedResolvers(D)) methods.push_back(registered<D>(spec));
-  if (rowOf<D>(asked<D>({methods[0]}, 1), "siconos")[Tally::refused] > 0) GTEST_SKIP() << "Siconos is absent";
+  if (rowOf<D>(asked<D>({methods[0]}, 1), "siconos")[Tally::refused] > 0)
+    GTEST_SKIP() << "Siconos is not in this build";
   const Verified v = asked<D>(methods, kProblems);
   for (const Method<D>& m : methods) {
     const LedgerEntry row = rowOf<D>(v, m.name);

@@ -107,7 +107,7 @@ TEST(FoundCases, ScriptsObeyProxyChanges) {
   EXPECT_EQ(complaint(script("2", first + "[" + moved(0) + "]")), "");
   EXPECT_EQ(complaint(script("2", first + "[" + removed(0) + ", " + added(0) + ", " + moved(0) + "]")), "");
   EXPECT_EQ(complaint(script("2", first + "[" + removed(0) + "], [" + added(0) + "], [" + removed(0) + "]")), "");
-  const std::string inOrder = " in the same step; valid: removed, added, moved, each once at most and in this order";
+  const std::string inOrder = " in the same step; valid: removed, added, moved, each at most once and in this order";
   const std::pair<std::string, std::string> bad[] = {
       {added(1) + ", " + removed(1), "slot 1 is removed after it was added" + inOrder},
       {removed(0) + ", " + added(0) + ", " + removed(0), "slot 0 is removed after it was added" + inOrder},

@@ -160,7 +160,7 @@ TEST(Compare, AnEngineThatTakesTooLongIsGivenUp) {
     return ++asked < 3 && part < 1;
   }));
   EXPECT_EQ(asked, 3);
-  EXPECT_TRUE(session.lanes()[1].fallen.starts_with("given up")) << session.lanes()[1].fallen;
+  EXPECT_TRUE(session.lanes()[1].fallen.starts_with("step back cancelled")) << session.lanes()[1].fallen;
   EXPECT_LT(session.world(1).stepCount(), 50);
   EXPECT_EQ(session.world().hash(), before);
   ASSERT_TRUE(session.back([&](std::size_t, double) { return ++asked < 3; }));  // it is not tried again

@@ -74,7 +74,7 @@ class Played(unittest.TestCase):
         return json.loads(done.stdout)["algorithms"]
 
     def has(self, engine):
-        return any(a["stage"] == "engine" and a["name"] == engine and not a["summary"].startswith("absent")
+        return any(a["stage"] == "engine" and a["name"] == engine and not a["summary"].startswith("not in this build")
                    for a in self.registry())
 
     def lpc_run(self, *arguments):

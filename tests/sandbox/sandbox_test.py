@@ -233,7 +233,7 @@ class Sandbox(Played):
                 state = self.play(orders, dimension, "-s", "0", "--precision", precision, size=(640, 480))
                 self.assertEqual(state["precision"], precision)
                 self.assertEqual(state["step"], steps.setdefault(dimension, state["step"]))  # one step a picture, rounded or not
-                self.assertIn("ends in the same bits", state["message"])
+                self.assertIn("ends bit for bit the same", state["message"])
                 self.assertEqual(state["joints"], 1)
                 run = self.lpc_run("0", "--script", "sandbox_script.toml", "--steps", state["step"], "--dimension", dimension[0],
                                    "--precision", precision)
@@ -243,7 +243,7 @@ class Sandbox(Played):
         orders = ["until 58", "key p", "key g", *drag((-8, 0.5), (-7, 3)), "key c", *drag((0, 5), (0, 5.5)), "key p", "until 62",
                   "at 6 10", "key d", "wait 20", "key p", "wait 1", "key F4", "wait 2"]
         state = self.play(orders, "script_events", "-S", "firework", "--param", "speed=2", "--param", "x=-3", size=(640, 480))
-        self.assertIn("ends in the same bits", state["message"])
+        self.assertIn("ends bit for bit the same", state["message"])
         self.assertGreater(len(state["bodies"]), 36)
         first = (self.folder / "sandbox_script.toml").read_text().splitlines()[0]
         self.assertTrue(first.startswith("# lpc run script_events "), first)
@@ -300,9 +300,9 @@ class Sandbox(Played):
         other, missing, folder = self.play(orders, "3d", "4", "--pipeline", "engine=bullet",
                                            states=("other", "missing", "folder"))
         self.assertEqual(other["dimension"], 3)
-        self.assertIn("no engine 'bullet' in 2D", other["message"])
+        self.assertIn("unknown engine 'bullet' in 2D", other["message"])
         self.assertIn("there is no sandbox.toml", missing["message"])
-        self.assertIn("'folder' is no file", folder["message"])
+        self.assertIn("'folder' is not a file", folder["message"])
         self.assertTrue((self.folder / "sandbox_stats.csv").is_file())  # statistics were on when the window closed
 
     def test_small_steps_keep_up_with_the_clock(self):

@@ -354,7 +354,7 @@ TEST(Replay, DamagedSavesAreRefusedAndChangeNothing) {
     world.load(in);
     ADD_FAILURE() << "an old save was read";
   } catch (const UserError& e) {
-    EXPECT_STREQ(e.what(), "load: the saved world has the format LPCWORLD4, this program reads LPCWORLD9");
+    EXPECT_STREQ(e.what(), "load: the saved world has the format LPCWORLD4; this program reads LPCWORLD9");
   }
   EXPECT_EQ(world.hash(), hash);
   World<3> space;

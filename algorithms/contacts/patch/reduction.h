@@ -14,14 +14,16 @@ enum class Reduction { spread, area, extremes, deepest };
 
 inline void visitReduction(ParamVisitor& v, Reduction& rule) {
   v.choice("reduction", rule, {"spread", "area", "extremes", "deepest"},
-           "which four points a patch keeps in 3D; in 2D it has two ends");
+           "which four points a 3D patch keeps; a 2D patch has at most two");
 }
 
 /// Failures of the two rules that ignore the area, in 3D.
 inline void declareNarrowRules(std::vector<FailureMode>& failures) {
-  failures.push_back({"reduction=extremes: a patch of many corners that lies aslant",
-                      "the extreme ones are few, or neighbours", "Contacts.RockingFacesSpanThePatch"});
-  failures.push_back({"reduction=deepest: a face on a face", "four points of one side, or what rounding says",
+  failures.push_back({"reduction=extremes: a tilted patch of many corners",
+                      "fewer than four points are extreme, or they are neighbours",
+                      "Contacts.RockingFacesSpanThePatch"});
+  failures.push_back({"reduction=deepest: a face on a face",
+                      "all four points lie on one side, or rounding chooses them",
                       "Contacts.RockingFacesSpanThePatch"});
 }
 

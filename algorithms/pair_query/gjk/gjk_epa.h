@@ -34,29 +34,29 @@ struct GjkEpaParams {
   int faces = 1024;
   void visit(ParamVisitor& v) {
     v.choice("simplex", simplex, {"voronoi", "johnson", "signed_volumes"},
-             "how the nearest point of GJK's simplex is found: by regions (Ericson 2004), by cofactors (Gilbert et al. "
-             "1988), by signed volumes (Montanari et al. 2017)");
+             "how GJK finds the closest point of its simplex: Voronoi regions (Ericson 2004), cofactors (Gilbert et "
+             "al. 1988) or signed volumes (Montanari et al. 2017)");
     v.choice("accelerate", accelerate, {"none", "nesterov"},
-             "directions with momentum (Montaut et al. 2022), until they lead nowhere");
+             "Nesterov momentum for the search directions (Montaut et al. 2022), until they stop improving");
     v.choice("gap", gap, {"best", "last"},
-             "what GJK's distance is compared with to end: the best bound proved so far (van den Bergen 2003), or that "
-             "of the last direction, the duality gap of Frank and Wolfe (Montaut et al. 2022)");
+             "lower bound in GJK's stopping test: the best bound so far (van den Bergen 2003), or that of the last "
+             "direction, the Frank-Wolfe duality gap (Montaut et al. 2022)");
     v.choice("measure", measure, {"size", "distance"},
-             "what the tolerances are parts of: the pair's largest coordinate, or the distance or depth itself");
+             "what the tolerances are relative to: the pair's largest coordinate, or the distance or depth itself");
     if constexpr (D == 3) {
       v.choice("support", support, {"scan", "climb"},
-               "in 3D, how a hull's farthest vertex is found: by a look at all, or, the same one, by a climb along its "
-               "edges from the last one (Cameron 1997)");
+               "search for a 3D hull's support point: scan of all vertices, or hill climbing along edges (Cameron "
+               "1997); same result");
     }
     v.real("tolerance", tolerance, 0, Real(0.1), "1",
-           "gap of the distance or depth that is left, as a part of the measure; eight roundings of the largest "
-           "coordinate at least",
+           "allowed gap of the distance or depth, relative to `measure`; at least eight roundings of the largest "
+           "coordinate",
            ParamRole::tolerance);
     v.real("depth_tolerance", depthTolerance, 0, Real(0.1), "1",
-           "gap of the depth that EPA leaves, as a part of the measure; the tolerance at least", ParamRole::tolerance);
+           "allowed gap of EPA's depth, relative to `measure`; at least `tolerance`", ParamRole::tolerance);
     v.integer("iterations", iterations, 1, 10000, "support points of GJK", ParamRole::effort);
-    v.integer("expansions", expansions, 0, 100000, "support points of EPA that become corners", ParamRole::effort);
-    v.integer("faces", faces, 8, 100000, "faces that EPA may make");
+    v.integer("expansions", expansions, 0, 100000, "support points that EPA adds", ParamRole::effort);
+    v.integer("faces", faces, 8, 100000, "largest number of EPA faces");
   }
 };
 
@@ -98,13 +98,13 @@ class GjkEpaSearch {
     const bool settles = (pair.a.curved || pair.b.curved) && need == QueryNeed::witnesses;
     const bool first = left <= kShallow * pair.scale;  // Newton's steps are cheaper than expanding for so little
     if (settles && first) m_polish.settle(pair, best, work);
-    m_watch([&](auto& t) { t.refined(pair, best, "last steps around features and curved cores"); });
+    m_watch([&](auto& t) { t.refined(pair, best, "final refinement on features and curved cores"); });
     PairAnswer<D> out = answerFrom<D>(pair, best, status, need, m_touching, work, left);
     if (settles && !first && !m_touching.met()) {
       m_polish.settle(pair, best, work);
       out = answerFrom<D>(pair, best, status, need, m_touching, work, left);
     }
-    m_watch([&](auto& t) { t.refined(pair, best, "between the features that touch"); });
+    m_watch([&](auto& t) { t.refined(pair, best, "between the touching features"); });
     return out;
   }
 

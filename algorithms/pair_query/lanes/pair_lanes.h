@@ -15,7 +15,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 /// Whether a method uses SIMD lanes.
 enum class LaneUse : std::uint8_t { automatic, scalar };
 inline void visitLanes(ParamVisitor& v, LaneUse& lanes) {
-  v.choice("lanes", lanes, {"auto", "scalar"}, "several pairs at once where there are many, or one after the other");
+  v.choice("lanes", lanes, {"auto", "scalar"}, "several pairs at once in SIMD lanes, or one at a time");
 }
 
 /// Fewer pairs than this are not worth it.

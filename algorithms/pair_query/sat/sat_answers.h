@@ -35,7 +35,7 @@ class SatAnswers {
       SatBoxes<D, Watch>(pair, need, best, work, m_watch).run();
     }
     finishAnswer<D>(pair, best, QueryStatus::converged, need, m_touching, out, work);
-    m_watch([&](auto& t) { t.refined(pair, best, "between the features that touch"); });
+    m_watch([&](auto& t) { t.refined(pair, best, "between the touching features"); });
   }
 
  private:

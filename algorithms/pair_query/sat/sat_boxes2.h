@@ -74,7 +74,7 @@ class SatBoxes2 {
   }
   void takeWidest(int number) {
     take(axis(number));
-    m_watch([&](auto& t) { t.refined(m_pair, m_best, "the widest axis's own vector"); });
+    m_watch([&](auto& t) { t.refined(m_pair, m_best, "exact direction of the best axis"); });
   }
 
   // A box's corners in the other's frame, with their distance behind the support corner along the best axis; a corner

@@ -120,7 +120,7 @@ class SatBoxes3 {
   }
   void takeWidest(int number) {
     take(axis(number));
-    m_watch([&](auto& t) { t.refined(m_pair, best(), "the widest axis's own vector"); });
+    m_watch([&](auto& t) { t.refined(m_pair, best(), "exact direction of the best axis"); });
   }
   Triple axis(int number) const {
     if (number < 6) return number < 3 ? unit(number) : m_boxes.r[number - 3];

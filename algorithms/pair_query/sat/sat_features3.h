@@ -38,7 +38,7 @@ inline std::string words(const SatFeatures& f) {
     case faceOfB:
       return two("vertex ", "face ");
   }
-  return "foremost vertices";
+  return "support vertices";
 }
 
 /// A candidate edge.

@@ -46,7 +46,7 @@ class Tracer {
   }
   /// GJK's last simplex.
   void nearest(const Simplex<D>& simplex, bool inside, const Vec<D>& v, const BestAxis<D>& best) const {
-    TraceStep<D>& step = add(TraceKind::nearest, inside ? "GJK holds the origin" : "GJK gets no nearer", best);
+    TraceStep<D>& step = add(TraceKind::nearest, inside ? "GJK holds the origin" : "GJK stops improving", best);
     show(simplex, step);
     if (!inside) step.nearest = v;
   }

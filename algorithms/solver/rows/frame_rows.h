@@ -73,12 +73,13 @@ struct Axis {
 
   /// Throws UserError. `most`: the kind's name for motorMost.
   void check(const std::string& kind, const std::string& most) const {
-    if (lower > upper) throw UserError("'" + kind + "' has limits that cross; valid: lower <= upper");
+    if (lower > upper) throw UserError("'" + kind + "' has lower above upper; valid: lower <= upper");
     if (motorSpeed != 0 && motorMost == 0) {
-      throw UserError("'" + kind + "' has a motor_speed, but no motor; valid: " + most + " > 0, or motor_speed=0");
+      throw UserError("'" + kind + "' has a motor_speed, but no motor force or torque; valid: " + most +
+                      " > 0, or motor_speed=0");
     }
     if (rest != 0 && stiffness == 0) {
-      throw UserError("'" + kind + "' has a rest, but no spring; valid: stiffness > 0, or rest=0");
+      throw UserError("'" + kind + "' has a rest position, but no spring; valid: stiffness > 0, or rest=0");
     }
   }
   // `make()` appends a row with B's position as error.

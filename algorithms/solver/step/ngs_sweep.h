@@ -17,12 +17,11 @@ namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 struct NgsShare {
   Real factor = Real(0.2), jointFactor = 1, stopFactor = 1, slop = kLinearSlop, maxMove = Real(0.2);
   void visit(ParamVisitor& v) {
-    v.real("factor", factor, 0, 1, "1", "share of a depth to remove in one sweep");
-    v.real("joint_factor", jointFactor, 0, 1, "1",
-           "share of an error of a joint, but for stops, to remove in one sweep");
-    v.real("stop_factor", stopFactor, 0, 1, "1", "the same of a joint's stop");
-    v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
-    v.real("max_move", maxMove, 0, 1000, "m", "largest displacement of one contact in one sweep");
+    v.real("factor", factor, 0, 1, "1", "fraction of a penetration corrected per pass");
+    v.real("joint_factor", jointFactor, 0, 1, "1", "fraction of a joint's error corrected per pass, except at limits");
+    v.real("stop_factor", stopFactor, 0, 1, "1", "fraction of the error at a joint limit corrected per pass");
+    v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
+    v.real("max_move", maxMove, 0, 1000, "m", "largest correction of one contact per pass");
   }
 };
 

@@ -49,23 +49,26 @@ inline Push springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real 
 }
 
 /// Failure declared by methods that keep the arms of the detection.
-inline const FailureMode kArmsStay = {"bodies that press on each other and turn together",
-                                      "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
-                                      "Solver.TurningKeepsAngularMomentum"};
+inline const FailureMode kArmsStay = {
+    "bodies in contact that rotate together",
+    "they lose angular momentum: bodies rotate in the sub-steps, but lever arms do not",
+    "Solver.TurningKeepsAngularMomentum"};
 /// A method's own failures and those of all sub-step methods that warm start from sub-step to sub-step. `braked`
 /// describes how.
 inline std::vector<FailureMode> substepFailures(const std::string& braked, std::vector<FailureMode> own) {
   for (const FailureMode& shared :
-       {FailureMode{"bodies that part within the step",
-                    "what a sub-step has moved apart keeps its impulse, so that the order of contacts tells",
-                    "Solver.OrderDoesNotMatter"},
+       {FailureMode{
+            "bodies that separate within the step",
+            "a contact that opened in a sub-step keeps its impulse, so the result depends on the order of contacts",
+            "Solver.OrderDoesNotMatter"},
         FailureMode{"a heavy body that falls on a light one",
-                    "each sub-step begins with the impulse of the impact once more, so that it is thrown up",
+                    "each sub-step warm starts with the impact's impulse again, so the body is thrown up",
                     "Solver.HeavyIsNotThrownUp"},
-        FailureMode{"the same", braked, "Solver.ConvergesAsPredicted"},
-        FailureMode{"bodies that meet, in more sub-steps",
-                    "have more energy than after fewer: impulses of an impact act again in the next sub-step",
-                    "Solver.MoreIsNoWorse"}}) {
+        FailureMode{"a heavy body that falls on a light one", braked, "Solver.ConvergesAsPredicted"},
+        FailureMode{
+            "bodies that collide, with more sub-steps",
+            "they have more energy than with fewer sub-steps: an impact's impulse acts again in the next sub-step",
+            "Solver.MoreIsNoWorse"}}) {
     own.push_back(shared);
   }
   return own;

@@ -39,7 +39,7 @@ Vector vectorOf(const std::vector<double>& x) {
 template <int D>
 FclibProblem globalOf(FrozenProblem<D> problem) {
   constexpr int kDofs = D + kAngDim<D>;
-  if (!problem.features.rotation) throw UserError("FCLIB holds no body that may not turn");
+  if (!problem.features.rotation) throw UserError("FCLIB cannot store a body without rotation");
   std::vector<double> mu;
   std::vector<std::size_t> firstPoint;        // first point of each manifold
   for (Manifold<D>& m : problem.manifolds) {  // FCLIB's contacts have all their tangents
@@ -61,7 +61,7 @@ FclibProblem globalOf(FrozenProblem<D> problem) {
     if (!(bodies.invMass[i] > 0) && bodies.invInertia[i].isZero(0)) continue;
     Eigen::Matrix<double, kAngDim<D>, kAngDim<D>> inertia = bodies.invInertia[i].template cast<double>();
     if (!(bodies.invMass[i] > 0) || !(inertia.determinant() > 0)) {
-      throw UserError("FCLIB holds no body that is pinned or may not turn");
+      throw UserError("FCLIB cannot store a body that is pinned or cannot rotate");
     }
     inertia = inertia.inverse().eval();
     const int at = first[i] = static_cast<int>(v.size());
@@ -79,8 +79,8 @@ FclibProblem globalOf(FrozenProblem<D> problem) {
   for (int i = 0; i < rows.size(); ++i) {
     const ProblemRow<D>& row = rows.row(i);
     const bool contact = !row.ofJoint;
-    if (!contact && !row.holds()) throw UserError("FCLIB holds no limits, motors with a largest force, and springs");
-    if (contact && row.law == ProblemLaw::interval) throw UserError("FCLIB holds no contact that cannot slide");
+    if (!contact && !row.holds()) throw UserError("FCLIB cannot store limits, motors with a force limit, and springs");
+    if (contact && row.law == ProblemLaw::interval) throw UserError("FCLIB cannot store a contact that cannot slide");
     std::vector<double>& rest = contact ? w : b;
     const int column = static_cast<int>(rest.size());
     double known = 0;
@@ -99,7 +99,7 @@ FclibProblem globalOf(FrozenProblem<D> problem) {
     if (row.law != ProblemLaw::normal) continue;
     friction.push_back(mu[firstPoint[static_cast<std::size_t>(row.owner)] + static_cast<std::size_t>(row.number / D)]);
   }
-  if (friction.empty()) throw UserError("FCLIB holds problems of contacts, and here nothing touches");
+  if (friction.empty()) throw UserError("FCLIB stores contact problems only, and this problem has no contact");
   FclibProblem out;
   const int dofs = static_cast<int>(v.size());
   out.dimension = D, out.m = matrixOf(dofs, v.size(), m);
@@ -116,7 +116,7 @@ std::pair<int, int> pulled(const Sparse& matrix, int from, int count) {
     for (Sparse::InnerIterator x(matrix, column); x; ++x) {
       const int body = static_cast<int>(x.row()) / (D + kAngDim<D>);
       if (x.value() == 0 || body == out.first || body == out.second) continue;
-      if (out.first >= 0) throw UserError("it has a row of more than two bodies");
+      if (out.first >= 0) throw UserError("a row acts on more than two bodies");
       out.first = out.second, out.second = body;
       if (out.first > out.second) std::swap(out.first, out.second);
     }
@@ -135,7 +135,7 @@ inline Eigen::Vector3d armOf(const Eigen::Matrix3d& d, const Eigen::Matrix3d& tu
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d is = (twice / 2).cross(d.col(k));
     if ((is - turn.col(k)).norm() > kSame * (1 + is.norm())) {
-      throw UserError("its contacts turn bodies as no point of them does, in the world's axes");
+      throw UserError("the rotational part of a contact does not match a contact point in world axes");
     }
   }
   return twice / 2;
@@ -147,7 +147,7 @@ class RigidBodies {
   explicit RigidBodies(const FclibProblem& from) : m_from(from) {}
 
   FrozenProblem<D> problem() {
-    if (m_from.m.rows() % kDofs != 0) throw UserError("its matrices are none of rigid bodies");
+    if (m_from.m.rows() % kDofs != 0) throw UserError("the size of its matrices does not match rigid bodies");
     m_bodies = static_cast<int>(m_from.m.rows()) / kDofs;
     m_out.dt = m_out.lastDt = Real(1) / 60, m_out.features.restitution = false, m_out.position.rate = 1;
     for (int c = 0; c < m_from.mu.size(); ++c) m_touches.push_back(touch(c));
@@ -172,14 +172,14 @@ class RigidBodies {
   Touch touch(int c) const {
     Touch t{};
     std::tie(t.a, t.b) = pulled<D>(m_from.h, D * c, D);
-    if (t.b < 0) throw UserError("it has a contact of no body");
+    if (t.b < 0) throw UserError("a contact acts on no body");
     using Block = Eigen::Matrix<double, kDofs, D>;
     const auto pull = [&](int body) {
       return Block(Eigen::MatrixXd(m_from.h.middleCols(D * c, D)).middleRows(body * kDofs, kDofs));
     };
     const Block onB = pull(t.b);
     const Eigen::Matrix<double, D, D> d = onB.template topRows<D>();
-    if (!(d.transpose() * d).isIdentity(kSame)) throw UserError("its contacts push along no three axes");
+    if (!(d.transpose() * d).isIdentity(kSame)) throw UserError("the contact frame is not orthonormal");
     t.n = d.col(0), t.rB = armOf(d, onB.template bottomRows<kAngDim<D>>());
     t.mu = m_from.mu[c], t.target = -m_from.w[D * c];
     if (t.mu < 0) throw UserError("a coefficient of friction is negative");
@@ -187,9 +187,10 @@ class RigidBodies {
     ground[0] = 0, t.slide = -d * ground;  // the ground's velocity
     if (t.a < 0) return t;
     const Block onA = -pull(t.a);
-    if (!onA.template topRows<D>().isApprox(d, kSame)) throw UserError("a contact pushes its bodies unlike");
+    if (!onA.template topRows<D>().isApprox(d, kSame))
+      throw UserError("a contact's forces on its two bodies are not opposite");
     t.rA = armOf(d, onA.template bottomRows<kAngDim<D>>());
-    if (t.slide.norm() > kSame) throw UserError("two bodies slide on each other by themselves");
+    if (t.slide.norm() > kSame) throw UserError("a contact has a tangential velocity term of its own");
     return t;
   }
 
@@ -218,7 +219,8 @@ class RigidBodies {
     for (const Touch& t : m_touches) {
       if (t.a < 0) continue;
       const Point gap = m_place[static_cast<std::size_t>(t.b)] + t.rB - m_place[static_cast<std::size_t>(t.a)] - t.rA;
-      if (gap.norm() > kMeets * (1 + t.rA.norm() + t.rB.norm())) throw UserError("its bodies do not meet at points");
+      if (gap.norm() > kMeets * (1 + t.rA.norm() + t.rB.norm()))
+        throw UserError("two bodies have no common contact point");
     }
   }
 
@@ -229,7 +231,7 @@ class RigidBodies {
     for (int k = 0; k < kDofs; ++k) {
       for (Sparse::InnerIterator x(m_from.m, at + k); x; ++x) {
         if (x.value() == 0) continue;
-        if (x.row() < at || x.row() >= at + kDofs) throw UserError("its masses are none of rigid bodies");
+        if (x.row() < at || x.row() >= at + kDofs) throw UserError("its mass matrix is not that of rigid bodies");
         block(x.row() - at, k) = x.value();
       }
     }
@@ -239,7 +241,7 @@ class RigidBodies {
         block.template bottomRightCorner<kAngDim<D>, kAngDim<D>>();
     expected.template bottomRightCorner<kAngDim<D>, kAngDim<D>>() = (inertia + inertia.transpose()) / 2;
     const bool rigid = block(0, 0) > 0 && inertia.determinant() > 0 && block.isApprox(expected, kSame);
-    if (!rigid) throw UserError("its masses are none of rigid bodies");
+    if (!rigid) throw UserError("its mass matrix is not that of rigid bodies");
     const Eigen::Matrix<double, kDofs, 1> v = expected.inverse() * m_from.f.segment<kDofs>(at);
     Motion<D> motion;
     motion.v = v.template head<D>().template cast<Real>(),
@@ -277,7 +279,7 @@ class RigidBodies {
     };
     for (int c = 0; c < m_from.g.cols(); ++c) {
       const std::pair<int, int> ends = pulled<D>(m_from.g, c, 1);
-      if (ends.second < 0) throw UserError("it has an equality of no body");
+      if (ends.second < 0) throw UserError("an equality acts on no body");
       if (ends != last || rows.count == kDofs) close();
       last = ends;
       using Column = Eigen::Matrix<double, kDofs, 1>;
@@ -290,7 +292,7 @@ class RigidBodies {
       const Column onA = -pull(ends.first);
       row.armA = onA.template tail<kAngDim<D>>().template cast<Real>();
       if ((onA - onB).template head<D>().norm() > kSame * onB.norm()) {
-        throw UserError("an equality pulls its bodies unlike");
+        throw UserError("an equality's forces on its two bodies are not opposite");
       }
     }
     close();

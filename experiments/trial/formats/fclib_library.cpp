@@ -36,7 +36,7 @@ void* library() {
 template <class F>
 F* found(const char* name) {
   void* const at = dlsym(library(), name);
-  if (!at) throw UserError("FCLIB cannot be loaded: it has no " + std::string(name));
+  if (!at) throw UserError("FCLIB cannot be loaded: missing symbol " + std::string(name));
   return reinterpret_cast<F*>(at);
 }
 #define LPC_OF_FCLIB(function) found<decltype(function)>(#function)
@@ -48,7 +48,7 @@ class Sizes {
     m_file = LPC_OF_FCLIB(H5Fopen)(path.c_str(), kReadOnly, kDefault);
     if (m_file < 0) throw UserError("it is damaged");
     local = has("/fclib_local") && !has("/fclib_global");
-    if (!local && !has("/fclib_global")) throw UserError("it holds no problem of FCLIB");
+    if (!local && !has("/fclib_global")) throw UserError("it contains no FCLIB problem");
     m_top = local ? "/fclib_local/" : "/fclib_global/";
     const long dimension = number(m_top + "spacedim");
     if (dimension != 2 && dimension != 3) throw UserError("its dimension is " + std::to_string(dimension));
@@ -68,18 +68,18 @@ class Sizes {
   void checkGlobal(long dimension) const {
     const Size m = matrix("M"), h = matrix("H"), g = has(m_top + "G") ? matrix("G") : Size{m.rows, 0};
     if (m.rows != m.columns || h.rows != m.rows || g.rows != m.rows || h.columns % dimension != 0 || m.rows == 0) {
-      throw UserError("its matrices are of sizes that do not go together");
+      throw UserError("the sizes of its matrices do not match");
     }
     list("vectors/f", m.rows), list("vectors/w", h.columns), list("vectors/mu", h.columns / dimension);
     if (g.columns > 0) list("vectors/b", g.columns);
   }
   void checkLocal(long dimension) const {
     const bool joined = has(m_top + "V");
-    if (joined != has(m_top + "R")) throw UserError("it has one of V and R, and not the other");
+    if (joined != has(m_top + "R")) throw UserError("only one of V and R is present");
     const Size w = matrix("W"), v = joined ? matrix("V") : Size{w.rows, 0}, r = joined ? matrix("R") : Size{0, 0};
     if (w.rows != w.columns || v.rows != w.rows || r.rows != v.columns || r.columns != v.columns ||
         w.rows % dimension != 0 || w.rows == 0) {
-      throw UserError("its matrices are of sizes that do not go together");
+      throw UserError("the sizes of its matrices do not match");
     }
     list("vectors/q", w.rows), list("vectors/mu", w.rows / dimension);
     if (joined) list("vectors/s", v.columns);
@@ -94,13 +94,13 @@ class Sizes {
     const bool read = LPC_OF_FCLIB(H5LTget_dataset_ndims)(m_file, path.c_str(), &rank) >= 0 && rank == 1 &&
                       LPC_OF_FCLIB(H5LTget_dataset_info)(m_file, path.c_str(), &length, &kind, &bytes) >= 0 &&
                       (kind == H5T_INTEGER || kind == H5T_FLOAT);
-    if (!read) throw UserError("it has no list " + path);
+    if (!read) throw UserError("the list is missing: " + path);
     return static_cast<long>(length);
   }
   long number(const std::string& path) const {
     int value = 0;
     if (lengthOf(path) != 1 || LPC_OF_FCLIB(H5LTread_dataset_int)(m_file, path.c_str(), &value) < 0) {
-      throw UserError("it has no number " + path);
+      throw UserError("the number is missing: " + path);
     }
     return value;
   }
@@ -109,7 +109,7 @@ class Sizes {
     int rank = 0;
     const bool read =
         !has(path) || (LPC_OF_FCLIB(H5LTget_dataset_ndims)(m_file, path.c_str(), &rank) >= 0 && rank <= 1);
-    if (!read) throw UserError("its " + path + " is no text");
+    if (!read) throw UserError("its " + path + " is not a text");
   }
   void list(const std::string& name, long length) const {
     const long is = lengthOf(m_top + name);
@@ -121,7 +121,7 @@ class Sizes {
     const long rows = number(at + "/m"), columns = number(at + "/n"), nz = number(at + "/nz"),
                most = number(at + "/nzmax");
     const bool sane = rows >= 0 && columns >= 0 && rows <= kMostRows && columns <= kMostRows && nz >= -2 && most >= nz;
-    if (!sane) throw UserError("its matrix " + name + " is of no size");
+    if (!sane) throw UserError("its matrix " + name + " has an invalid size");
     for (const char* of : {"/conditioning", "/determinant", "/rank"}) {  // libfclib has room for one number of each
       if (has(at + of)) number(at + of);
     }
@@ -227,13 +227,13 @@ void writeFclibHere(const std::string& path, FclibLocal& problem) {
 #else
 
 std::variant<FclibProblem, FclibLocal> readFclibHere(const std::string&) {
-  throw UserError("it is a file of FCLIB, which this build is without; valid: one with libfclib-dev");
+  throw UserError("this is an FCLIB file, and this build has no FCLIB; valid: a build with libfclib-dev");
 }
 void writeFclibHere(const std::string&, FclibLocal&) {
-  throw UserError("this build is without FCLIB; valid: one with libfclib-dev");
+  throw UserError("this build has no FCLIB; valid: a build with libfclib-dev");
 }
 void writeFclibHere(const std::string&, FclibProblem&) {
-  throw UserError("this build is without FCLIB; valid: one with libfclib-dev, or a file that ends in .json");
+  throw UserError("this build has no FCLIB; valid: a build with libfclib-dev, or a file that ends in .json");
 }
 
 #endif

@@ -47,7 +47,8 @@ constexpr int kTold = 3;  // exit code of a child process that reports an error
 std::string inItsProcess(const std::string& library, const std::string& path,
                          const std::function<std::string()>& work) {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw UserError(path + ": no pipe to read it through; valid: more open files");
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw UserError(path + ": cannot create a pipe to read it; valid: more open files (ulimit -n)");
   const pid_t parent = getpid(), child = fork();
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);

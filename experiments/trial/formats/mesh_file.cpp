@@ -72,7 +72,7 @@ void requireNumbers(Lines& lines, int least, int most, const std::string& path) 
     float value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     const bool read = error != std::errc::invalid_argument && end == word.data() + word.size();
-    if (!read) refuse(path, lines.number, "'" + shown + "' is no coordinate; valid: a number");
+    if (!read) refuse(path, lines.number, "'" + shown + "' is not a coordinate; valid: a number");
     // A number closer to 0 than any float is read as 0.
     const bool tiny =
         error == std::errc::result_out_of_range && (word.find("e-") != word.npos || word.find("E-") != word.npos);
@@ -105,7 +105,7 @@ void checkObj(const std::string& bytes, const std::string& path) {
       }
       requireFew(triangles += std::max(1L, corners - 2), "triangles", path);
     } else if (key == "l" || key == "p") {
-      refuse(path, lines.number, "a line or a point by itself ('" + std::string(key) + "'); valid: faces");
+      refuse(path, lines.number, "a separate line or point ('" + std::string(key) + "'); valid: faces");
     }
   }
   if (triangles == 0) refuse(path, "has no faces ('f'); valid: a surface of triangles or larger faces");
@@ -143,8 +143,8 @@ void checkStl(const std::string& bytes, const std::string& path) {
   std::uint32_t n = 0;
   std::memcpy(&n, bytes.data() + kStlHeader - sizeof n, sizeof n);
   if (bytes.size() != kStlHeader + kStlTriangle * std::size_t{n}) {
-    refuse(path, "its header says " + std::to_string(n) + " triangles, and it has " + std::to_string(bytes.size()) +
-                     " bytes; valid: 84 and 50 for each triangle");
+    refuse(path, "its header says " + std::to_string(n) + " triangles, but the file has " +
+                     std::to_string(bytes.size()) + " bytes; valid: 84 and 50 for each triangle");
   }
   if (n == 0) refuse(path, "has no triangles; valid: a surface of them");
   requireFew(n, "triangles", path);
@@ -198,7 +198,7 @@ std::string cornersByAssimp(const std::string& bytes, const std::string& ending)
 #else
 
 std::string cornersByAssimp(const std::string&, const std::string&) {
-  throw UserError("this build is without assimp; valid: one with libassimp-dev, or 'points'");
+  throw UserError("this build has no assimp; valid: a build with libassimp-dev, or 'points'");
 }
 
 #endif
@@ -217,10 +217,10 @@ std::string meshBytes(const std::string& path) {
   namespace fs = std::filesystem;
   const std::string ending = endingOf(path);
   if (ending != ".obj" && ending != ".stl")
-    refuse(path, "'" + ending + "' is no format of meshes that is read" + kValidFiles);
+    refuse(path, "'" + ending + "' is not a supported mesh format" + kValidFiles);
   std::error_code error;
-  if (!fs::exists(path, error)) refuse(path, "there is no such file; valid: a path from the scene's folder");
-  if (!fs::is_regular_file(path, error)) refuse(path, std::string("is no file") + kValidFiles);
+  if (!fs::exists(path, error)) refuse(path, "the file does not exist; valid: a path relative to the scene's folder");
+  if (!fs::is_regular_file(path, error)) refuse(path, std::string("is not a file") + kValidFiles);
   const std::uintmax_t size = fs::file_size(path, error);
   if (size > kMostMeshBytes) {
     refuse(path, "has " + std::to_string(size >> 20) + " MiB; valid: up to " + std::to_string(kMostMeshBytes >> 20));
@@ -274,7 +274,7 @@ void requireConvex(const MeshFile& mesh, const Polytope<3>& hull, const std::str
       "; valid: hull = true, its hull; a compound of convex parts; or kind = \"mesh\" on a fixed body";
   if (deepest > allowed) {
     throw UserError(name + " is not convex: its triangle " + std::to_string(worst + 1) + " lies " + asText(deepest) +
-                    " m inside of its hull" + valid);
+                    " m inside its hull" + valid);
   }
   for (const auto& face : hull.faces) {
     const Point base = vertex(hull.loop[static_cast<std::size_t>(face.begin)]);
@@ -286,7 +286,7 @@ void requireConvex(const MeshFile& mesh, const Polytope<3>& hull, const std::str
     hullArea += twice.norm() / 2;
   }
   if (std::abs(area - hullArea) <= kConvexArea * hullArea) return;
-  throw UserError(name + " is no closed surface: its triangles have " + asText(area) + " m2, those of its hull " +
+  throw UserError(name + " is not a closed surface: its triangles have " + asText(area) + " m2, those of its hull " +
                   asText(hullArea) +
                   "; valid: a surface without holes and without faces that lie on each other, or hull = true");
 }

@@ -93,7 +93,7 @@ void keepApart(const NamedFiles& inputs, const NamedFiles& outputs) {
     const auto& [option, path] = outputs[i];
     for (const auto& [what, input] : inputs) {
       if (!areOneFile(path, input)) continue;
-      throw UserError(option + " " + path + " would be written over " + what + " " + input + "; valid: another file");
+      throw UserError(option + " " + path + " would overwrite " + what + " " + input + "; valid: another file");
     }
     for (std::size_t j = 0; j < outputs.size(); ++j) {
       const auto& [other, place] = outputs[j];

@@ -176,7 +176,7 @@ typename PairStream<D>::Pair readPair(const PairHeader& header, const json& from
   const typename PairStream<D>::Pair out{part(1), part(6), shape(0), shape(5)};
   const ShapeKind a = shapes[out.shapeA].kind(), b = shapes[out.shapeB].kind();
   if (a > b)
-    header.fail(where, "the kind that is listed first (sphere, capsule, segment, box, ...) as the first shape");
+    header.fail(where, "as first shape the kind that comes first in the list sphere, capsule, segment, box, ...");
   if (a == ShapeKind::plane && b == ShapeKind::plane) header.fail(where, "one plane at most");
   return out;
 }
@@ -223,7 +223,7 @@ PairStream<D> readStream(const PairHeader& header, const json& top, std::string_
     out.steps.push_back({static_cast<long>(step), static_cast<std::size_t>(meetings)}), left -= meetings;
   }
   if (left != 0 || bytes.size() != static_cast<std::size_t>(most) * kMeetingBytes<D>) {
-    header.fail("the number of bytes after the header", "those of the meetings of its steps");
+    header.fail("the number of bytes after the header", "the size of the pairs of its steps");
   }
   const char* at = bytes.data();
   out.meetings.reserve(static_cast<std::size_t>(most));
@@ -274,7 +274,7 @@ PairStreamFile PairStreamFile::parse(const std::string& bytes, const std::string
                        ? json()
                        : json::parse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(line), nullptr, false);
   if (!top.is_object() || top.value("format", json()) != kPairsFormat) {
-    throw UserError(path + ": is no file of pairs; valid: what lpc record --pairs writes");
+    throw UserError(path + ": not a file of pairs; valid: a file written by lpc record --pairs");
   }
   const PairHeader header{path};
   header.integer(header.field(top, "version", "the header"), "version", kPairsVersion, kPairsVersion);
@@ -282,7 +282,7 @@ PairStreamFile PairStreamFile::parse(const std::string& bytes, const std::string
   const std::size_t end = bytes.size() - std::min(bytes.size(), sizeof checksum), begin = line + 1;
   if (end >= begin) std::memcpy(&checksum, bytes.data() + end, sizeof checksum);
   if (end < begin || checksum != XXH64(bytes.data(), end, 0)) {
-    throw UserError(path + ": is damaged, its checksum is another; valid: a file as lpc record --pairs wrote it");
+    throw UserError(path + ": damaged: the checksum does not match; valid: a file as written by lpc record --pairs");
   }
   const std::string_view meetings = std::string_view(bytes).substr(begin, end - begin);
   PairStreamFile out;

@@ -225,7 +225,7 @@ void readBody(const Place& body, FrozenProblem<D>& out) {
   body.at("position").column(position), body.at("inverse_inertia").column(inverse);
   const Real invMass = body.at("inverse_mass").least(0);
   if (type != 2 && (invMass > 0 || !inverse.isZero(0)))
-    body.at("inverse_mass").fail("0, as the inertia's, of a body that is not dynamic");
+    body.at("inverse_mass").fail("0 for mass and inertia of a body that is not dynamic");
   if (!inverse.isApprox(inverse.transpose(), Real(1e-4)) && !inverse.isZero(0)) {
     body.at("inverse_inertia").fail("a symmetric matrix");
   }
@@ -308,9 +308,9 @@ void checkMatrix(const Place& matrix, const GivenProblem& given) {
     given.eachOf(j, [&](std::int32_t i, double w) {
       if (i <= j || w * w <= given.at(i, i) * given.at(j, j) * (1 + kRounding)) return;
       const std::string at = std::to_string(i) + ", " + std::to_string(j);
-      throw UserError(matrix.where() + ": the entry at " + at +
-                      " is larger than those of its rows on the diagonal allow; "
-                      "valid: a matrix that has no negative eigenvalue");
+      throw UserError(
+          matrix.where() + ": the entry at " + at +
+          " is too large for the diagonal entries of its rows; valid: a matrix without negative eigenvalues");
     });
     const double u = given.velocity[static_cast<std::size_t>(j)];
     const bool equality = j >= D * contacts, normal = !equality && j % D == 0;
@@ -318,10 +318,10 @@ void checkMatrix(const Place& matrix, const GivenProblem& given) {
     if (!moves(j) && ((equality && u != 0) || (normal && u < 0))) {
       matrix.at("velocity")
           .at(static_cast<std::size_t>(j))
-          .fail("0 or more of a row that nothing moves, of an equality 0");
+          .fail("0 or more for a row without moving bodies; 0 for such an equality");
     }
     if (D == 3 && normal && given.friction[static_cast<std::size_t>(j / D)] > 0 && moves(j + 1) != moves(j + 2)) {
-      matrix.at("friction").at(static_cast<std::size_t>(j / D)).fail("0 where nothing moves one of two tangents");
+      matrix.at("friction").at(static_cast<std::size_t>(j / D)).fail("0 where a tangent row has no moving body");
     }
   }
 }
@@ -335,7 +335,7 @@ GivenProblem readMatrix(const Place& matrix) {
   for (std::size_t c = 0; c < out.friction.size(); ++c) matrix.at("friction").at(c).least(0);
   const std::size_t rows = out.velocity.size(), least = D * out.friction.size();
   if (rows < least || rows == 0) {
-    matrix.at("velocity").fail(std::to_string(D) + " numbers of each contact, then one of each equality");
+    matrix.at("velocity").fail(std::to_string(D) + " numbers for each contact, then one for each equality");
   }
   if (out.impulse.size() != rows) matrix.at("impulse").fail("a list of " + std::to_string(rows) + ", as velocity");
   const Place entries = matrix.at("entries");
@@ -381,7 +381,7 @@ StoredProblem<D> readProblem(const Place& from) {
   };
   each("bodies", readBody<D>);
   if (!p.arrival.empty() && p.arrival.size() != p.bodies.pose.size()) {
-    from.at("bodies").fail("arrival velocities of all bodies or of none");
+    from.at("bodies").fail("arrival velocities for all bodies or for none");
   }
   each("contacts", readContact<D>), each("joints", readJoint<D>);
   p.order = readOrder(from.at("order"), p.manifolds.size());
@@ -421,7 +421,7 @@ ProblemFile ProblemFile::parse(const std::string& bytes, const std::string& path
   if (isHdf5(bytes)) return parse(fclibAsProblems(path), path);
   const json whole = json::parse(bytes, nullptr, false);
   if (whole.is_discarded() || !whole.is_object() || whole.value("format", json()) != kFormat) {
-    throw UserError(path + ": is no file of problems; valid: what lpc record writes");
+    throw UserError(path + ": not a file of problems; valid: a file written by lpc record");
   }
   const Place top(whole, path);
   const Place version = top.at("version");

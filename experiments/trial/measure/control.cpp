@@ -18,8 +18,8 @@ constexpr double kShare = 0.01;  // of the distance
 std::string Control::reason() const {
   char why[160];
   std::snprintf(why, sizeof why,
-                "alone, a body that must fall by %.4g m here falls by %.4g m: that others rest tells nothing", right,
-                fallen);
+                "control failed: a free body that must fall by %.4g m falls by %.4g m, so resting bodies prove nothing",
+                right, fallen);
   return why;
 }
 

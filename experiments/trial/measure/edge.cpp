@@ -73,7 +73,7 @@ std::string Edge<D>::left(const Simulation<D>& world) {
       return true;
     });
     char why[160];
-    std::snprintf(why, sizeof why, "body %zu is below all that does not fall, %s, at x = %.4g m, at %.4g m/s", i,
+    std::snprintf(why, sizeof why, "body %zu is below all static bodies, %s, at x = %.4g m, at %.4g m/s", i,
                   over ? "over an edge" : "through it", double(b.pose[i].p[0]), double(b.motion[i].v.norm()));
     return why;
   }

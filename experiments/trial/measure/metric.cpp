@@ -6,8 +6,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 const DescribedMetric kLoad = {
     "metric",
     "any",
-    {"load", "load average", "1", "processes that wanted a processor when the trial started, mean of a minute",
-     MetricRole::detail, "a quieter machine", TrialNeed::timing}};
+    {"load", "load average", "1", "runnable processes when the trial started, mean over a minute", MetricRole::detail,
+     "a quieter machine", TrialNeed::timing}};
 
 std::vector<DescribedMetric> describeMetrics() {
   std::vector<DescribedMetric> out;

@@ -29,7 +29,7 @@ std::string SavedScene::worldPath(const std::string& scenePath) {
   const bool plain =
       std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == '"' || c == '\\'; });
   if (path.extension() != ".toml" || name.empty() || !plain) {
-    throw UserError("'" + scenePath + "' is no name of a scene; valid: NAME.toml");
+    throw UserError("'" + scenePath + "' is not a scene file; valid: NAME.toml");
   }
   return path.replace_extension(".world").string();
 }
@@ -45,7 +45,7 @@ void SavedScene::write(const World<D>& world, const SceneSpec<D>& scene, const s
     if (value > 0) out << key << " = " << asText(double(value)) << '\n';
   };
   out << "# " << scene.name << " after " << m_step
-      << " steps, without what its script does later. It goes on bit for bit by\n"
+      << " steps, without later events of its script. To continue bit for bit:\n"
       << "# --pipeline \"" << pipeline << "\"\n"
       << "name = \"" << name << "\"\n"
       << "summary = " << toml::value<std::string>(scene.name + " after " + std::to_string(m_step) + " steps") << '\n'

@@ -82,7 +82,7 @@ Shape<D> readSurface(TableReader& shape, SceneNumbers& numbers) {
   for (const toml::node& n : *list.as_array()) {
     const toml::array* corners = n.as_array();
     if (!corners || corners->size() != 3) {
-      shape.fail(n, "a triangle is " + describe(n) + "; valid: a list of three numbers of points");
+      shape.fail(n, "a triangle is " + describe(n) + "; valid: a list of three point numbers");
     }
     auto& triangle = triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -174,7 +174,7 @@ Shape<D> readCompound(TableReader& shape, SceneNumbers& numbers) {
     TableReader part(*t, shape.file(), "a part");
     const std::string kind = part.requireString("kind");
     if (kind == "plane" || kind == "compound" || kind == "mesh" || kind == "chain") {
-      part.fail("a part is a " + kind + "; valid: convex shapes that end");
+      part.fail("a part is a " + kind + "; valid: bounded convex shapes");
     }
     const long n = numbers.whole(part, "repeat", 1, 0, kMostParts);
     numbers.count(part.raw(), "shapes", n);
@@ -239,7 +239,7 @@ template <int D>
 void readMass(TableReader& body, SceneNumbers& numbers, BodyDef<D>& def) {
   const toml::node *mass = body.find("mass"), *center = body.find("center"), *inertia = body.find("inertia");
   if (!mass) {
-    if (center || inertia) body.fail(center ? *center : *inertia, "a centre or inertia without a 'mass' (kg)");
+    if (center || inertia) body.fail(center ? *center : *inertia, "a centre or inertia needs a 'mass' (kg)");
     return;
   }
   MassProperties<D> given;
@@ -262,8 +262,8 @@ void readMass(TableReader& body, SceneNumbers& numbers, BodyDef<D>& def) {
       given.inertia = numbers.vector<3>(*inertia).asDiagonal();
     }
     if (!numbers.rehearsing() && !isInertia(given.inertia)) {
-      body.fail(*inertia, std::string("no body has such an inertia; valid: ") +
-                              (D == 2 ? "a number >= 0" : "three numbers >= 0, none above the sum of the others"));
+      body.fail(*inertia, std::string("the inertia is not that of a rigid body; valid: ") +
+                              (D == 2 ? "a number >= 0" : "three numbers >= 0, each at most the sum of the other two"));
     }
   }
   def.mass = given;
@@ -274,9 +274,10 @@ template <int D>
 void checkMass(const BodyDef<D>& def, const TableReader& body) {
   MassProperties<D> all;
   for (const ShapeDef<D>& s : def.shapes) {
-    if (s.shape.isPlane() && def.type != BodyType::fixed) body.fail("a plane moves; valid: type = \"fixed\"");
+    if (s.shape.isPlane() && def.type != BodyType::fixed)
+      body.fail("a plane on a moving body; valid: type = \"fixed\"");
     if (s.shape.surface() && def.type != BodyType::fixed) {
-      body.fail("a mesh or chain moves; valid: type = \"fixed\", or convex shapes and compounds of them");
+      body.fail("a mesh or chain on a moving body; valid: type = \"fixed\", or convex shapes and compounds of them");
     }
     all = combined(all, transformed(massProperties(s.shape, s.density), s.X_BS));
   }
@@ -285,14 +286,13 @@ void checkMass(const BodyDef<D>& def, const TableReader& body) {
     body.fail("a dynamic body has a mass of " + asText(all.mass) + " kg; valid: finite and above 0, or another type");
   }
   if (!std::isfinite(all.mass) || !all.center.allFinite() || !all.inertia.allFinite()) {
-    body.fail("a body whose mass, " + asText(all.mass) +
-              " kg, or inertia is more than numbers hold; valid: smaller ones");
+    body.fail("the body's mass, " + asText(all.mass) + " kg, or its inertia is too large; valid: smaller ones");
   }
   if (def.type != BodyType::dynamic) return;
   const bool turns = def.rotatable && all.inertia.trace() > 0;
   if (!std::isfinite(1 / all.mass) || (turns && !inverseInertia<D>(all.inertia))) {
-    body.fail("a body whose mass, " + asText(all.mass) +
-              " kg, or inertia has no inverse that numbers hold; valid: larger ones");
+    body.fail("the body's mass, " + asText(all.mass) +
+              " kg, or its inertia is too small to invert; valid: larger ones");
   }
 }
 
@@ -301,7 +301,7 @@ void checkMass(const BodyDef<D>& def, const TableReader& body) {
 std::shared_ptr<const Polytope<3>> hullWithNormals(std::span<const Vec<3>> corners, std::span<const Vec<3>> normals) {
   auto hull = std::make_shared<Polytope<3>>(*convexHull(corners));
   if (normals.size() != hull->faces.size()) {
-    throw UserError("polytope: " + std::to_string(normals.size()) + " normals are given, and its faces are " +
+    throw UserError("polytope: " + std::to_string(normals.size()) + " normals are given, but the number of faces is " +
                     std::to_string(hull->faces.size()) + "; valid: one for each, or none");
   }
   for (std::size_t f = 0; f < normals.size(); ++f) {
@@ -309,8 +309,8 @@ std::shared_ptr<const Polytope<3>> hullWithNormals(std::span<const Vec<3>> corne
     const Vec<3>& n = normals[f];
     if (!((n - face.normal).norm() < kGivenNormal) || !(std::abs(n.norm() - 1) < kFaceNormalError)) {
       throw UserError("polytope: normal " + std::to_string(f) +
-                      " is not that of its face; valid: of length 1, as the " +
-                      "hull of the corners has it but for rounding");
+                      " does not match its face; valid: a unit vector as the " +
+                      "hull of the corners has it, up to rounding");
     }
     face.normal = n;
     double offset = -std::numeric_limits<double>::infinity();  // nothing is outside, as in convexHull
@@ -331,7 +331,7 @@ double SceneNumbers::number(const toml::node& node) {
   double value = 1;  // value of an expression in a rehearsal
   if (node.is_number()) {
     value = *node.value<double>();
-    if (!std::isfinite(value)) failAt(m_file, node, describe(node) + " is found; valid: a finite number");
+    if (!std::isfinite(value)) failAt(m_file, node, describe(node) + " found; valid: a finite number");
   } else if (node.is_string()) {
     try {
       const std::string text = *node.value<std::string>();
@@ -340,11 +340,11 @@ double SceneNumbers::number(const toml::node& node) {
       failAt(m_file, node, e.what());
     }
   } else {
-    failAt(m_file, node, describe(node) + " is found; valid: a number or an expression");
+    failAt(m_file, node, describe(node) + " found; valid: a number or an expression");
   }
   constexpr double kMost = std::numeric_limits<Real>::max();
   if (std::abs(value) <= kMost) return value;
-  failAt(m_file, node, asText(value) + " is more than numbers of this precision hold; valid: up to " + asText(kMost));
+  failAt(m_file, node, asText(value) + " is too large for this precision; valid: up to " + asText(kMost));
 }
 
 double SceneNumbers::number(TableReader& table, const std::string& key, double fallback) {
@@ -377,7 +377,7 @@ template <int D>
 Vec<D> SceneNumbers::vector(const toml::node& node) {
   const toml::array* list = node.as_array();
   if (!list || list->size() < 2 || list->size() > 3) {
-    failAt(m_file, node, describe(node) + " is found; valid: a list of two or three numbers or expressions");
+    failAt(m_file, node, describe(node) + " found; valid: a list of two or three numbers or expressions");
   }
   Vec<D> out = Vec<D>::Zero();
   for (std::size_t i = 0; i < list->size(); ++i) {
@@ -423,7 +423,7 @@ Rot<D> readRotation(TableReader& table, SceneNumbers& numbers) {
   constexpr std::size_t kNumbers = D == 2 ? 2 : 4;
   const toml::node *given = table.find("rotation"), *angle = table.find("angle");
   if (!given) return rotationOf(readAngle<D>(table, numbers, "angle"));
-  if (angle) table.fail(*given, "'rotation' beside 'angle'; valid: one of them");
+  if (angle) table.fail(*given, "'rotation' and 'angle' are both given; valid: one of them");
   const toml::array* list = given->as_array();
   std::array<Real, kNumbers> x{};
   const bool other = numbers.rehearsing() && list && list->size() == 6 - kNumbers;  // of the other dimension
@@ -441,7 +441,7 @@ Rot<D> readRotation(TableReader& table, SceneNumbers& numbers) {
   } else {
     q = {x[0], x[1], x[2], x[3]};
   }
-  if (!numbers.rehearsing() && !takeWritten<D>(q)) table.fail(*given, "'rotation' has not the length 1");
+  if (!numbers.rehearsing() && !takeWritten<D>(q)) table.fail(*given, "'rotation' does not have length 1");
   return numbers.rehearsing() ? Rot<D>{} : q;
 }
 
@@ -470,7 +470,7 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
   def.awake = body.flag("awake", true);
   const std::vector<const toml::table*> shapes = body.blocks("shapes");
   if (shapes.empty() && def.type == BodyType::dynamic && !body.find("mass")) {
-    body.fail("a body needs 'shapes', or a 'mass' without any");
+    body.fail("a body needs 'shapes' or 'mass'");
   }
   for (const toml::table* t : shapes) {
     TableReader shape(*t, body.file(), "a shape");

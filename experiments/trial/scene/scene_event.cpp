@@ -30,7 +30,8 @@ template <int D, class Act>
 void addOurs(const EventBlock<D>& e, int body, std::string_view what, Act act) {
   addEvent<D>(e, body, [act = std::move(act), what](Director<D>& director, Simulation<D>& simulation, int i) {
     auto* world = dynamic_cast<World<D>*>(&simulation);
-    if (!world) throw UserError("'" + std::string(what) + "' is an event of our worlds: no engine has it");
+    if (!world)
+      throw UserError("'" + std::string(what) + "' is not supported by engines; valid: a pipeline of LPC's stages");
     act(director, *world, i);
   }).oursAlone = true;
 }
@@ -40,7 +41,7 @@ template <int D>
 void takeOut(const EventBlock<D>& e, const char* key, int body) {
   auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
   if (spawn.removeAt >= 0 && (spawn.takenBy >= 0 || spawn.removeAt < e.step)) {
-    e.block.fail(*e.block.find(key), "this body is removed at step " + std::to_string(spawn.removeAt) + " already");
+    e.block.fail(*e.block.find(key), "this body is already removed at step " + std::to_string(spawn.removeAt));
   }
   spawn.removeAt = e.step, spawn.takenBy = e.number;
 }
@@ -51,7 +52,7 @@ int dynamicBody(const EventBlock<D>& e) {
   const int body = e.bodyOf("body");
   const auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
   if (spawn.body.type != BodyType::dynamic && !spawn.retyped) {
-    e.block.fail(*e.block.find("body"), "'body' is one that forces do not move; valid: a dynamic body");
+    e.block.fail(*e.block.find("body"), "'body' is not dynamic, so forces do not move it; valid: a dynamic body");
   }
   return body;
 }
@@ -80,7 +81,7 @@ void requireOneOf(const EventBlock<D>& e, std::initializer_list<const char*> key
 }
 
 struct Add {
-  static constexpr std::string_view kName = "add", kMeaning = "brings a body in; its keys are those of a [[body]]";
+  static constexpr std::string_view kName = "add", kMeaning = "adds a body; keys as in [[body]]";
   static constexpr bool kNames = true;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -92,7 +93,7 @@ struct Add {
 };
 
 struct Remove {
-  static constexpr std::string_view kName = "remove", kMeaning = "takes a body out, and its joints: body";
+  static constexpr std::string_view kName = "remove", kMeaning = "removes a body and its joints: body";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -105,7 +106,7 @@ struct Remove {
 struct Push {
   static constexpr std::string_view kName = "push";
   static constexpr std::string_view kMeaning =
-      "a blow: body, impulse (N s), angular_impulse (N m s), at (m, in its frame)";
+      "applies an impulse: body, impulse (N s), angular_impulse (N m s), at (m, in the body's frame)";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -115,7 +116,7 @@ struct Push {
     const Ang<D> angular = readAngular<D>(e.block, e.numbers, "angular_impulse");
     addDeed<D>(e, body, [impulse, angular, at = pointOf(e)](Simulation<D>& world, Handle h) {
       const Ang<D> turn = cross(armOf(world, h, at), impulse) + angular;
-      if (!turn.allFinite()) throw EventOverflow("a push comes to an angular impulse beyond all numbers");
+      if (!turn.allFinite()) throw EventOverflow("the angular impulse of a push is not finite");
       world.applyImpulse(h, {impulse, turn});
     });
   }
@@ -124,7 +125,7 @@ struct Push {
 struct Set {
   static constexpr std::string_view kName = "set";
   static constexpr std::string_view kMeaning =
-      "body, and what it gets: position, angle or rotation, velocity, angular_velocity";
+      "sets the state of a body: body, position, angle or rotation, velocity, angular_velocity";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -160,7 +161,8 @@ struct Set {
 struct Force {
   static constexpr std::string_view kName = "force";
   static constexpr std::string_view kMeaning =
-      "for one step, or each until `until`: body, force (N), torque (N m), at (m); strength (N) towards a point (m)";
+      "applies a force for one step, or for each step until `until`: body, force (N), torque (N m), at (m); or "
+      "strength (N) towards a point (m)";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -177,7 +179,7 @@ struct Force {
       const Real far = way.norm();
       const Vec<D> pull = far > 0 ? Vec<D>(strength * (way / far)) : Vec<D>(Vec<D>::Zero());
       const Vec<D> sum = force + pull;
-      if (!sum.allFinite() || !point.allFinite()) throw EventOverflow("an event's force is beyond all numbers");
+      if (!sum.allFinite() || !point.allFinite()) throw EventOverflow("an event's force is not finite");
       world.applyForce(h, sum, point);
       world.applyTorque(h, torque);
     });
@@ -185,7 +187,7 @@ struct Force {
 };
 
 struct Joint {
-  static constexpr std::string_view kName = "joint", kMeaning = "joins two bodies; its keys are those of a [[joint]]";
+  static constexpr std::string_view kName = "joint", kMeaning = "adds a joint; keys as in [[joint]]";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -195,7 +197,7 @@ struct Joint {
 };
 
 struct Unjoin {
-  static constexpr std::string_view kName = "unjoin", kMeaning = "takes a joint away that has a name: joint";
+  static constexpr std::string_view kName = "unjoin", kMeaning = "removes a named joint: joint";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -207,7 +209,7 @@ struct Unjoin {
 
 struct AddForce {
   static constexpr std::string_view kName = "add_force";
-  static constexpr std::string_view kMeaning = "a force by kind that stays; its keys are those of a [[force]]";
+  static constexpr std::string_view kMeaning = "adds a lasting force; keys as in [[force]]";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -217,7 +219,7 @@ struct AddForce {
 };
 
 struct RemoveForce {
-  static constexpr std::string_view kName = "remove_force", kMeaning = "takes a force away that has a name: force";
+  static constexpr std::string_view kName = "remove_force", kMeaning = "removes a named force: force";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -229,18 +231,18 @@ struct RemoveForce {
 
 struct Merge {
   static constexpr std::string_view kName = "merge";
-  static constexpr std::string_view kMeaning = "makes one body of two that are both dynamic or both fixed: into, other";
+  static constexpr std::string_view kMeaning = "merges two dynamic or two fixed bodies: into, other";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
     const int into = e.bodyOf("into"), other = e.bodyOf("other");
     const auto typeOf = [&](int body) { return e.scene.spawns[static_cast<std::size_t>(body)].body.type; };
     if (!e.numbers.rehearsing()) {
-      if (into == other) e.block.fail(*e.block.find("other"), "'other' is 'into'; valid: two bodies");
+      if (into == other) e.block.fail(*e.block.find("other"), "'other' equals 'into'; valid: two different bodies");
       const auto retyped = [&](int body) { return e.scene.spawns[static_cast<std::size_t>(body)].retyped; };
       const bool known = !retyped(into) && !retyped(other);  // otherwise their types are known only at run time
       if (known && (typeOf(into) != typeOf(other) || typeOf(into) == BodyType::kinematic)) {
-        e.block.fail(*e.block.find("other"), "these two make no body; valid: both dynamic, or both fixed");
+        e.block.fail(*e.block.find("other"), "these two bodies cannot be merged; valid: both dynamic, or both fixed");
       }
       takeOut(e, "other", other);
     }
@@ -253,7 +255,7 @@ struct Merge {
 struct TakeApart {
   static constexpr std::string_view kName = "take_apart";
   static constexpr std::string_view kMeaning =
-      "makes one body of each shape: body, and their names, of which the first is it, too";
+      "splits a body into one body per shape: body, names (the first names the body that remains)";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -282,10 +284,10 @@ struct TakeApart {
     }
     addOurs<D>(e, body, kName, [parts](Director<D>& director, World<D>& world, int of) {
       const Handle whole = director.body(of);
-      if (!world.valid(whole)) throw UserError("the body is gone");
+      if (!world.valid(whole)) throw UserError("the body no longer exists");
       const std::size_t shapes = world.shapesOf(static_cast<std::size_t>(whole.slot)).size();
       if (shapes != parts.size()) {
-        throw UserError("the body has " + std::to_string(shapes) + " shapes, and 'names' are " +
+        throw UserError("the body has " + std::to_string(shapes) + " shapes, but the number of 'names' is " +
                         std::to_string(parts.size()) + "; valid: one for each");
       }
       const std::vector<Handle> bodies = world.takeApart(whole);
@@ -295,7 +297,7 @@ struct TakeApart {
 };
 
 struct Wake {
-  static constexpr std::string_view kName = "wake", kMeaning = "wakes the body, or all without one: body";
+  static constexpr std::string_view kName = "wake", kMeaning = "wakes a body, or all bodies without 'body': body";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -309,7 +311,7 @@ struct Wake {
 };
 
 struct Gravity {
-  static constexpr std::string_view kName = "gravity", kMeaning = "from now on, and all wake: gravity (m/s^2)";
+  static constexpr std::string_view kName = "gravity", kMeaning = "sets gravity and wakes all bodies: gravity (m/s^2)";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -320,8 +322,7 @@ struct Gravity {
 
 struct Clear {
   static constexpr std::string_view kName = "clear";
-  static constexpr std::string_view kMeaning =
-      "takes all bodies, joints and forces out; who is named later comes later";
+  static constexpr std::string_view kMeaning = "removes all bodies, joints and forces; later events may add new ones";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -332,7 +333,7 @@ struct Clear {
 
 struct Exchange {
   static constexpr std::string_view kName = "exchange";
-  static constexpr std::string_view kMeaning = "other algorithms or parameters of the stages that are named: pipeline";
+  static constexpr std::string_view kMeaning = "replaces the algorithms or parameters of the named stages: pipeline";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -364,7 +365,8 @@ void addChange(const EventBlock<D>& e, std::string_view what, Change change) {
 
 struct Material {
   static constexpr std::string_view kName = "material";
-  static constexpr std::string_view kMeaning = "of all its shapes: body, friction, restitution, density (kg/m^D)";
+  static constexpr std::string_view kMeaning =
+      "sets the material of all shapes of a body: body, friction, restitution, density (kg/m^D)";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -385,7 +387,7 @@ struct Material {
 
 struct Pin {
   static constexpr std::string_view kName = "pin";
-  static constexpr std::string_view kMeaning = "body: its centre of mass stays where it is; pinned = false lets it go";
+  static constexpr std::string_view kMeaning = "pins a body's centre of mass: body; pinned = false releases it";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
@@ -396,7 +398,7 @@ struct Pin {
 
 struct Type {
   static constexpr std::string_view kName = "type";
-  static constexpr std::string_view kMeaning = "makes it one that is: body, type (dynamic, fixed, kinematic)";
+  static constexpr std::string_view kMeaning = "sets the type of a body: body, type (dynamic, fixed, kinematic)";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {

@@ -28,7 +28,7 @@ void setFeature(Features& features, const std::string& name) {
   }
   std::vector<std::string> names;
   for (const FeatureName& f : kFeatures) names.push_back(f.name);
-  throw UserError("unknown feature '" + name + "'" + validNames(names, name));
+  throw UserError("unknown part of the model '" + name + "'" + validNames(names, name));
 }
 
 std::string featuresText(const Features& features) {

@@ -15,7 +15,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr std::string_view kTurns = "turns of loops", kEmptyTurns = "turns of loops around others of no turn";
+constexpr std::string_view kTurns = "turns of loops", kEmptyTurns = "turns of loops with empty inner loops";
 constexpr double kRightAngle = 1.5707963267948966;  // rad
 
 using Entries = std::vector<std::pair<std::string, const toml::node*>>;
@@ -96,7 +96,7 @@ class Builder {
     for (const toml::table* t : m_top.blocks("joint")) jointBlock(*t);
     for (const toml::table* t : m_top.blocks("force")) forceBlock(*t);
     if (const toml::node* old = m_top.find("spring")) {
-      m_top.fail(*old, "there is no [[spring]]; valid: [[force]] with kind = \"spring\" and its parameters = { ... }");
+      m_top.fail(*old, "unknown block [[spring]]; valid: [[force]] with kind = \"spring\", parameters = { ... }");
     }
     events(own, scripted, false);
     m_presence.check(m_scene, m_parsed.path);
@@ -106,7 +106,7 @@ class Builder {
     m_top.finish(), m_script.finish();
     m_scene.seeded = m_numbers.expressions.drew();
     if (m_perturb > 0 && !m_scene.saved.empty()) {
-      m_top.fail(*m_top.find("saved"), "'perturb' moves who starts, and a saved world has started; valid: perturb = 0");
+      m_top.fail(*m_top.find("saved"), "'perturb' moves start poses, which a saved world has not; valid: perturb = 0");
     }
     perturb(m_scene, m_perturb, m_seed);
     m_bodies.write(m_scene);
@@ -263,7 +263,7 @@ class Builder {
     if (m_numbers.rehearsing()) return -1;
     if (removeAt >= 0 && removeAt < step) {
       block.fail(*block.find("remove"), "'remove' is " + std::to_string(removeAt) + "; valid: from step " +
-                                            std::to_string(step) + " on, when the body comes");
+                                            std::to_string(step) + " on, when the body is added");
     }
     m_numbers.count(block.raw(), "bodies");
     return addSpawn(std::move(spawn), ofScene);
@@ -419,7 +419,7 @@ class Builder {
   }
   typename SceneSpec<D>::Joint readJointOf(TableReader& block) {
     if (!m_parsed.needs.joints) {
-      block.fail("a joint in a scene without the need of them, where it holds nothing; valid: 'needs' with \"joints\"");
+      block.fail("a joint, but joints are disabled in this scene; valid: 'needs' with \"joints\"");
     }
     m_numbers.count(block.raw(), "joints");
     typename SceneSpec<D>::Joint joint;
@@ -436,9 +436,9 @@ class Builder {
       return spawn.body.type == BodyType::dynamic || spawn.retyped;
     };
     if (bodyA == bodyB) {
-      block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");
+      block.fail("a joint between a body and itself; valid: two bodies, or \"world\" and a body");
     }
-    if (!moves(bodyA) && !moves(bodyB)) block.fail("a joint of two bodies that do not move");
+    if (!moves(bodyA) && !moves(bodyB)) block.fail("a joint of two bodies that cannot move; valid: one dynamic body");
   }
   void forceBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[force]]");

@@ -43,8 +43,9 @@ void placeForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& s
   between.bodyB = force.bodyA == force.bodyB ? between.bodyA : end(force.bodyB);
   atBlock(block, [&] { return makeForce(between, ends); });
   if (force.removeAt >= 0 && force.removeAt <= force.step) {
-    block.fail(*block.find("until"), "'until' is " + std::to_string(force.removeAt) + ", and it comes at step " +
-                                         std::to_string(force.step) + "; valid: a later one");
+    block.fail(*block.find("until"), "'until' is " + std::to_string(force.removeAt) +
+                                         ", but the force starts at step " + std::to_string(force.step) +
+                                         "; valid: a later one");
   }
 }
 

@@ -15,7 +15,7 @@ Vec<D> direction(TableReader& joint, SceneNumbers& numbers, const std::string& k
   // Shorter vectors lose digits when squared.
   if (!(v.squaredNorm() >= std::numeric_limits<Real>::min()))
     joint.fail(node, "'" + key + "' has no length" + (D == 2 ? " in the plane" : ""));
-  if (!std::isfinite(v.norm())) joint.fail(node, "'" + key + "' is longer than numbers hold" + valid);
+  if (!std::isfinite(v.norm())) joint.fail(node, "'" + key + "' is too long" + valid);
   return v.normalized();
 }
 
@@ -42,7 +42,8 @@ Rot<3> readFrame(TableReader& joint, SceneNumbers& numbers, const Rot<3>& none) 
   if (!along) return q;
   Vec<3> x = q.inverse() * direction<3>(joint, numbers, "along", *along);
   if (axis && !numbers.rehearsing()) {
-    if (std::abs(x[2]) > Real(1e-5)) joint.fail(*along, "'along' is not at a right angle to 'axis'; valid: across it");
+    if (std::abs(x[2]) > Real(1e-5))
+      joint.fail(*along, "'along' is not perpendicular to 'axis'; valid: a perpendicular vector");
     x = Vec<3>(x[0], x[1], 0).normalized();
   }
   return q * onto(ex, x, ez);
@@ -51,9 +52,11 @@ Rot<3> readFrame(TableReader& joint, SceneNumbers& numbers, const Rot<3>& none) 
 constexpr const char* kChosen = "$joint";
 
 Spec readChosen(TableReader& joint, const std::string& chosen) {
-  if (chosen.empty()) joint.fail(joint.require("kind"), "there is no parameter 'joint' that holds a kind as text");
+  if (chosen.empty())
+    joint.fail(joint.require("kind"), "the scene has no parameter 'joint' with a kind of joint as text");
   if (const toml::node* given = joint.find("parameters")) {
-    joint.fail(*given, "'parameters' of a kind that is chosen; valid: in the text of the parameter 'joint'");
+    joint.fail(*given,
+               "'parameters' of a joint with the scene parameter 'joint' as kind; valid: in the text of 'joint'");
   }
   return atBlock(joint, [&] { return Spec::parse(chosen); });
 }
@@ -66,7 +69,7 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
   def.X_WJ.p = numbers.vector<D>(joint.require("anchor"));
   if (const toml::node* whole = joint.find("rotation")) {
     if (joint.find("axis") || joint.find("along")) {
-      joint.fail(*whole, "'rotation' beside 'axis' or 'along'; valid: that, or those");
+      joint.fail(*whole, "'rotation' is given with 'axis' or 'along'; valid: either 'rotation' or the axes");
     }
     def.X_WJ.q = readRotation<D>(joint, numbers);
   } else {

@@ -70,7 +70,7 @@ SceneFile SceneFile::parse(std::string bytes, const std::string& path, std::stri
     readNeeds(script, parsed->needs);
     addScriptParameters(script, *parsed);
     for (auto& [name, mesh] : readMeshes(parsed->script, scriptPath)) {
-      if (parsed->meshes.count(name)) throw UserError(scriptPath + ": '" + name + "' is a file of the scene, too");
+      if (parsed->meshes.count(name)) throw UserError(scriptPath + ": '" + name + "' is already a file of the scene");
       parsed->meshes.emplace(name, mesh);
     }
   }

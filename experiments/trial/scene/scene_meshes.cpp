@@ -20,10 +20,10 @@ void walk(const toml::node& node, const std::function<void(const toml::table&)>&
 
 std::string fileOf(TableReader& shape, SceneNumbers& numbers) {
   const std::string name = shape.requireString("file");
-  if (shape.find("points")) shape.fail("it has 'file' and 'points'; valid: one of them");
+  if (shape.find("points")) shape.fail("'file' and 'points' are both given; valid: one of them");
   // Of a table that readMeshes did not take for a shape.
   if (!numbers.meshes.count(name))
-    shape.fail("'file' is of no shape that has one; valid: kind = \"polytope\", \"mesh\"");
+    shape.fail("'file' is not supported by this kind of shape; valid: kind = \"polytope\", \"mesh\"");
   return name;
 }
 
@@ -75,13 +75,13 @@ Shape<D> readHull(TableReader& shape, SceneNumbers& numbers, Real rounding) {
   if (numbers.rehearsing()) return {};
   if constexpr (D == 2) {
     (void)filled, (void)rounding;
-    shape.fail(*shape.find("file"), "a file is of a mesh in 3D; valid: 'points', or a scene of dimensions = [3]");
+    shape.fail(*shape.find("file"), "'file' needs a 3D scene; valid: 'points', or dimensions = [3]");
   } else {
     std::shared_ptr<const Polytope<3>>& hull = numbers.hulls[{name, scale, filled}];
     if (!hull) {
       const MeshFile mesh = readMesh(shape, numbers);
       if (mesh.points.size() > kMostHullPoints) {
-        throw UserError(name + " has " + std::to_string(mesh.points.size()) + " points; valid of a hull: up to " +
+        throw UserError(name + " has " + std::to_string(mesh.points.size()) + " points; valid for a hull: up to " +
                         std::to_string(kMostHullPoints));
       }
       hull = convexHull(std::span<const Vec<3>>(mesh.points));

@@ -18,7 +18,7 @@ std::string nameOf(TableReader& block) {
 void checkName(TableReader& block, const std::string& key, const std::string& name) {
   if (name != "world" && name.find('[') == name.npos && !name.starts_with('#')) return;
   block.fail(*block.find(key),
-             "'" + key + "' is '" + name + "'; valid: any but 'world', without a '[' or a '#' before it");
+             "'" + key + "' is '" + name + "'; valid: any name except 'world', without '[' and leading '#'");
 }
 
 void SceneNames::renumber(const std::vector<int>& place) {
@@ -65,7 +65,7 @@ int SceneNames::find(TableReader& block, SceneNumbers& numbers, const std::strin
   if (it == m_named.end()) {
     std::vector<std::string> names;
     for (const auto& [name, list] : m_named) names.push_back(name);
-    block.fail(node, "there is no " + m_what + " named '" + text + "'" + validNames(names, text));
+    block.fail(node, "unknown " + m_what + " '" + text + "'" + validNames(names, text));
   }
   double index = 0;
   if (bracket != std::string::npos) {
@@ -80,8 +80,8 @@ int SceneNames::find(TableReader& block, SceneNumbers& numbers, const std::strin
   }
   if (numbers.rehearsing()) return 0;
   if (index < 0 || index >= static_cast<double>(it->second.size()) || index != std::floor(index)) {
-    block.fail(node, "'" + it->first + "' has " + std::to_string(it->second.size()) + " " + many +
-                         ", asked is number " + asText(index));
+    block.fail(node, "'" + it->first + "' has " + std::to_string(it->second.size()) + " " + many + "; asked: number " +
+                         asText(index));
   }
   return it->second[static_cast<std::size_t>(index)];
 }
@@ -97,14 +97,14 @@ void ScenePresence<D>::check(const SceneSpec<D>& scene, const std::string& file)
     const bool byClear = cleared != m_clears.end() && (spawn.removeAt < 0 || *cleared < goes);
     if (byClear) goes = *cleared;
     const std::string who =
-        "at step " + std::to_string(use.when.first) + " '" + spawn.body.name + "' is not there: it ";
+        "at step " + std::to_string(use.when.first) + " '" + spawn.body.name + "' does not exist: it ";
     if (use.when < comes) {
       failAt(file, *use.place,
-             who + "comes at " + std::to_string(comes.first) +
-                 (use.when.first == comes.first ? ", by an event that stands below" : ""));
+             who + "is added at " + std::to_string(comes.first) +
+                 (use.when.first == comes.first ? ", by a later event of the file" : ""));
     }
     if ((byClear || spawn.removeAt >= 0) && use.when > goes) {
-      failAt(file, *use.place, who + (byClear ? "is cleared away at " : "is removed at ") + std::to_string(goes.first));
+      failAt(file, *use.place, who + (byClear ? "is cleared at " : "is removed at ") + std::to_string(goes.first));
     }
   }
 }

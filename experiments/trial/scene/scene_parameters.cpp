@@ -20,8 +20,9 @@ void from_json(const nlohmann::json& in, ParameterValue& value) {
 }
 
 std::vector<SceneParameter> readParameters(TableReader& top) {
-  const SceneParameter everyScenes{kPerturbParameter, "how far bodies start from their places, by the seed (m and rad)",
-                                   0.0, 0, kMostPerturbed};
+  const SceneParameter everyScenes{kPerturbParameter,
+                                   "largest perturbation of the bodies' start poses, by the seed (m and rad)", 0.0, 0,
+                                   kMostPerturbed};
   const toml::table* parameters = top.table("parameters");
   if (!parameters) return {everyScenes};
   std::vector<SceneParameter> out;
@@ -35,7 +36,7 @@ std::vector<SceneParameter> readParameters(TableReader& top) {
       top.fail(*node, "parameter " + std::string(e.what()));
     }
     if (std::find(std::begin(kSetNames), std::end(kSetNames), name) != std::end(kSetNames)) {
-      top.fail(*node, "parameter '" + name + "' is a name that scenes set themselves; valid: all but " +
+      top.fail(*node, "parameter '" + name + "' is a reserved name; valid: all names except " +
                           joined({std::begin(kSetNames), std::end(kSetNames)}));
     }
     TableReader p(*node->as_table(), top.file(), "parameter '" + name + "'");
@@ -73,7 +74,8 @@ void addScriptParameters(TableReader& script, SceneFile::Parsed& scene) {
     for (const SceneParameter& other : scene.parameters) {
       if (p.name != other.name) continue;
       const toml::node& place = *script.table("parameters")->get(p.name);
-      script.fail(place, "parameter '" + p.name + "' is one of scene '" + scene.name + "', too; valid: another name");
+      script.fail(place,
+                  "parameter '" + p.name + "' is also a parameter of scene '" + scene.name + "'; valid: another name");
     }
     if (scene.parameters.size() > kMostNames) script.fail(*script.find("parameters"), kTooManyNames);
     scene.parameters.insert(scene.parameters.end() - 1, std::move(p));

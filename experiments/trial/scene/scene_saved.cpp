@@ -37,11 +37,12 @@ template <int D>
 void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec<D>& scene) {
   for (const char* key : {"settings", "gravity", "restitution_threshold", "margin", "mixing", "sleeping_contacts"}) {
     if (const toml::node* own = top.find(key)) {
-      top.fail(*own, "'" + std::string(key) + "' beside 'saved'; valid: what the saved world has");
+      top.fail(*own, "'" + std::string(key) +
+                         "' is given with 'saved'; valid: no such key, because the saved world has its own");
     }
   }
   if (!top.find("dt"))
-    top.fail(*top.find("saved"), "'saved' without 'dt' (s); valid: the step that it was saved at, or another");
+    top.fail(*top.find("saved"), "'saved' needs 'dt' (s); valid: the time step of the saved run, or another");
   scene.saved = parsed.saved;
   if (kindOf(parsed.saved).realBytes != static_cast<int>(sizeof(Real))) return;
   World<D> world(Pipeline::parse("contacts=query_clip"));  // supports all shapes
@@ -54,8 +55,8 @@ void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec
   const std::string needs = featuresText(world.settings().features);
   if (featuresText(parsed.needs) != needs) {
     const toml::node* own = top.find("needs");
-    top.fail(own ? *own : *top.find("saved"),
-             "the saved world needs '" + needs + "', the scene '" + featuresText(parsed.needs) + "'; valid: the same");
+    top.fail(own ? *own : *top.find("saved"), "the saved world has the model '" + needs + "', the scene '" +
+                                                  featuresText(parsed.needs) + "'; valid: the same");
   }
   scene.settings = world.settings();
   for (std::int32_t i = 0; i < world.bodies().size(); ++i) {

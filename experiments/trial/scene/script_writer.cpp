@@ -16,7 +16,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::string inQuotes(const std::string& text) {
-  if (oneLine(text) != text) throw UserError("'" + oneLine(text) + "' is not one line of text, as a script needs");
+  if (oneLine(text) != text)
+    throw UserError("'" + oneLine(text) + "' has several lines; valid in a script: one line of text");
   if (text.find_first_of("\"\\") == text.npos) return '"' + text + '"';
   std::ostringstream out;
   out << toml::value<std::string>(text);
@@ -61,8 +62,7 @@ bool sameHull(const Polytope<3>& a, const Polytope<3>& b) {
   return a.vertices == b.vertices && a.loop == b.loop &&
          std::equal(a.faces.begin(), a.faces.end(), b.faces.begin(), b.faces.end(), same);
 }
-constexpr const char* kOtherHull =
-    "a polytope whose hull is another when it is sought from its corners cannot be written";
+constexpr const char* kOtherHull = "a polytope with corners that give a different hull cannot be written into a script";
 
 std::string normalsField(ShapeKind kind, const Polytope<2>& hull) {
   if (sameHull(hull, *Shape<2>::ofCorners(kind, hull.vertices).view().hull)) return "";
@@ -137,7 +137,7 @@ std::string shapeFields(const Shape<D>& shape) {
 
 template <int D>
 std::string shapeTable(const ShapeDef<D>& s) {
-  if (s.userData != 0) throw UserError("the user data of a shape cannot be written into a script");
+  if (s.userData != 0) throw UserError("a shape with user data cannot be written into a script");
   return "  { " + shapeFields(s.shape) + ", offset = " + listText(s.X_BS.p) + ", rotation = " + rotationText(s.X_BS.q) +
          ", density = " + numberText(s.density) + ", friction = " + numberText(s.friction) +
          ", restitution = " + numberText(s.restitution) + ", category = " + std::to_string(s.category) +
@@ -181,7 +181,7 @@ void ScriptWriter<D>::event(const char* what, long step, const std::string& keys
 
 template <int D>
 void ScriptWriter<D>::add(long step, const std::string& name, const BodyDef<D>& body) {
-  if (body.userData != 0) throw UserError("the user data of a body cannot be written into a script");
+  if (body.userData != 0) throw UserError("a body with user data cannot be written into a script");
   std::string keys = keyLine("name", inQuotes(name)) + keyLine("type", inQuotes(bodyTypeName(body.type))) +
                      keyLine("position", listText(body.X_WB.p)) + keyLine("rotation", rotationText(body.X_WB.q)) +
                      keyLine("velocity", listText(body.velocity)) +
@@ -251,7 +251,7 @@ void ScriptWriter<D>::joint(long step, const std::string& name, const JointDef<D
                      keyLine("rotation", rotationText(def.X_WJ.q));
   if (def.X_WJb) {
     if (rotationText(def.X_WJb->q) != rotationText(def.X_WJ.q)) {
-      throw UserError("a joint whose two frames are turned against each other cannot be written into a script");
+      throw UserError("a joint with rotated frames at creation cannot be written into a script");
     }
     keys += keyLine("anchor_b", listText(def.X_WJb->p));
   }

@@ -13,9 +13,10 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const SceneSpec<D>& scene) {
   if (const auto engine = engineOf(pipeline)) {
-    if (!scene.saved.empty()) throw UserError("a saved world is one of ours: no engine takes it");
+    if (!scene.saved.empty()) throw UserError("an engine cannot load a saved world; valid: a pipeline of LPC's stages");
     for (const auto& e : scene.events) {
-      if (e.oursAlone) throw UserError(*e.place + ": this event is one of our worlds: no engine has it");
+      if (e.oursAlone)
+        throw UserError(*e.place + ": this event is not supported by engines; valid: a pipeline of LPC's stages");
     }
     return createStage<Engine<D>>(*engine)->start(scene.settings);
   }
@@ -24,7 +25,8 @@ std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const S
   std::istringstream in(scene.saved);
   world->load(in);
   const std::string has = featuresText(world->settings().features), asked = featuresText(scene.settings.features);
-  if (has != asked) throw UserError("the saved world has the model '" + has + "' and keeps it; asked: '" + asked + "'");
+  if (has != asked)
+    throw UserError("the model of a saved world cannot be changed: it is '" + has + "', asked: '" + asked + "'");
   return world;
 }
 
