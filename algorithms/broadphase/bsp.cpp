@@ -9,13 +9,13 @@ namespace {
 
 using namespace broadphase;
 
-// A binary space partition by planes across the axes that adjusts itself in parts (Luque, Comba & Freitas 2005): planes
-// are kept from step to step, and all boxes are poured through them anew. Where a plane leaves too many boxes on one
-// side, or cuts too many, another one is chosen and what was below it forgotten: a new tree is that at every node.
+// Binary space partition by axis-aligned planes that adapts locally (Luque, Comba & Freitas 2005). Planes are kept from
+// step to step, and all boxes are sorted through them anew. A plane that leaves too many boxes on one side, or cuts too
+// many, is replaced, and its subtree is discarded: a new tree is the same at every node.
 //
-// A box that a plane cuts stands on both sides. Held at the plane's node it would be looked for in all of both
-// subtrees; so there is nothing but short lists in the leaves, compared without a branch. A pair counts in the leaf of
-// the larger of its two lower corners, axis by axis: that point is in both boxes and in one leaf.
+// A box that a plane cuts is listed on both sides. Stored at the plane's node instead, it would have to be tested
+// against both whole subtrees. So there are only short lists in the leaves, compared without a branch. A pair counts in
+// the leaf of the larger of its two lower corners, per axis: that point is in both boxes and in exactly one leaf.
 template <int D>
 class Bsp final : public Broadphase<D> {
  public:
@@ -57,7 +57,7 @@ class Bsp final : public Broadphase<D> {
       m_items[k] = static_cast<std::int32_t>(k);
     }
     m_tests = m_visits = m_moves = m_found = 0;
-    m_nodes.reserve(n);  // more than there are, as a rule
+    m_nodes.reserve(n);  // usually more than needed
     ++m_step;
     visit(0, {0, n, n, 0, 0});
     for (std::size_t k = 0; k < m_found; ++k) {
@@ -68,7 +68,7 @@ class Bsp final : public Broadphase<D> {
     work[WorkCount::sortMoves] += m_moves;
   }
 
-  /// All of space, and the halves of each region by whose plane its boxes were divided.
+  /// All of space, and the halves of each region that a plane divides.
   void structure(std::vector<StructureBox<D>>& out) const override {
     if (m_slots.size() < 2) return;
     std::vector<std::int32_t> items(m_packed.size());
@@ -85,15 +85,15 @@ class Bsp final : public Broadphase<D> {
   static constexpr std::uint64_t kGuards = Packing<D>::kGuards;
 
   struct Plane {
-    Real at = 0;    // m: the window, and with it the packed coordinate, is another one in each step
+    Real at = 0;    // m: the window, and with it the packed coordinate, changes from step to step
     int axis = -1;  // none
   };
   struct Node {
     Plane plane;
-    std::int32_t child = -1;  // of the side below the plane; the next one is the other
-    std::int32_t whole = 0;   // boxes that no plane divided when it was tried last
+    std::int32_t child = -1;  // of the side below the plane; the other side is the next one
+    std::int32_t whole = 0;   // number of boxes at the last attempt that found no plane
   };
-  // Boxes of a region: m_items[begin .. end), those that are awake first. From `top` on, m_items is free.
+  // Boxes of a region: m_items[begin .. end), awake ones first. From `top` on, m_items is free.
   struct Region {
     std::size_t begin, end, top;
     std::uint64_t lowest;  // corner, packed
@@ -106,7 +106,7 @@ class Bsp final : public Broadphase<D> {
   };
   struct LeafBox {
     PackedBox box;
-    std::uint64_t begins;  // guard bits of the axes on which the box begins in this leaf
+    std::uint64_t begins;  // guard bits of the axes along which the box begins in this leaf
     std::int32_t item;
   };
   struct Hit {
@@ -116,7 +116,8 @@ class Bsp final : public Broadphase<D> {
   void visit(std::int32_t at, const Region& r) {
     ++m_visits;
     const auto most = static_cast<std::size_t>(m_params.leaf);
-    if (r.count() <= most / 2) forget(at);  // not at once, or who goes to and fro costs a plane each time
+    if (r.count() <= most / 2)
+      forget(at);  // only when half are gone; a box that moves to and fro would otherwise cost a plane each time
     if (r.count() < 2 || m_items[r.begin] >= m_awake) return;
     Parts parts;
     if (r.count() <= most || r.depth == m_params.depth || !divide(at, r, parts)) return pairsInLeaf(r);
@@ -128,7 +129,7 @@ class Bsp final : public Broadphase<D> {
     visit(node.child + 1, {above, above + parts.above, top, border, r.depth + 1});
   }
 
-  // By the plane that is there if it still divides well, else by a new one. False if there is none.
+  // Divides by the present plane if it still divides well, else by a new one. Returns false if there is none.
   bool divide(std::int32_t at, const Region& r, Parts& parts) {
     if (m_items.size() < r.top + 2 * r.count() + 1) m_items.resize(2 * (r.top + 2 * r.count() + 1));
     const Node node = m_nodes[at];
@@ -182,7 +183,7 @@ class Bsp final : public Broadphase<D> {
     return Packing<D>::field(m_packing.pack(corner, corner).lo, plane.axis);
   }
 
-  // Lists the boxes that reach below the plane from r.top on, those that reach it or above behind them.
+  // Lists the boxes below the plane from r.top on, and those on or above the plane after them.
   Parts split(const Plane& plane, const Region& r) {
     const std::uint64_t border = packed(plane);
     const int shift = plane.axis * (kBits + 1);
@@ -200,11 +201,11 @@ class Bsp final : public Broadphase<D> {
             static_cast<std::size_t>(above - items) - r.top - r.count()};
   }
 
-  // As visit() went with these boxes.
+  // Repeats the decisions that visit() made for these boxes.
   void tell(std::int32_t at, const Fields& lo, const Fields& hi, int level, const std::vector<std::int32_t>& items,
             std::vector<StructureBox<D>>& out) const {
     const Node& node = m_nodes[at];
-    const bool kept = items.size() <= static_cast<std::size_t>(m_params.leaf);  // its plane may wait for more
+    const bool kept = items.size() <= static_cast<std::size_t>(m_params.leaf);  // its plane is kept for later
     const bool leaf = node.plane.axis < 0 || kept || items.front() >= m_awake || level == m_params.depth;
     out.push_back({m_packing.region(lo, hi), level, leaf && !items.empty()});
     if (leaf) return;
@@ -226,7 +227,7 @@ class Bsp final : public Broadphase<D> {
     tell(node.child + 1, middle, hi, level + 1, above, out);
   }
 
-  // Through the median centre of a sample, first on the axis along which most boxes find room side by side.
+  // Through the median centre of a sample, first along the axis on which most boxes fit side by side.
   IndexedArray<Plane, D> choosePlanes(const Region& r) {
     const std::size_t samples = std::min(r.count(), kSamples);
     m_moves += D * samples;
@@ -272,7 +273,7 @@ class Bsp final : public Broadphase<D> {
     }
   }
 
-  // Like listOverlaps, of those that count here: on each axis one of the two begins in this leaf.
+  // Like listOverlaps, for boxes that count here: on each axis one of the two begins in this leaf.
   Hit* listHits(std::int32_t a, std::int32_t end, Hit* hits) const {
     const LeafBox* boxes = m_leaf.data();
     const LeafBox first = boxes[a];
@@ -289,7 +290,7 @@ class Bsp final : public Broadphase<D> {
   }
 
   static constexpr std::size_t kSamples = 32;
-  static constexpr std::uint32_t kPatience = 8;  // steps before a region that nothing divided is tried again
+  static constexpr std::uint32_t kPatience = 8;  // steps before an undivided region is tried again
 
   Params m_params;
   Packing<D> m_packing;
@@ -302,8 +303,8 @@ class Bsp final : public Broadphase<D> {
   IndexedVector<GatheredBox<D>> m_boxes;
   IndexedVector<PackedBox> m_packed;
   std::vector<std::int32_t> m_items;       // a stack of lists of boxes
-  IndexedVector<Node> m_nodes = {Node{}};  // the root first, then pairs: what lasts from step to step
-  std::int32_t m_free = -1;                // the first pair of unused nodes; the next one stands in its `child`
+  IndexedVector<Node> m_nodes = {Node{}};  // the root first, then pairs; kept from step to step
+  std::int32_t m_free = -1;                // the first pair of unused nodes; its `child` is the next one
   IndexedVector<LeafBox> m_leaf;
   std::vector<Hit> m_hits;
 };

@@ -8,12 +8,12 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A tree of fat boxes that lives from step to step (Presson's btDbvt in Bullet; Catto 2019). A box is taken out and put
-// in again only when it leaves its fat one, where it adds the least surface to the tree (branch and bound), and
-// rotations on the way up keep sorted insertions from making a list.
+// A tree of enlarged (fat) boxes that is kept from step to step (Presson's btDbvt in Bullet; Catto 2019). A box is
+// reinserted only when it leaves its fat box, at the place where it adds the least surface (branch and bound).
+// Rotations on the way up keep sorted insertions from degenerating the tree into a list.
 //
-// The pairs whose fat boxes overlap are kept, too. So a step costs the tests of those, and queries for the few that
-// were put in again or whose filters or activity changed: all pairs of these are dropped and found anew.
+// Pairs of overlapping fat boxes are kept, too. A step then costs the tests of these pairs, and queries for the few
+// boxes that were reinserted or got other filters or activity; all their pairs are dropped and found anew.
 template <int D>
 class DynamicTree final : public Broadphase<D> {
  public:
@@ -81,7 +81,7 @@ class DynamicTree final : public Broadphase<D> {
       const Aabb<D> fat = node(leaf).box;
       m_visits += visit([&](const Aabb<D>& box) { return box.overlaps(fat); },
                         [&](ProxyId j) {
-                          // Of two that changed, the pair is found from both.
+                          // If both boxes changed, both queries find the pair.
                           if (j == i || (j < i && m_changed[j])) return;
                           if (!proxies.mayCollide(i, j)) return;
                           m_pairs.push_back({std::min(i, j), std::max(i, j)});
@@ -155,7 +155,7 @@ class DynamicTree final : public Broadphase<D> {
     bool isLeaf() const { return child[0] == kNone; }
   };
   struct Candidate {
-    Real inherited;  // surface that all nodes above would gain
+    Real inherited;  // increase of surface of all nodes above
     std::int32_t node;
     bool operator<(const Candidate& o) const {  // a heap has its largest in front
       return inherited != o.inherited ? inherited > o.inherited : node > o.node;
@@ -165,7 +165,7 @@ class DynamicTree final : public Broadphase<D> {
   Node& node(std::int32_t at) { return m_nodes[at]; }
   const Node& node(std::int32_t at) const { return m_nodes[at]; }
 
-  // Half of the surface, of the border in 2D. Bounded, or differences of two that overflow would not be numbers.
+  // Half of the surface (3D) or of the perimeter (2D). Bounded, so that differences do not overflow to NaN.
   static Real surface(const Aabb<D>& box) {
     const Vec<D> size = box.hi - box.lo;
     Real half = size[0] + size[1];
@@ -191,7 +191,8 @@ class DynamicTree final : public Broadphase<D> {
     }
     std::int32_t start = m_root;
     if (known) {
-      // Also when it was made for a larger or faster one: it would meet others for ever.
+      // Also reinserts a box with a fat box made for a larger or faster one; it would otherwise keep false pairs for
+      // ever.
       const Aabb<D>& fat = node(m_leaf[i]).box;
       const Real most = kMostMargins * m_params.margin + 2 * way.cwiseAbs().maxCoeff();
       if (fat.contains(box) && box.grown(most).contains(fat)) return;
@@ -205,7 +206,8 @@ class DynamicTree final : public Broadphase<D> {
     insert(m_leaf[i], start);
   }
 
-  // The way of the next steps, if they are like the last; no longer than the box, since a teleport is no motion.
+  // The expected motion of the next steps if they are like the last one; no longer than the box, since a teleport is
+  // not motion.
   Vec<D> ahead(const Aabb<D>& was, const Aabb<D>& is) const {
     const Real most = (is.hi - is.lo).maxCoeff();
     Vec<D> way;
@@ -217,7 +219,7 @@ class DynamicTree final : public Broadphase<D> {
     return way;
   }
 
-  // Returns the lowest node left of those above.
+  // Returns the lowest remaining ancestor.
   std::int32_t takeOut(ProxyId i) {
     std::int32_t& leaf = m_leaf[i];
     if (leaf == kNone) return m_root;
@@ -247,7 +249,7 @@ class DynamicTree final : public Broadphase<D> {
     node(at) = made;
     return at;
   }
-  // `by` comes to where `at` is.
+  // Puts `by` in the place of `at`.
   void replace(std::int32_t at, std::int32_t by) {
     const std::int32_t parent = node(at).parent;
     node(by).parent = parent;
@@ -257,7 +259,7 @@ class DynamicTree final : public Broadphase<D> {
       node(parent).child[node(parent).child[0] == at ? 0 : 1] = by;
     }
   }
-  // Whether anything was new; if not, nothing is above.
+  // Returns whether anything changed; if not, nothing changes above either.
   bool fit(std::int32_t at) {
     Node& n = node(at);
     const Node &a = node(n.child[0]), &b = node(n.child[1]);
@@ -268,8 +270,8 @@ class DynamicTree final : public Broadphase<D> {
     return changed;
   }
 
-  // The search begins at the lowest node from `start` up that the new box does not enlarge: one that has hardly moved
-  // comes to be near its old place.
+  // The search starts at the lowest node from `start` upwards that the new box does not enlarge: a box that has hardly
+  // moved then stays near its old place.
   void insert(std::int32_t leaf, std::int32_t start) {
     if (m_root == kNone) {
       m_root = leaf;
@@ -287,8 +289,8 @@ class DynamicTree final : public Broadphase<D> {
     }
   }
 
-  // The node beside which a new leaf adds the least surface: its own parent's, and what the nodes above gain. Best
-  // first; a subtree is left out when even a leaf in it could not be better.
+  // Returns the node beside which a new leaf adds the least surface: that of its new parent, and the increase of all
+  // nodes above. Best first; a subtree is skipped if no leaf in it can be better.
   std::int32_t bestSibling(const Aabb<D>& box, std::int32_t start) {
     const Real own = surface(box);
     std::int32_t best = start;
@@ -310,7 +312,8 @@ class DynamicTree final : public Broadphase<D> {
         std::push_heap(m_heap.begin(), m_heap.end());
       }
     }
-    // Equal boxes have equal costs on every level. On the lowest, on the side of the lower child, they make no list.
+    // Equal boxes have equal costs on every level. Inserting at the lowest level, beside the lower child, avoids a
+    // list.
     while (!node(best).isLeaf()) {
       const auto [a, b] = node(best).child;
       const std::int32_t lower = node(a).height <= node(b).height ? a : b;
@@ -321,7 +324,8 @@ class DynamicTree final : public Broadphase<D> {
     return best;
   }
 
-  // Exchanges a child with a child of the other, if that lessens the surface of the node between, by the most.
+  // Exchanges a child with a grandchild of the other side if that reduces the surface of the node between, by the
+  // largest amount.
   void rotate(std::int32_t at) {
     Real most = 0;
     std::int32_t low = kNone, high = kNone;
@@ -345,8 +349,9 @@ class DynamicTree final : public Broadphase<D> {
     fit(at);
   }
 
-  // found(slot) of each leaf whose fat box and all boxes above it hold meets(box); returns the nodes that were asked.
-  // By links to the parents: no stack, since who comes in which order decides how deep the tree is.
+  // Calls found(slot) for each leaf such that meets(box) holds for its fat box and all boxes above; returns the number
+  // of nodes tested. It follows links to parents instead of a stack, because the order of insertion decides the depth
+  // of the tree.
   template <class Meets, class Found>
   std::uint64_t visit(const Meets& meets, const Found& found) const {
     std::uint64_t visits = 0;
@@ -367,7 +372,7 @@ class DynamicTree final : public Broadphase<D> {
     return visits;
   }
 
-  static constexpr Real kMostMargins = 4;  // of a fat box around what is in it, as in Box2D
+  static constexpr Real kMostMargins = 4;  // of a fat box around its content, as in Box2D
 
   Params m_params;
   std::int32_t m_root = kNone;
@@ -378,8 +383,8 @@ class DynamicTree final : public Broadphase<D> {
   IndexedVector<Aabb<D>> m_tight;      // as of the last update
   IndexedVector<std::uint8_t> m_changed, m_active;
   std::vector<std::uint32_t> m_category, m_mask;
-  std::vector<ProxyId> m_list;              // who changed since the last findPairs
-  std::vector<ProxyPair> m_pairs;           // may collide, and their fat boxes overlap
+  std::vector<ProxyId> m_list;              // boxes that changed since the last findPairs
+  std::vector<ProxyPair> m_pairs;           // pairs of overlapping fat boxes that may collide
   std::uint64_t m_visits = 0, m_moves = 0;  // since the last findPairs
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A proxy as the sorting broadphases hold it: all that decides about a pair in one cache line, so that neighbours in
-// the order of a sweep, a cell or a tree node are neighbours in memory, too.
+// A proxy as the sorting broadphases store it: all data that decide about a pair in one cache line, so that neighbours
+// in a sweep, a cell or a tree node are neighbours in memory, too.
 #pragma once
 
 #include "framework/math/indexed.h"
@@ -27,7 +27,7 @@ struct GatheredBox {
   Aabb<D> box() const { return {Vec<D>(lo.data()), Vec<D>(hi.data())}; }
 };
 
-/// The slots with a box that can overlap something.
+/// Lists the slots with a box that can overlap another.
 template <int D>
 inline void listSlots(const Proxies<D>& proxies, std::vector<ProxyId>& slots) {
   slots.clear();
@@ -36,7 +36,7 @@ inline void listSlots(const Proxies<D>& proxies, std::vector<ProxyId>& slots) {
   }
 }
 
-/// The same, those that are awake first; returns their number. Of the others no two need be compared.
+/// The same with awake ones first; returns their number. No two of the others need be compared.
 template <int D>
 inline std::size_t listActiveFirst(const Proxies<D>& proxies, std::vector<ProxyId>& slots) {
   slots.clear();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Cells of one size, numbered in whole numbers from one corner. The grid has no borders; the last numbers on either
-// side are those of all that is beyond.
+// Cells of one size with integer coordinates from one corner. The grid is unbounded; the outermost coordinates on
+// either side stand for everything beyond.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ class Grid {
   using Cell = IndexedArray<std::int32_t, D>;
 
   Grid() = default;
-  /// Cells of an edge of `cell` (m); where it is 0 all boxes are points, and any will do.
+  /// Makes cells with edge `cell` (m); if it is 0, all boxes are points and any edge will do.
   Grid(const IndexedArray<Real, D>& origin, Real cell) : m_origin(origin) {
     const Real most = sizeof(Real) == 8 ? Real(1e100) : Real(1e15);  // 0 * inf would be NaN
     m_inverse = cell > 0 ? std::clamp(1 / cell, std::numeric_limits<Real>::min(), most) : Real(1);
@@ -25,8 +25,8 @@ class Grid {
 
   Real inverse() const { return m_inverse; }  // cells per m
 
-  /// Floor, non-decreasing in x, so that touching boxes stand in the same or in neighbouring cells; truncation would
-  /// make the two cells beside 0 one.
+  /// Floor, non-decreasing in x, so that touching boxes are in the same or in neighbouring cells; truncation would
+  /// merge the two cells beside 0.
   std::int32_t coordinate(Real x, std::size_t d) const {
     const Real limit = Real(kLast);
     const Real t = std::min(std::max((x - m_origin[d]) * m_inverse, -limit), limit);
@@ -65,7 +65,7 @@ class Grid {
   Real m_inverse = 1;
 };
 
-/// From `from` on, leaves one of each of the boxes that are the same.
+/// Removes duplicates from `from` on.
 template <int D>
 inline void tellOnce(std::vector<StructureBox<D>>& out, std::size_t from) {
   const auto before = [](const StructureBox<D>& a, const StructureBox<D>& b) {

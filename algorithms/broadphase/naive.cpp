@@ -6,7 +6,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Every pair of boxes: the reference that all other broadphases are compared with.
+// Brute force: every pair of boxes. The reference for all other broadphases.
 template <int D>
 class Naive final : public Broadphase<D> {
  public:
@@ -35,8 +35,9 @@ class Naive final : public Broadphase<D> {
  private:
   static constexpr int kBlock = 32;
 
-  // The gap between two boxes is the widest over the axes, and positive exactly if they are apart: a difference has the
-  // sign of the comparison. Without a branch inside, the compiler takes several boxes at once. True if any touches.
+  // The gap between two boxes is the largest over the axes, and positive exactly if they are apart, because a
+  // difference has the sign of the comparison. Without a branch inside, the compiler vectorises over boxes. Returns
+  // whether any box touches.
   bool findGaps(const Proxies<D>& proxies, ProxyId a, ProxyId begin, ProxyId end) {
     IndexedArray<Real, D> lo, hi;
     IndexedArray<const Real*, D> los, his;

@@ -8,8 +8,8 @@ namespace {
 
 using namespace broadphase;
 
-// Every pair of circles (spheres) around the boxes: one comparison instead of D axes, and nothing to update when a body
-// turns. The 2009 team wanted it beside the boxes. It reports pairs whose boxes are apart, the only method that may.
+// Every pair of circles (spheres) around the boxes: one comparison instead of D axes, and no update when a body turns.
+// The 2009 team wanted it besides the boxes. It also reports pairs of separate boxes, and is the only method that may.
 template <int D>
 class NaiveSphere final : public Broadphase<D> {
  public:
@@ -55,7 +55,7 @@ class NaiveSphere final : public Broadphase<D> {
 
  private:
   static constexpr std::size_t kBlock = 128;
-  // Squares of sizes below 1e-154 m (float: 1e-19 m) lose their digits; this outweighs the loss.
+  // Squares of sizes below 1e-154 m (float: 1e-19 m) lose their digits; this exceeds the loss.
   static constexpr Real kTiny = std::numeric_limits<Real>::min();
 
   void gather(const Proxies<D>& proxies) {
@@ -67,11 +67,12 @@ class NaiveSphere final : public Broadphase<D> {
       for (std::size_t d = 0; d < D; ++d) {
         const Real lo = proxies.lo[d][i], hi = proxies.hi[d][i];
         const Real center = Real(0.5) * lo + Real(0.5) * hi;
-        const Real half = std::max(hi - center, center - lo);  // of the rounded centre, far out not the half size
+        const Real half = std::max(
+            hi - center, center - lo);  // from the rounded centre; far from the origin this is not half the size
         radius2 += half * half;
         m_center[d].push_back(center);
       }
-      // Grown by more than the roundings here and in the test can take away, so that no overlap is missed.
+      // Enlarged by more than the roundings here and in the test, so that no overlap is missed.
       m_radius.push_back(std::sqrt(radius2 + kTiny) * (1 + 16 * std::numeric_limits<Real>::epsilon()));
     }
   }

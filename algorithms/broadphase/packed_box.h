@@ -24,7 +24,7 @@ class Packing {
     for (int d = 0; d < D; ++d) guards |= std::uint64_t{1} << (d * (kBits + 1) + kBits);
     return guards;
   }();
-  // In float, 2^31 - 1 would round up and out of the field: the high bits alone are used.
+  // In float, 2^31 - 1 would round up and out of the field: only the high bits are used.
   static constexpr int kUsed = std::min(kBits, std::numeric_limits<Real>::digits);
   static constexpr int kShift = kBits - kUsed;
   static constexpr double kUnit = std::uint64_t{1} << kShift;  // between two coordinates
@@ -59,8 +59,8 @@ class Packing {
     return box;
   }
 
-  /// Where packs to what is lo <= field < hi on each axis. The first field and the last one have no end: all beyond is
-  /// clamped to them.
+  /// The box of real coordinates that pack to lo <= field < hi on each axis. The first and the last field are
+  /// unbounded: coordinates beyond are clamped to them.
   Aabb<D> region(const IndexedArray<double, D>& lo, const IndexedArray<double, D>& hi) const {
     Aabb<D> box;
     for (std::size_t d = 0; d < D; ++d) {
@@ -81,12 +81,12 @@ class Packing {
   IndexedArray<Scale, D> m_scale{};
 };
 
-/// Boxes after the last one that listOverlaps may read, and room in `hits` that it may write beyond its answer.
+/// Boxes after the last one that listOverlaps may read, and extra room in `hits` that it may write.
 inline constexpr std::int32_t kListAhead = 4;
 
 /// Writes the index of each of boxes[begin .. end) that overlaps `a` to `hits`, which has room for all of them; returns
-/// the end of what it wrote. Without a branch on the answer, since a quarter of the tests near a box hit, and in fours,
-/// since the number of neighbours in a cell is as hard to predict.
+/// the end of the output. It does not branch on the result, since a quarter of the tests near a box hit. It works in
+/// groups of four, since the number of neighbours in a cell is as hard to predict.
 template <int D>
 inline std::int32_t* listOverlaps(const PackedBox* boxes, const PackedBox& a, std::int32_t begin, std::int32_t end,
                                   std::int32_t* hits) {

@@ -15,12 +15,12 @@ struct KeyedIndex {
 };
 
 /// Sorts by the lowest `bits` bits of the key, the only ones that may be set; equal keys keep the order of their index.
-/// Two memory passes per eleven bits, no comparison: the order of random boxes is what branch predictors are worst at.
+/// Two memory passes per eleven bits and no comparison: branch predictors fail on the order of random boxes.
 /// Precondition: sorted by index. `scratch` is only memory.
 template <class Key>
 void radixSort(std::vector<KeyedIndex<Key>>& items, std::vector<KeyedIndex<Key>>& scratch, int bits) {
   constexpr int kDigit = 11;
-  // The counters alone cost as much as comparing this many.
+  // The counters alone cost as much as comparing this many items.
   if (items.size() < static_cast<std::size_t>(64 * ((bits + kDigit - 1) / kDigit))) {
     std::sort(items.begin(), items.end(),
               [](const auto& a, const auto& b) { return a.key != b.key ? a.key < b.key : a.index < b.index; });

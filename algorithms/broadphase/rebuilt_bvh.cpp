@@ -62,7 +62,7 @@ class RebuiltBvh final : public Broadphase<D> {
     work[WorkCount::sortMoves] += std::exchange(m_moves, 0);
     if (m_nodes.empty()) return;
     std::uint64_t visits = 0, tests = 0;
-    // What is popped leaves at most three, of which one part is a level deeper; one place is written ahead.
+    // A popped pair pushes at most three pairs, one of them a level deeper; one place is written ahead.
     std::array<std::array<std::int32_t, 2>, 4 * kDeepest> stack;
     std::size_t top = 0;
     const auto push = [&](std::int32_t a, std::int32_t b) {
@@ -101,7 +101,7 @@ class RebuiltBvh final : public Broadphase<D> {
   void ray(const Proxies<D>& proxies, const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
            std::vector<RayHit<D>>& out) const override {
     RayHit<D> first{-1, maxT};
-    Real t = 0;  // of the box that was asked about last
+    Real t = 0;  // of the box of the last query
     const auto meets = [&](const Aabb<D>& b) {
       t = castRay(b, p, direction, maxT);
       return t >= 0 && !(firstOnly && t > first.t);
@@ -123,7 +123,7 @@ class RebuiltBvh final : public Broadphase<D> {
   }
 
   void structure(std::vector<StructureBox<D>>& out) const override {
-    std::array<std::int32_t, kDeepest> past;  // of the nodes above
+    std::array<std::int32_t, kDeepest> past;  // ends of the nodes above
     std::size_t level = 0;
     for (std::int32_t at = 0; at < static_cast<std::int32_t>(m_nodes.size()); ++at) {
       const Node& node = m_nodes[at];
@@ -135,15 +135,15 @@ class RebuiltBvh final : public Broadphase<D> {
 
  private:
   static constexpr int kMostInLeaf = 32, kMostBins = 64;
-  static constexpr std::size_t kFlush = 1024;         // noted pairs before they are looked at
+  static constexpr std::size_t kFlush = 1024;         // pairs collected before they are tested
   static constexpr int kCodeBits = D == 2 ? 16 : 11;  // of a Morton code, per axis
-  static constexpr std::size_t kBySurface = 40;       // levels; whatever is deeper is halved
+  static constexpr std::size_t kBySurface = 40;       // levels; deeper ranges are halved
   static constexpr std::size_t kDeepest = 80;         // levels: codes have 33 bits, numbers of boxes 31
 
   struct Node {
     IndexedArray<Real, D> lo, hi;
     std::int32_t begin, end;  // boxes below
-    std::int32_t past;        // the node after all below this one, in the order of a walk from the root
+    std::int32_t past;        // the next node after this subtree, in preorder
     std::uint8_t active;      // any box below
     PackedBox packed;         // the bounds of a leaf
 
@@ -261,7 +261,7 @@ class RebuiltBvh final : public Broadphase<D> {
     return to;
   }
 
-  // The axis on which the centres spread most, and how far; halves, since no difference of finite halves overflows.
+  // The axis on which the centres spread most, and the spread; halved, since no difference of finite halves overflows.
   struct Spread {
     std::size_t axis = 0;
     Real from = 0, half = -1;
@@ -310,7 +310,7 @@ class RebuiltBvh final : public Broadphase<D> {
       Bin& b = bin[binOf(item)];
       b.box = b.box.merged(proxies.box(item.slot)), ++b.count;
     }
-    // From the right the cost of all that is right of each border, from the left the whole.
+    // Cumulated from the right, the cost right of each border; from the left, the total.
     std::array<Real, kMostBins> right;
     Bin sum;
     for (std::size_t b = bins; b-- > 1;) {
@@ -339,7 +339,7 @@ class RebuiltBvh final : public Broadphase<D> {
     return static_cast<Real>(b.count) * border;
   }
 
-  // Boxes in the order of the tree, and the bounds of the nodes from the leaves up.
+  // Gathers the boxes in the order of the tree, and computes the bounds of the nodes from the leaves up.
   void fit(const Proxies<D>& proxies) {
     const Packing<D> packing(findWindow(proxies, m_slots, m_sample));
     m_boxes.resize(m_order.size()), m_packed.resize(m_order.size() + kListAhead);
@@ -370,8 +370,8 @@ class RebuiltBvh final : public Broadphase<D> {
     }
   }
 
-  // Pairs of packed boxes that overlap are noted without a branch and looked at many together: of a short list at a
-  // time, nearly every one ends where nobody predicts it.
+  // Collects overlapping pairs of packed boxes without a branch, and tests many at once: the ends of short lists are
+  // unpredictable.
   std::uint64_t hitsInLeaf(const Node& x) {
     for (std::int32_t k = x.begin; k < x.end; ++k) note(k, k + 1, x.end);
     const auto n = static_cast<std::uint64_t>(x.end - x.begin);
@@ -400,7 +400,8 @@ class RebuiltBvh final : public Broadphase<D> {
     m_hits = 0;
   }
 
-  // meets(box) of a box around others must hold when it holds for one of them; found(slot) for each that it holds for.
+  // Calls found(slot) for each box for which meets(box) holds. meets() of a box around others must hold if it holds for
+  // one of them.
   template <class Meets, class Found>
   void visit(const Proxies<D>& proxies, const Meets& meets, const Found& found) const {
     for (std::size_t at = 0; at < m_nodes.size();) {
@@ -419,14 +420,14 @@ class RebuiltBvh final : public Broadphase<D> {
   }
 
   Params m_params;
-  int m_age = 0;                           // updates since the tree was built
+  int m_age = 0;                           // updates since the build
   std::uint64_t m_moves = 0;               // since the last findPairs
-  std::vector<ProxyId> m_listed, m_slots;  // scratch; who is in the tree, by number
+  std::vector<ProxyId> m_listed, m_slots;  // scratch; the slots in the tree, sorted
   IndexedVector<ProxyId> m_order;          // the same in the order of the tree
   std::vector<Real> m_sample;
   IndexedVector<KeyedIndex<std::uint64_t>> m_codes, m_scratch;
   IndexedVector<Item> m_items;
-  IndexedVector<Node> m_nodes;            // in the order of a walk from the root
+  IndexedVector<Node> m_nodes;            // in preorder
   IndexedVector<GatheredBox<D>> m_boxes;  // in the order of the tree
   IndexedVector<PackedBox> m_packed;      // the same
   std::size_t m_hits = 0;

@@ -11,12 +11,12 @@ namespace {
 
 using namespace broadphase;
 
-// Quadtree in 2D, octree in 3D, rebuilt each step: the 2009 engine's, in three ways to treat boxes that cross the
+// Quadtree in 2D, octree in 3D, rebuilt each step: that of the 2009 engine, with three ways to treat boxes that cross
 // borders between regions.
-//   tight  the smallest region that contains the box (2009);
-//   loose  the region of the box's centre at the depth of its size, grown to `looseness` times its edge (Ulrich 2000);
-//   multi  every leaf region that the box touches.
-// Regions are integers: a corner's coordinate (packed_box.h) cut to its highest bits is its cell at that depth.
+// tight  the smallest region that contains the box (2009);
+// loose  the region of the box's centre at the depth of its size, grown to `looseness` times its edge (Ulrich 2000);
+// multi  every leaf region that the box touches.
+// Regions are integers: the highest bits of a corner's coordinate (packed_box.h) are its cell at that depth.
 template <int D>
 class RegionTree final : public Broadphase<D> {
  public:
@@ -65,7 +65,7 @@ class RegionTree final : public Broadphase<D> {
     work[WorkCount::nodeVisits] += m_visits;
   }
 
-  /// The regions, loose ones as they are grown. Of multi nothing is kept: the boxes are divided again.
+  /// The regions; loose ones with their grown size. The variant multi keeps no tree: its boxes are divided again.
   void structure(std::vector<StructureBox<D>>& out) const override {
     if (m_slots.size() < 2) return;
     if (m_params.mode != Mode::multi) return tell(0, Cell{}, 0, out);
@@ -81,15 +81,15 @@ class RegionTree final : public Broadphase<D> {
 
   struct Node {
     PackedBox bounds;              // of all boxes below
-    std::int32_t begin, own, end;  // boxes [begin, own) stand here, [own, end) below
+    std::int32_t begin, own, end;  // boxes [begin, own) belong to this node, [own, end) to nodes below
     std::int32_t child = 0, children = 0;
     bool active = false;  // any box below
   };
 
   // --- tight and loose: the boxes sorted by region, depth first; a region is an interval of them --------------------
 
-  // Depth and place of the region of a box: the places interleaved as a path from the root, the depth below them, so
-  // that a region's own boxes come before those of the regions in it.
+  // Key of the region of a box: the interleaved coordinates as a path from the root, the depth below them, so that the
+  // boxes of a region precede those of the regions inside it.
   std::uint64_t regionKey(const PackedBox& box) const {
     const int deepest = m_params.maxDepth;
     int depth = deepest;
@@ -185,14 +185,14 @@ class RegionTree final : public Broadphase<D> {
       for (std::int32_t e = c + 1; e < node.children; ++e) pairsBetween(node.child + c, node.child + e);
     }
   }
-  // Two subtrees without a common box, descended together.
+  // Two disjoint subtrees, traversed together.
   void pairsBetween(std::int32_t a, std::int32_t b) {
     const Node &left = m_nodes[a], &right = m_nodes[b];
     ++m_visits;
     if (!(left.active || right.active) || !Packing<D>::overlap(left.bounds, right.bounds)) return;
     for (std::int32_t k = left.begin; k < left.own; ++k) pairsBelow(k, b);
     for (std::int32_t c = 0; c < left.children; ++c) {
-      // What stands in the right node itself meets the left children here, its subtrees in the recursion.
+      // Tests the right node's own boxes against the left children; the recursion handles its subtrees.
       for (std::int32_t k = right.begin; k < right.own; ++k) pairsBelow(k, left.child + c);
       for (std::int32_t e = 0; e < right.children; ++e) pairsBetween(left.child + c, right.child + e);
     }
@@ -236,13 +236,13 @@ class RegionTree final : public Broadphase<D> {
     }
   }
 
-  // Region c of those in this one.
+  // Sub-region c of this region.
   static Cell part(Cell corner, int depth, std::size_t c) {
     for (std::size_t d = 0; d < D; ++d) corner[d] += static_cast<std::uint32_t>((c >> d) & 1) << (kBits - depth - 1);
     return corner;
   }
-  // Grown to so many times its edge. The corners of boxes were cut to whole numbers, of which a float fills the high
-  // bits alone: one more is left to a grown region.
+  // Enlarged to `looseness` times its edge. Box corners were truncated to integers, of which a float fills only the
+  // high bits: a grown region gets one unit more.
   Aabb<D> regionBounds(const Cell& corner, int depth, Real looseness) const {
     const auto edge = static_cast<double>(std::uint64_t{1} << (kBits - depth));
     const double room = looseness > 1 ? edge * (static_cast<double>(looseness) - 1) / 2 + Packing<D>::kUnit : 0;
@@ -261,8 +261,8 @@ class RegionTree final : public Broadphase<D> {
     return box;
   }
 
-  // A region is divided only while most of its boxes are smaller than a part of it: larger ones stand in all parts, for
-  // ever. Inlined into the step whoever else asks: as a call it was a seventh of the step's time in 2D.
+  // Divides a region only while most of its boxes are smaller than a sub-region; larger boxes would be in all
+  // sub-regions at every depth. Always inlined into the step: as a call it took a seventh of the step's time in 2D.
   __attribute__((always_inline)) bool divides(int depth, const std::int32_t* begin, const std::int32_t* end) const {
     if (end - begin <= m_params.capacity || depth >= m_params.maxDepth) return false;
     const std::uint64_t edge = std::uint64_t{1} << (kBits - depth - 1);
@@ -298,7 +298,7 @@ class RegionTree final : public Broadphase<D> {
     pairsInLeaf(regionBox(corner, depth), begin, end);
   }
 
-  // As visitRegion() went with these boxes.
+  // Repeats the decisions of visitRegion() for these boxes.
   void tellAgain(const Cell& corner, int depth, const std::vector<std::int32_t>& items,
                  std::vector<StructureBox<D>>& out) const {
     const bool leaf = items.size() < 2 || !divides(depth, items.data(), items.data() + items.size());
@@ -315,8 +315,8 @@ class RegionTree final : public Broadphase<D> {
     }
   }
 
-  // A pair may meet in several leaves; it counts in the one that holds the larger of the two lower corners, axis by
-  // axis: that corner lies in both boxes, so both stand in its leaf.
+  // A pair may meet in several leaves. It counts in the leaf with the larger of the two lower corners, per axis: that
+  // corner lies in both boxes, so both are in its leaf.
   void pairsInLeaf(const PackedBox& region, std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const auto i = m_items[k];

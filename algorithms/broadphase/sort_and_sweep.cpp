@@ -11,8 +11,8 @@ namespace {
 using namespace broadphase;
 
 // Sorts the boxes by their lower bounds on one axis and tests each against those that begin before it ends (Baraff
-// 1992). Everything before the exact test works on integers of one monotone map (window.h): keys of 22 bits, two radix
-// passes, and 16-bit bounds on the other axes, of which the compiler tests eight or more at once.
+// 1992). Everything before the exact test works on integers of one monotone map (window.h): keys of 22 bits, sorted in
+// two radix passes, and 16-bit bounds on the other axes, of which the compiler tests eight or more at once.
 template <int D>
 class SortAndSweep final : public Broadphase<D> {
  public:
@@ -43,7 +43,7 @@ class SortAndSweep final : public Broadphase<D> {
     work[WorkCount::boxTests] += sweep(out);
   }
 
-  /// The interval of each box, in the order of the sweep.
+  /// The interval of each box, in sweep order.
   void structure(std::vector<StructureBox<D>>& out) const override {
     if (m_slots.size() < 2) return;
     for (const GatheredBox<D>& b : m_boxes) {
@@ -55,15 +55,16 @@ class SortAndSweep final : public Broadphase<D> {
 
  private:
   static constexpr int kKeyBits = 22;
-  static constexpr int kBlock = 32;  // more than the 16 rounds up to which g++ unrolls a loop instead of vectorising it
-  using Small = std::int16_t;        // signed: the oldest SIMD can compare nothing else
+  static constexpr int kBlock =
+      32;                      // more than the 16 iterations up to which g++ unrolls a loop instead of vectorising it
+  using Small = std::int16_t;  // signed, because the oldest SIMD cannot compare unsigned
 
-  // Bounds on the axes that are not swept, in the order of the sweep.
+  // Bounds on the axes that are not swept, in sweep order.
   struct Lanes {
     IndexedVector<Small> lo, hi;
   };
 
-  // By a sample: the choice decides the speed only.
+  // Chosen from a sample: the choice affects only speed.
   std::size_t widestAxis(const Proxies<D>& proxies) const {
     const std::size_t stride = std::max<std::size_t>(1, m_slots.size() / 256);
     const Real count = static_cast<Real>((m_slots.size() + stride - 1) / stride);
@@ -128,8 +129,8 @@ class SortAndSweep final : public Broadphase<D> {
     return tests;
   }
 
-  // Box a against the boxes at b .. b + kBlock in the order. Some of them may begin after a ends; the exact test
-  // refuses those.
+  // Tests box a against the boxes b .. b + kBlock in sweep order. Some of them may begin after a ends; the exact test
+  // rejects those.
   void testBlock(int a, int b, std::vector<ProxyPair>& out) const {
     IndexedArray<Small, D - 1> lo, hi;
     IndexedArray<const Small*, D - 1> los, his;
@@ -148,7 +149,7 @@ class SortAndSweep final : public Broadphase<D> {
       all = static_cast<Small>(all & apart);
     }
     if (all) return;
-    // Four lanes in one look: most quartets have no hit.
+    // Tests four at once: most groups of four have no hit.
     constexpr std::size_t kQuartet = 4;
     std::array<std::uint64_t, kBlock / kQuartet> quartets;
     static_assert(sizeof quartets == sizeof miss);
@@ -167,7 +168,7 @@ class SortAndSweep final : public Broadphase<D> {
   std::vector<ProxyId> m_slots;
   std::vector<Real> m_sample;
   std::vector<KeyedIndex<std::uint32_t>> m_order, m_scratch;
-  IndexedVector<std::int32_t> m_begin, m_end;  // on the axis, in the order of the sweep
+  IndexedVector<std::int32_t> m_begin, m_end;  // on the axis, in sweep order
   IndexedArray<Lanes, D - 1> m_lanes;
   IndexedVector<GatheredBox<D>> m_boxes;
 };

@@ -10,13 +10,13 @@ namespace {
 
 using namespace broadphase;
 
-// Cells of one size in a world without borders, hashed into a table (Teschner et al. 2003) that one counting sort fills
-// anew in each step. A box stands in every cell that it covers; a pair counts in the cell of the larger of its two
-// lower corners, axis by axis, where both stand: no set of pairs is needed. Boxes that cover many cells stand apart and
-// are compared with all.
+// Cells of one size in an unbounded world, hashed into a table (Teschner et al. 2003) that a counting sort fills anew
+// in each step. A box is entered in every cell that it covers. A pair counts in the cell of the larger of its two lower
+// corners, per axis, which both boxes cover, so no set of pairs is needed. Boxes that cover many cells are kept apart
+// and compared with all.
 //
-// Who shares a slot of the table need not share a cell, so that the cell is compared, too. It is kept modulo 2^30 per
-// axis (2D) or 2^20 (3D): boxes so far apart do not overlap, and those that do are in too few cells to meet twice.
+// Two cells may share a slot of the table, so the cell is compared, too. It is stored modulo 2^30 per axis (2D) or 2^20
+// (3D). Boxes that far apart do not overlap, and overlapping boxes cover too few cells to meet twice.
 template <int D>
 class SpatialHash final : public Broadphase<D> {
  public:
@@ -64,7 +64,7 @@ class SpatialHash final : public Broadphase<D> {
     work[WorkCount::sortMoves] += m_entries.size();
   }
 
-  /// The cells that boxes reach, and those boxes themselves that stand apart.
+  /// The cells that boxes reach, and the boxes that are kept apart.
   void structure(std::vector<StructureBox<D>>& out) const override {
     if (m_slots.size() < 2) return;
     const std::size_t before = out.size();
@@ -74,11 +74,11 @@ class SpatialHash final : public Broadphase<D> {
   }
 
  private:
-  static constexpr int kCellBits = D == 2 ? 30 : 20;  // per axis; above them D bits: the box begins here
+  static constexpr int kCellBits = D == 2 ? 30 : 20;  // per axis; D more bits above: the box begins in this cell
   static constexpr std::uint64_t kCellField = (std::uint64_t{1} << kCellBits) - 1;
   static constexpr std::uint64_t kCell = (std::uint64_t{1} << (D * kCellBits)) - 1;
   static constexpr std::uint64_t kBegins = ((std::uint64_t{1} << D) - 1) << (D * kCellBits);
-  // Edge of a cell, in sizes of the median box: larger cells cost tests, smaller ones entries.
+  // Edge of a cell, in sizes of the median box: larger cells cost tests, smaller ones cost entries.
   static constexpr Real kRoom = Real(2.5);
 
   using Cell = IndexedArray<std::int32_t, D>;
@@ -106,7 +106,7 @@ class SpatialHash final : public Broadphase<D> {
     return kRoom * *middle;
   }
 
-  // Those that are awake come first, and so they do in every slot.
+  // Awake boxes are entered first, and so come first in every slot.
   void enter(const Proxies<D>& proxies, const Packing<D>& packing, std::size_t awake) {
     const std::size_t n = m_slots.size();
     const double wanted = static_cast<double>(n) * static_cast<double>(m_params.table);
@@ -140,7 +140,7 @@ class SpatialHash final : public Broadphase<D> {
         std::uint64_t row = field(lo[1] + y, 1);
         std::uint64_t begins = y == 0 ? 2 : 0;
         if constexpr (D == 3) row |= field(lo[2] + z, 2), begins |= z == 0 ? 4 : 0;
-        // Rows are scattered, the cells of a row stand side by side.
+        // Rows are scattered; the cells of a row are adjacent.
         const std::uint64_t place = (row * 0x9e3779b97f4a7c15u) >> 32;
         for (std::int32_t x = 0; x < count[0]; ++x) {
           const std::uint64_t cell = row | field(lo[0] + x, 0) | (begins | (x == 0)) << (D * kCellBits);
@@ -187,7 +187,7 @@ class SpatialHash final : public Broadphase<D> {
   }
   bool awake(std::int32_t entry) const { return static_cast<std::size_t>(m_sorted[entry].item) < m_awake; }
 
-  // Like listOverlaps, of those in the same cell in which the pair counts: on each axis one of the two begins there.
+  // Like listOverlaps, for boxes in the same cell if the pair counts there: on each axis one of the two begins there.
   Hit* listHits(std::int32_t a, std::int32_t end, Hit* hits) const {
     const Entry* entries = m_sorted.data();
     const Entry first = entries[a];
@@ -203,8 +203,8 @@ class SpatialHash final : public Broadphase<D> {
     return hits;
   }
 
-  // A large box meets the small ones, and the large ones after it; one that sleeps, only those that are awake, of which
-  // large ones come before it.
+  // A large box is tested against the small ones and against the large ones after it. A sleeping one is tested against
+  // awake boxes only; awake large boxes come before it.
   void visitLarge(std::size_t k, std::vector<ProxyPair>& out) {
     const Large& large = m_large[k];
     const std::size_t few = large.box.active() ? m_boxes.size() : m_awake;
@@ -227,13 +227,13 @@ class SpatialHash final : public Broadphase<D> {
 
   Params m_params;
   Grid<D> m_grid;
-  int m_bits = 0;  // of a slot's number
+  int m_bits = 0;  // of a slot number
   std::uint64_t m_tests = 0;
   std::size_t m_awake = 0;  // of m_boxes
   std::vector<ProxyId> m_slots;
   std::vector<Real> m_sample;
   IndexedVector<std::int32_t> m_start, m_next;  // by slot
-  IndexedVector<GatheredBox<D>> m_boxes;        // in few cells
+  IndexedVector<GatheredBox<D>> m_boxes;        // boxes in few cells
   std::vector<PackedBox> m_packed;              // the same
   std::vector<Large> m_large;
   IndexedVector<Entry> m_entries, m_sorted;

@@ -10,12 +10,12 @@ namespace {
 
 using namespace broadphase;
 
-// A grid rebuilt each step by one counting sort into a flat array. A box stands once, in the cell of its lower corner,
-// and spans at most two cells per axis; so overlapping boxes stand in neighbouring cells, and half of the neighbours of
-// each cell give every pair once. Larger boxes stand apart and look through the cells that they cover.
+// A grid rebuilt each step by one counting sort into a flat array. A box is entered once, in the cell of its lower
+// corner, and spans at most two cells per axis. Overlapping boxes are therefore in neighbouring cells, and half of the
+// neighbours of each cell give every pair once. Larger boxes are kept apart and search the cells that they cover.
 //
-// The grid wraps around: cells a multiple of its size apart share a place. So the world is unbounded and the memory is
-// proportional to the number of boxes; what the aliases add is false candidates.
+// The grid wraps around: cells a multiple of its size apart share a place. The world is therefore unbounded and memory
+// is proportional to the number of boxes; aliasing adds only false candidates.
 template <int D>
 class UniformGrid final : public Broadphase<D> {
  public:
@@ -50,7 +50,7 @@ class UniformGrid final : public Broadphase<D> {
     work[WorkCount::sortMoves] += m_boxes.size();
   }
 
-  /// The cells that boxes reach, and those boxes themselves that stand apart.
+  /// The cells that boxes reach, and the boxes that are kept apart.
   void structure(std::vector<StructureBox<D>>& out) const override {
     if (m_slots.size() < 2) return;
     const std::size_t before = out.size();
@@ -77,20 +77,20 @@ class UniformGrid final : public Broadphase<D> {
     constexpr std::size_t kSamples = 512;
     sampleSizes(proxies, m_slots, kSamples, m_sample);
     std::sort(m_sample.begin(), m_sample.end());
-    // The largest if it is not far from the usual. A little more than its size, so that rounding does not make the
-    // largest boxes span three cells.
+    // The largest box, if it is not far from the usual size. Slightly more than its size, so that rounding does not
+    // make the largest boxes span three cells.
     const Real median = m_sample[m_sample.size() / 2];
     return std::min(m_sample.back(), kLargest * median) * Real(1.001);
   }
 
-  // Cells and their number per axis, powers of two, together at most about four per box.
+  // Numbers of cells per axis: powers of two, in total at most about four per box.
   void chooseGrid(const Proxies<D>& proxies, const Window<D>& window) {
     m_grid = Grid<D>(window.lo, chooseCell(proxies));
     double total = 1;
     IndexedArray<double, D> size{};
     for (std::size_t d = 0; d < D; ++d) {
       const double wanted = std::min(static_cast<double>((window.hi[d] - window.lo[d]) * m_grid.inverse()) + 2, 0x1p29);
-      size[d] = 4;  // at least: a neighbour must not be the same cell from the other side
+      size[d] = 4;  // minimum: a neighbour must not be the same cell from the other side
       while (size[d] < wanted) size[d] *= 2;
       total *= size[d];
     }
@@ -166,7 +166,7 @@ class UniformGrid final : public Broadphase<D> {
         if (start[x] == start[x + 1]) continue;
         ++work[WorkCount::nodeVisits];
         std::array<Range, 2 + 2 * later.size()> ranges;
-        // The cell itself, after the box in question, and its right neighbour: one range unless the row ends.
+        // The rest of the cell itself, and its right neighbour: one range unless the row ends.
         Range* end = ranges.data() + 1;
         ranges[0] = {0, start[x + (x + 1 < width ? 2 : 1)]};
         if (x + 1 == width) end = addRow(end, row, 0, 1);
@@ -179,7 +179,7 @@ class UniformGrid final : public Broadphase<D> {
     }
   }
 
-  // Half of the neighbouring rows: those whose last offset that is not zero is positive.
+  // Half of the neighbouring rows: those with a positive last nonzero offset.
   using LaterRows = std::array<std::size_t, D == 2 ? 1 : 4>;
   LaterRows laterRows(std::size_t row) const {
     const auto height = static_cast<std::size_t>(m_size[1]);
@@ -192,7 +192,8 @@ class UniformGrid final : public Broadphase<D> {
     }
   }
 
-  // A large box meets the small ones in its cells and one before, and the large ones after it in the list.
+  // Tests a large box against the small ones in its cells and one cell before, and against the large ones after it in
+  // the list.
   void visitLarge(std::size_t k, std::vector<ProxyPair>& out, WorkDone& work) {
     const Large& large = m_large[k];
     for (std::size_t other = k + 1; other < m_large.size(); ++other) {
@@ -221,7 +222,7 @@ class UniformGrid final : public Broadphase<D> {
     test(large.box, large.packed, {m_ranges.data(), end}, out);
   }
 
-  // Box a against the boxes of some ranges, first on packed boxes, then what is left exactly.
+  // Tests box a against the boxes of some ranges, first packed, then exactly.
   void test(const GatheredBox<D>& a, const PackedBox& packed, std::span<const Range> ranges,
             std::vector<ProxyPair>& out) {
     std::size_t most = 0;
@@ -235,7 +236,7 @@ class UniformGrid final : public Broadphase<D> {
     }
   }
 
-  static constexpr Real kLargest = 8;  // times the median: beyond that, a box stands apart
+  static constexpr Real kLargest = 8;  // times the median; larger boxes are kept apart
 
   Params m_params;
   Grid<D> m_grid;

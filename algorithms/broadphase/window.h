@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Coordinates as small integers. The map x -> q is non-decreasing whatever the rounding (subtract, multiply, clamp and
-// truncate each are), so closed intervals that overlap still do after it. What it adds is false hits, which an exact
-// test of the real boxes removes; what it buys is an overlap test on integers that fit many to a register.
+// Coordinates as small integers. The map x -> q is non-decreasing despite rounding (subtract, multiply, clamp and
+// truncate each are), so closed intervals that overlap still overlap after it. It adds false hits, which an exact test
+// of the real boxes removes. In return an overlap test works on integers, of which many fit in a register.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace broadphase {
 
-/// Where the boxes are. Everything outside is clamped to the border, so that one body lost at 1e7 m does not cost the
-/// others their resolution.
+/// The region of the boxes. Coordinates outside are clamped to its border, so that one lost body at 1e7 m does not cost
+/// the others their resolution.
 template <int D>
 struct Window {
   IndexedArray<Real, D> lo, hi;  // lo <= hi, m
 };
 
-/// The tight bounds of all boxes, cut back on each axis to three times the span of the middle 90 % of a sample.
+/// The tight bounds of all boxes, limited on each axis to three times the span of the middle 90 % of a sample.
 /// Precondition: `slots` is not empty. `sample` is scratch.
 template <int D>
 Window<D> findWindow(const Proxies<D>& proxies, std::span<const ProxyId> slots, std::vector<Real>& sample) {
@@ -28,7 +28,8 @@ Window<D> findWindow(const Proxies<D>& proxies, std::span<const ProxyId> slots, 
   Window<D> window;
   for (std::size_t d = 0; d < D; ++d) {
     const IndexedVector<Real>&lo = proxies.lo[d], &hi = proxies.hi[d];
-    // Four chains each, or the latency of the comparisons shows; free slots and padding are empty boxes and drop out.
+    // Four independent chains each hide the latency of the comparisons; free slots and padding are empty boxes and drop
+    // out.
     std::array<Real, 4> least, most;
     least.fill(std::numeric_limits<Real>::infinity()), most.fill(-std::numeric_limits<Real>::infinity());
     for (std::size_t i = 0; i + 4 <= lo.size(); i += 4) {
@@ -55,8 +56,8 @@ Window<D> findWindow(const Proxies<D>& proxies, std::span<const ProxyId> slots, 
   return window;
 }
 
-/// The longest edge (m) of `samples` boxes, or of up to twice as many, spread evenly over the slots: of those among
-/// them that are awake, or of all where none is. Precondition: `slots` is not empty.
+/// The longest edge (m) of each of about `samples` boxes, at most twice as many, spread evenly over the slots: of awake
+/// ones, or of all if none is awake. Precondition: `slots` is not empty.
 template <int D>
 void sampleSizes(const Proxies<D>& proxies, std::span<const ProxyId> slots, std::size_t samples,
                  std::vector<Real>& sizes) {
@@ -86,7 +87,7 @@ Window<D> widened(Window<D> window) {
   return window;
 }
 
-/// x -> 0 .. limit, the whole window spread over the range.
+/// x -> 0 .. limit, the whole window over the range.
 struct Scale {
   Real origin, factor, limit;
 

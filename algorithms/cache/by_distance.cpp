@@ -6,9 +6,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Matches points by where their anchors are, the nearest pair first; an old point gives its impulse once. A place is
-// the same when it has stayed on A or on B: the corner of a sliding box keeps its place on the box, what it slides over
-// does not, and which of the two is A follows from the order of the bodies alone.
+// Matches new points to old ones by the distance of their anchors, nearest pair first. Each old point passes its
+// impulse on once. A point matches if its anchor has stayed in place on A or on B: the corner of a sliding box keeps
+// its place on the box but not on the floor, and the order of the bodies alone decides which of the two is A.
 template <int D>
 class ByDistance final : public ContactCache<D> {
  public:

@@ -4,7 +4,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Matches points by the shapes' pair and the number of their pair of features.
+// Matches points by the pair of shapes and the number of the pair of features.
 template <int D>
 class ByFeature final : public ContactCache<D> {
  public:

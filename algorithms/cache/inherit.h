@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a point takes over from the one that it was in the step before.
+// What a contact point inherits from the matching point of the previous step.
 #pragma once
 
 #include "framework/math/indexed.h"
@@ -7,9 +7,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace cache {
 
-/// Friction from the tangents of one normal to those of another. tangents(n) jumps where n_z changes its sign, so on a
-/// slope the two bases may differ by a mirror image although the normals differ by one rounding: friction is carried as
-/// a vector, not as two numbers.
+/// Converts friction impulses from the tangents of one normal to those of another. tangents(n) jumps where n_z changes
+/// its sign. On a slope the two bases may therefore be mirror images although the normals differ by one rounding. So
+/// friction is carried as a vector, not as two numbers.
 template <int D>
 class FrictionTurn {
  public:
@@ -29,14 +29,14 @@ class FrictionTurn {
   RealMatrix<D - 1, D - 1> m_turn;
 };
 
-/// Impulse, memory and load of `old` to the fresh `p`.
+/// Copies impulse, memory and load of `old` to the new point `p`.
 template <int D>
 void inherit(const ContactPoint<D>& old, const FrictionTurn<D>& turn, ContactPoint<D>& p) {
   p.impulse = old.impulse, p.memory = old.memory, p.load = old.load;
   turn(p.impulse);
 }
 
-/// Points that have the number of their pair of features in common. Both lists are sorted, so one walk does it.
+/// Calls f for points of both lists with the same feature number. Both lists are sorted, so one pass suffices.
 template <int D>
 void inheritByFeature(const Manifold<D>& old, Manifold<D>& m) {
   const FrictionTurn<D> turn(old.normal, m.normal);
@@ -50,7 +50,7 @@ void inheritByFeature(const Manifold<D>& old, Manifold<D>& m) {
   }
 }
 
-/// `f(old, m)` for each fresh manifold that has an old one of its key. Both lists are sorted, too.
+/// Calls `f(old, m)` for each new manifold with an old one of the same key. Both lists are sorted.
 template <int D, class F>
 void forKnown(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fresh, const F& f) {
   std::size_t o = 0;

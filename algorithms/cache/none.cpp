@@ -4,7 +4,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Forgets: every step starts cold.
+// Keeps nothing: every step starts cold.
 template <int D>
 class NoCache final : public ContactCache<D> {
  public:

@@ -4,15 +4,15 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Contact recycling: while two shapes have hardly moved against each other since their points were made, the points
-// stay: anchors where they are on the bodies, separations as they are now. A tower that leans keeps the face it stands
-// on.
+// Contact recycling: the points of two shapes are kept while the shapes have hardly moved relative to each other since
+// the points were made. Anchors stay on the bodies; separations are updated. A leaning tower thus keeps the face that
+// it stands on.
 //
-// What may have moved is all of the face that the shapes share, corners without a point included. It lies in the
-// smaller shape, so no place of it is farther from the first point than that shape is wide; it may have moved by
-// `distance`, but along the normal by no more than the contact margin: what was farther apart than that when the points
-// were made has no point, and would go in unseen. Round shapes are left out: they roll, their points do not stay on
-// them, and a ball whose point lags behind it runs ever faster.
+// The bound on the motion must hold for the whole face that the shapes share, also for corners without a point. The
+// face lies in the smaller shape, so no place of it is farther from the first point than that shape is wide. The place
+// may have moved by `distance`, but along the normal by no more than the contact margin: a place that was farther apart
+// when the points were made has no point and would penetrate unseen. Round shapes are excluded: their points do not
+// stay on them while they roll, and a ball accelerates if its point lags behind it.
 template <int D>
 class Recycling final : public ContactCache<D> {
  public:
@@ -56,7 +56,7 @@ class Recycling final : public ContactCache<D> {
 
   void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
     cache::forKnown<D>(in.old, fresh, cache::inheritByFeature<D>);
-    // Merged from the end, in place.
+    // Merges in place, from the end.
     std::size_t left = fresh.size(), out = left + m_kept.size();
     fresh.resize(out);
     for (std::size_t k = m_kept.size(); k > 0;) {
@@ -73,7 +73,7 @@ class Recycling final : public ContactCache<D> {
   }
 
  private:
-  // The manifolds of one pair of shapes, all made at one time.
+  // Manifolds of one pair of shapes, all made in one step.
   bool stays(const CacheInput<D>& in, std::span<const Manifold<D>> old) const {
     const Manifold<D>& m = old[0];
     const ShapeRecord<D>&a = in.shapes[m.shapeA], &b = in.shapes[m.shapeB];
@@ -111,21 +111,21 @@ class Recycling final : public ContactCache<D> {
     }
   }
 
-  // As a generator would have it: far from the origin the sum of a place and an arm loses digits.
+  // Computed as a generator would: far from the origin the sum of a position and an arm loses digits.
   static Real separation(const ContactPoint<D>& p, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB) {
     return ((X_WB.p - X_WA.p) + X_WB.q * p.localB - X_WA.q * p.localA).dot(n);
   }
 
   static bool flat(const Shape<D>& shape) {
     bool flat = true;
-    if (shape.surface()) return true;  // of segments or of triangles
+    if (shape.surface()) return true;  // of segments or triangles
     forParts(shape, Pose<D>{}, [&](const ShapeView<D>& part, const Pose<D>&) {
       flat = flat && part.radius == 0 && part.core() != CoreClass::curved && part.core() != CoreClass::point;
     });
     return flat;
   }
 
-  // Radius of a sphere around the shape's origin that contains it, m.
+  // Radius (m) of a sphere around the shape's origin that contains the shape.
   static Real reach(const Shape<D>& shape) {
     if (shape.surface()) return shape.surface()->reach();
     Real reach = 0;

@@ -6,7 +6,7 @@ namespace {
 
 using namespace contacts;
 
-// The baseline that shows why manifolds have several points.
+// One contact point, the deepest. The baseline that shows why manifolds have several points.
 template <int D>
 class DeepestPoint final : public ContactGenerator<D> {
  public:

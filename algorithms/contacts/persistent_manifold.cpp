@@ -7,18 +7,18 @@ namespace {
 
 using namespace contacts;
 
-// One point per step, from any pair query; those of earlier steps stay while their two anchors stay together. What is
-// kept lies in the world's manifolds alone.
+// One new point per step, from any pair query; points of earlier steps are kept while their two anchors stay together.
+// They are stored only in the world's manifolds.
 //
-// A kept point is never deeper than the shapes are: its anchors lie in them, and along the normal of least depth no two
-// points of theirs are nearer than that. Balls keep nothing: they touch in one place, and roll.
+// A kept point is never deeper than the shapes: its anchors lie in them, and along the normal of least depth no two of
+// their points overlap more. Balls keep no points: they touch in one place, and roll.
 template <int D>
 class PersistentManifold final : public ContactGenerator<D> {
  public:
   struct Params {
     Spec query{"gjk_epa", {}};
     Real breaking = kContactMargin;
-    Reduction reduction = Reduction::area;  // of five corners `spread` may leave three
+    Reduction reduction = Reduction::area;  // `spread` may leave three of five corners
     void visit(ParamVisitor& v) {
       v.stage("query", query, StageKind::pairQuery, "finds the one point of a step");
       v.real("breaking", breaking, 0, 1000, "m",
@@ -65,8 +65,8 @@ class PersistentManifold final : public ContactGenerator<D> {
   }
 
  private:
-  // The features number the points of a pair as they come: older ones have smaller numbers, so that of points that are
-  // as good the older ones stay. No number of the last step is given again, or impulses would go to another place.
+  // Feature numbers count the points of a pair in order of age, so that among equally good points the older ones are
+  // kept. No number of the last step is reused; impulses would otherwise move to another point.
   void merge(const ContactInput<D>& in, const PlacedPair<D>& placed, const Manifold<D>& old, Manifold<D>& m) {
     const Real breaking = std::min(
         m_params.breaking, kBreakingPart * std::min(boundingRadius(placed.view1()), boundingRadius(placed.view2())));
@@ -76,7 +76,7 @@ class PersistentManifold final : public ContactGenerator<D> {
     found.feature = same < known.size() ? known[same].feature : freshNumber(known);
     m_points.assign(1, found);
     const Pose<D>&X_WA = in.pose[m.bodyA], &X_WB = in.pose[m.bodyB];
-    // As a generator would have it: far from the origin the sum of a place and an arm loses digits.
+    // Computed as a generator would: far from the origin the sum of a position and an arm loses digits.
     const auto gapOf = [&](const ContactPoint<D>& p) -> Vec<D> {
       return (X_WB.p - X_WA.p) + (X_WB.q * p.localB - X_WA.q * p.localA);
     };
@@ -89,7 +89,7 @@ class PersistentManifold final : public ContactGenerator<D> {
       ContactPoint<D>& p = m_points.back();
       p.localA = known[i].localA, p.localB = known[i].localB, p.separation = separation, p.feature = known[i].feature;
     }
-    // Whoever wrote the old ones, numbers are sorted and differ.
+    // Whatever wrote the old points, their numbers are sorted and distinct.
     std::sort(m_points.begin(), m_points.end(), [](const auto& p, const auto& q) { return p.feature < q.feature; });
     const auto alike = [](const auto& p, const auto& q) { return p.feature == q.feature; };
     m_points.erase(std::unique(m_points.begin(), m_points.end(), alike), m_points.end());
@@ -106,8 +106,8 @@ class PersistentManifold final : public ContactGenerator<D> {
     }
   }
 
-  // Of the old points the one that has stayed nearest on A or on B: a sliding corner keeps its place on its body alone.
-  // Their number when none is near.
+  // The old point that has stayed nearest on A or on B: a sliding corner keeps its place on its own body only. Returns
+  // the number of old points if none is near.
   static std::size_t nearest(std::span<const ContactPoint<D>> known, const ContactPoint<D>& p, Real breaking) {
     std::size_t best = known.size();
     Real least = std::numeric_limits<Real>::infinity();
@@ -123,7 +123,7 @@ class PersistentManifold final : public ContactGenerator<D> {
     for (const ContactPoint<D>& p : known) number = std::max(number, p.feature);
     const auto taken = [&](const ContactPoint<D>& p) { return p.feature == number; };
     do {
-      ++number;  // after the last number comes 0
+      ++number;  // 0 follows the last number
     } while (std::any_of(known.begin(), known.end(), taken));
     return number;
   }

@@ -20,7 +20,7 @@ struct QueryScratch<3> {
   using type = QueryClipScratch3;
 };
 
-// Any pair query can serve a simulation: it says along which direction, the faces that meet there say where.
+// Contacts from any pair query: the query gives the direction, and clipping the faces that meet there gives the points.
 template <int D>
 class QueryClip final : public ContactGenerator<D> {
  public:

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Zlib
-// The contact generator of the 2009 report (3.5.2, 6.2, 9.1.4), 2D only: every shape is a polygon that is expanded by a
-// radius, a circle one of one vertex, a capsule one of two. Axes are each edge's normal and the direction between the
-// closest pair of vertices. Where this differs from the report:
+// The contact generator of the 2009 report (3.5.2, 6.2, 9.1.4), 2D only: every shape is a polygon expanded by a radius,
+// a circle has one vertex, a capsule two. Axes are each edge's normal and the direction between the closest pair of
+// vertices. Differences from the report:
 //
-// - "The running time is O(E + V)". All V vertices projected onto each of E normals, as 3.5.2 has it, are E V; so is
-//   the search for the closest pair. Here a corner at hand dismisses most edges, for others the foremost one is looked
-//   for from the last one's, which goes round once while the edge does, and the pair is looked for on two edges: E + V.
-// - Two circles with one centre: the direction between their vertices is 0 / 0, and they have no other axis. Here any
-//   direction is one, and the depth is the sum of the radii.
-// - The direction between the closest vertices bears a contact only where no edge faces the nearest point. Here it is
-//   asked for there alone: as the report needs it, of two corners, and of two segments on one line, whose normals say 0
-//   or noise however far apart they are. Below rounding the best edge's normal stands for it.
-// - "More than one (maybe two in 2D)": which, and how they are known again in the next step, is left open. Here both
-//   ends of what the two edges have in common, numbered by their vertices.
-// - Which of two equal axes leads is left open, too. Of a square on a square rounding would say so anew in each step.
-//   Here it is the first shape's, unless the other's is better by the pair's tolerance.
-// - "Invalid contacts" of what is pressed deep into each other (9.1.10). More than half through a body, the
-//   shortest way out is its far side: that lies in the question, and is declared in `failures`.
+// - "The running time is O(E + V)". Projecting all V vertices onto each of E normals, as in 3.5.2, is O(E V); so is the
+// search for the closest pair. Here a known corner rejects most edges. For the other edges the search for the support
+// vertex starts at that of the previous edge, so it goes round once. The closest pair is searched on two edges only:
+// O(E + V).
+// - Two circles with one centre: the direction between their vertices is 0 / 0, and there is no other axis. Here any
+// direction is used, and the depth is the sum of the radii.
+// - The direction between the closest vertices matters only where no edge faces the nearest point. Here it is tested
+// only for the cases in which the report needs it: two corners, and two segments on one line, whose normals give 0 or
+// noise at any distance. Below rounding the best edge's normal replaces it.
+// - "More than one (maybe two in 2D)": the report leaves open which points, and how they are matched in the next step.
+// Here both ends of the common interval of the two edges, numbered by their vertices.
+// - The report leaves open which of two equal axes is the reference. For a square on a square, rounding would decide
+// anew in each step. Here it is the first shape's, unless the other's is better by the pair's tolerance.
+// - "Invalid contacts" of deeply overlapping shapes (9.1.10). More than half through a body, the shortest way out is
+// its far side: that is inherent in the question, and is declared in `failures`.
 #include "algorithms/contacts/clip/clip2.h"
 #include "algorithms/contacts/patch/plane_patch.h"
 #include "algorithms/contacts/sat/sat_axes2.h"
@@ -26,13 +27,14 @@ namespace {
 
 using namespace contacts;
 
-// The vertices of a core that is no hull, in its own frame; room for one shape.
+// The vertices of a core that is not a hull, in its own frame; room for one shape.
 using OwnVertices2 = std::array<Vec<2>, 4>;
 
 const std::array<Vec<2>, 4> kEdgeNormals2 = {Vec<2>(0, -1), Vec<2>(1, 0), Vec<2>(0, 1), Vec<2>(-1, 0)};
 const std::array<Vec<2>, 2> kSegmentNormals2 = {Vec<2>(0, -1), Vec<2>(0, 1)};
 
-// As a polygon in its own frame, so that nothing is turned that is not asked for. One vertex has no edge, two have two.
+// The shape as a polygon in its own frame, so that only needed vertices are rotated. One vertex has no edge, two
+// vertices have two.
 Core2 roundedPolygon(const ShapeView<2>& s, OwnVertices2& own) {
   const Xy h = s.half;
   switch (s.core()) {
@@ -58,7 +60,7 @@ Core2 roundedPolygon(const ShapeView<2>& s, OwnVertices2& own) {
 Xy vertex(const Core2& c, int i) { return c.v[i]; }
 Xy normal(const Core2& c, int i) { return c.n[i]; }
 
-// The same of a box by its half extents alone: of two boxes four vertices and one normal are asked for.
+// The same for a box by its half extents: a pair of boxes needs only four vertices and one normal.
 struct Box2 {
   Xy half;
   static constexpr int count = 4;
@@ -77,15 +79,14 @@ int before(const C& c, int i) {
   return (i > 0 ? i : c.count) - 1;
 }
 
-// How far p lies beyond edge i (m).
+// Distance of p beyond edge i (m).
 template <class C>
 Real beyond(const C& c, int i, const Xy& p) {
   return dot(normal(c, i), p - vertex(c, i));
 }
 
-// The vertex farthest along d, by way of its neighbours from `at`. Edges are what is compared, and not projections of
-// vertices: of a short edge before a long one two projections may be equal, and the climb would end before the long
-// one.
+// The support vertex along d, by hill climbing from `at`. It compares edges instead of projections: two projections may
+// be equal at a short edge before a long one, and the climb would stop before the long one.
 template <class C>
 int climb(const C& c, const Xy& d, int at) {
   const int start = at;
@@ -95,7 +96,8 @@ int climb(const C& c, const Xy& d, int at) {
   return at;
 }
 
-// Of the two edges at vertex `at`, the farthest along d, the one whose normal is more along d: of all edges, the most.
+// Of the two edges at the support vertex `at` along d, the one with the normal more along d; it is the best of all
+// edges.
 template <class C>
 int edgeAt(const C& c, const Xy& d, int at) {
   if (c.count == 1) return 0;
@@ -104,12 +106,12 @@ int edgeAt(const C& c, const Xy& d, int at) {
 }
 
 struct BestEdge {
-  int edge = -1;   // none is better than what was known
-  int corner = 0;  // of the other polygon, its foremost against the edge
+  int edge = -1;   // none is better than the known separation
+  int corner = 0;  // support vertex of the other polygon against the edge
   Real separation = -std::numeric_limits<Real>::infinity();
 };
 
-// The vertex farthest along d, of all.
+// The support vertex along d, by brute force.
 int foremost(const Core2& c, const Xy& d) {
   int best = 0;
   Real most = dot(d, c.v[0]);
@@ -120,9 +122,9 @@ int foremost(const Core2& c, const Xy& d) {
   return best;
 }
 
-// The edge of p that q lies farthest beyond, of those that beat `known`. Any point of q bounds from above how far q
-// lies beyond an edge, so that most edges are dismissed by a point at hand: at first `bound(i)`, then the foremost one
-// against the edge before. `at`: where to begin to look for that one.
+// The edge of p beyond which q lies farthest, if that beats `known`. Any point of q gives an upper bound for an edge,
+// so a known point rejects most edges: at first `bound(i)`, then the support vertex of the previous edge. `at`: where
+// the search for a support vertex starts.
 template <class C, class Bound>
 BestEdge outermostEdge(const C& p, const C& q, const Pose<2>& X_PQ, Real known, int at, const Bound& bound,
                        std::uint64_t& axes) {
@@ -150,10 +152,10 @@ BestEdge outermostEdge(const C& p, const C& q, const Pose<2>& X_PQ, Real known, 
   return best;
 }
 
-// Some point of a polygon.
+// A point inside a polygon.
 Xy within(const Core2& c) { return Real(0.5) * (Xy(c.v[0]) + Xy(c.v[c.count / 2])); }
 
-// Two edges that face each other along the unit n, in frame 1. A polygon of one vertex is an edge from there to there.
+// Two edges that face each other along the unit n, in frame 1. A polygon of one vertex is an edge of zero length.
 struct Facing {
   Xy a1, b1, a2, b2, n;
   int ia1, ib1, ia2, ib2;
@@ -179,8 +181,8 @@ Facing facingSecond(const C& c1, const C& c2, const Pose<2>& X_12, const BestEdg
   return facing(c1, edgeAt(c1, n, best.corner), c2, best.edge, X_12, n);
 }
 
-// Both ends of the interval that the edges have in common as seen along n. Numbers as in clip2.h: of the two vertices
-// at this end, whichever of them cuts.
+// Both ends of the common interval of the edges along n. Numbers as in clip2.h: of the two vertices at this end,
+// whichever of them cuts.
 void clip(const Facing& f, const PlacedPair<2>& pair, Patch2& out) {
   f.n.to(out.normal), out.count = 0;
   // Edge 1 runs along t, edge 2 against it.
@@ -188,7 +190,7 @@ void clip(const Facing& f, const PlacedPair<2>& pair, Patch2& out) {
   const Real lo1 = dot(t, f.a1), hi1 = dot(t, f.b1), lo2 = dot(t, f.b2), hi2 = dot(t, f.a2);
   const Real lo = std::max(lo1, lo2), hi = std::min(hi1, hi2);
   if (hi < lo) return;
-  // An edge that is seen end-on is no longer than rounding: its ends are one place.
+  // An edge that is seen end-on is no longer than rounding: its ends are one point.
   const Real per1 = hi1 - lo1 > pair.rounding ? 1 / (hi1 - lo1) : Real(0);
   const Real per2 = hi2 - lo2 > pair.rounding ? 1 / (hi2 - lo2) : Real(0);
   const auto p1At = [&](Real where) { return f.a1 + std::min((where - lo1) * per1, Real(1)) * (f.b1 - f.a1); };
@@ -196,7 +198,7 @@ void clip(const Facing& f, const PlacedPair<2>& pair, Patch2& out) {
   const Xy low1 = p1At(lo), low2 = p2At(lo), high1 = p1At(hi), high2 = p2At(hi);
   const Real low = dot(low2 - low1, f.n), high = dot(high2 - high1, f.n);
   bool keepsLow = low <= pair.limit, keepsHigh = high <= pair.limit;
-  if (hi - lo <= pair.rounding) {  // one place
+  if (hi - lo <= pair.rounding) {  // a single point
     (high < low ? keepsLow : keepsHigh) = false;
   }
   if (keepsLow) write(out.points[0], low1, low2, low, featureNumber(featureCode(f.ia1), featureCode(f.ib2)));
@@ -205,12 +207,13 @@ void clip(const Facing& f, const PlacedPair<2>& pair, Patch2& out) {
   write(out.points[out.count++], high1, high2, high, featureNumber(featureCode(f.ib1), featureCode(f.ia2)));
 }
 
-// Do the edges lie on two sides of a line across n? Edges that touch do not.
+// Whether a line orthogonal to n separates the edges. Touching edges are not separated.
 bool parted(const Facing& f, const Xy& n) {
   return std::min(dot(n, f.a2), dot(n, f.b2)) > std::max(dot(n, f.a1), dot(n, f.b1));
 }
 
-// Of cores that overlap: the foremost corner and the end of the edge that it lies beside, which only rounding makes.
+// For overlapping cores: the support corner and the end of the edge that it lies beside, a case that only rounding
+// causes.
 void beside(const Facing& f, Real separation, const PlacedPair<2>& pair, Patch2& out) {
   f.n.to(out.normal), out.count = 0;
   const Xy t = f.n.left();
@@ -228,8 +231,8 @@ void beside(const Facing& f, Real separation, const PlacedPair<2>& pair, Patch2&
 // The corner of a box farthest along d.
 int cornerOfBox(const Xy& d) { return (d.y() < 0 ? 0 : 3) ^ (d.x() < 0 ? 0 : 1); }
 
-// Of each polygon the best edge; of the second one only if it is better by the pair's tolerance, so that equals do not
-// take turns.
+// The best edge of each polygon; that of the second one only if it is better by the pair's tolerance, so that equal
+// edges do not alternate.
 struct BestEdges {
   BestEdge first, second;
 };
@@ -249,7 +252,7 @@ template <class C>
 void collideEdges(const PlacedPair<2>& pair, const C& c1, const C& c2, BestEdges& best, Patch2& out, WorkDone& work) {
   const Pose<2>& X_12 = pair.X_12;
   Real separation = best.second.edge >= 0 ? best.second.separation : best.first.separation;
-  if (separation > pair.limit || std::max(best.first.edge, best.second.edge) < 0) return;  // far, or no numbers
+  if (separation > pair.limit || std::max(best.first.edge, best.second.edge) < 0) return;  // far apart, or not finite
   bool isSecond = best.second.edge >= 0;
   Facing f;
   for (;;) {
@@ -262,7 +265,7 @@ void collideEdges(const PlacedPair<2>& pair, const C& c1, const C& c2, BestEdges
     if (second.edge < 0) break;
     best.second = second, separation = second.separation, isSecond = true;
   }
-  // Cores that are apart: their nearest points, along the way from one to the other.
+  // Cores that are apart: their closest points, along the vector between them.
   closestOfEdges(f.edge1(), f.edge2(), f.n, true, pair, out);
   const bool flat = c1.count <= 2 && c2.count <= 2;
   if (!(separation > 0 || (flat && parted(f, out.normal)))) beside(f, separation, pair, out);
@@ -283,7 +286,7 @@ void collideBoxes(const PlacedPair<2>& pair, Patch2& out, WorkDone& work) {
   collideEdges(pair, c1, c2, best, out, work);
 }
 
-// No edges: the direction between the vertices is the only axis. Where it is none, any direction is as good.
+// No edges: the direction between the vertices is the only axis. If it is zero, any direction is used.
 void collidePoints(const PlacedPair<2>& pair, Patch2& out) {
   const Xy to = pair.X_12.p;
   const Real distance = std::sqrt(dot(to, to));
@@ -318,7 +321,7 @@ void collide(const PlacedPair<2>& pair, Patch2& out, WorkDone& work) {
   const CoreClass core1 = pair.view1().core();
   if (core1 == CoreClass::box && pair.view2().core() == CoreClass::box) return collideBoxes(pair, out, work);
   collidePolygons(pair, out, work);
-  // A vertex touches in one place, whose number is the same wherever it is.
+  // A vertex touches in one point with the same number at any position.
   if (core1 == CoreClass::point) out.points[0].feature = featureNumber(featureCode(0), kNoFeature);
 }
 
@@ -372,8 +375,8 @@ class RoundedPolygon final : public ContactGenerator<D> {
 
  private:
   Params m_params;
-  // Pairs are placed, collided and added by so many (count): each of the three is one long chain of operations, and
-  // only what is next to it keeps a processor busy meanwhile. One by one a pair of boxes took longer.
+  // Pairs are placed, collided and added in blocks of this size (count): each of the three is one long chain of
+  // dependent operations, and independent work beside it keeps the processor busy. Pair by pair, boxes took longer.
   static constexpr std::size_t kBlock = 16;
   std::array<PlacedPair<D>, kBlock> m_placed;
   std::array<Patch2, kBlock> m_patches;

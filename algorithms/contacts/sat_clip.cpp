@@ -19,7 +19,7 @@ struct ScratchOf<3> {
   using type = Scratch3;
 };
 
-// The default: separating axes give the normal, clipping the faces that meet gives the points.
+// The default generator: separating axes give the normal, clipping the facing faces gives the points.
 template <int D>
 class SatClip final : public ContactGenerator<D> {
  public:

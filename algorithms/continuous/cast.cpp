@@ -12,10 +12,10 @@ namespace {
 
 using namespace continuous;
 
-// The whole shapes are cast on their ways, turning. A meeting counts where the two would go on to be deeper in each
-// other than contacts are used to: who slides, rolls or grazes, also over the seam to another floor, goes on. No depth
-// grows faster than points move, so that the time of that depth is found as that of an impact. Who touches at the start
-// is stopped at that depth, and not before.
+// Casts the whole shapes, translating and turning. An impact counts only if the shapes would become deeper than
+// contacts usually are. A body that slides, rolls or grazes, also over the seam between two floors, therefore
+// continues. The depth grows no faster than points move, so the time of that depth is found like a time of impact. A
+// pair that touches at the start is stopped at that depth, not earlier.
 template <int D>
 class Cast final : public ContinuousCollision<D> {
  public:
@@ -63,9 +63,9 @@ class Cast final : public ContinuousCollision<D> {
     return found.t > 0 && deep < duration ? found.t : deep;
   }
 
-  // From time t on: when the depth reaches what is allowed, or grows by half of that where it is nearly there already:
-  // who rests a little in another may go on, or it would stand there for ever. Along the normal of the depth it grows
-  // no faster than the bodies close: conservative advancement, on the far side of contact.
+  // Finds, from time t on, when the depth reaches the allowed one, or grows by half of it if it is nearly reached
+  // already. A body that rests slightly inside another may thus move on; otherwise it would never move again. Along the
+  // normal the depth grows no faster than the bodies approach: conservative advancement on the far side of contact.
   Real tooDeep(const FastPair<D>& p, Real t, Real duration, WorkDone& work) {
     const Real ball = std::min(p.fastA ? p.a.inner : kNever, p.fastB ? p.b.inner : kNever);
     const Real inner = std::max(ball, m_params.depth);  // a segment has no inner ball
@@ -80,7 +80,7 @@ class Cast final : public ContinuousCollision<D> {
         allowed = std::min(allowed / 2 - answer.distance, (inner - answer.distance) / 2);
       }
       const Real left = allowed + answer.distance;  // m
-      // At first it is half through: who knows on which side.
+      // At the first query the part may be half way through, and the side is then unknown.
       if (!(left > kAlmostThere * allowed)) return k == 0 ? kNever : t;
       const Real speed = closing.closing(p.pair.A.bodyAt(t).q * (p.pair.A.X_CS.q * answer.normal));
       if (!std::isfinite(speed) || answer.normal.isZero(0)) return t;

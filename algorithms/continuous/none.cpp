@@ -4,7 +4,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Nobody looks between two steps: what a method of continuous collision is compared with.
+// No continuous collision: the baseline for the other methods.
 template <int D>
 class None final : public ContinuousCollision<D> {
  public:

@@ -8,9 +8,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// The way of a fast part's inner centre is a ray before the other, straight in the other's frame. It ends the inner
-// ball's radius before the surface that it enters by, or half of that where the part is nearer than this at the start.
-// What sticks out of the ball is not looked at: an obstacle that the centre misses is missed.
+// Casts the path of the inner ball's centre of a fast part as a ray against the other part, in the other part's frame.
+// The path ends one inner radius before the surface that the ray enters, or half of that where the part is nearer at
+// the start. Whatever lies outside the ball is ignored: an obstacle that the centre misses is missed.
 template <int D>
 class Ray final : public ContinuousCollision<D> {
  public:
@@ -61,8 +61,8 @@ class Ray final : public ContinuousCollision<D> {
     };
     const Vec<D> from = centerAt(0), way = centerAt(duration) - from;
     const RayEntry<D> entry = rayEntry(other, Pose<D>{}, from, way, Real(1));
-    const Real closing = -way.dot(entry.normal);  // m in the whole time
-    // It misses, or starts inside.
+    const Real closing = -way.dot(entry.normal);  // m over the whole step
+    // The ray misses, or starts inside.
     if (entry.t < 0 || !(closing > 0)) return std::numeric_limits<Real>::infinity();
     // A segment has no inner ball.
     const Real clearance = std::max(girth.inner, kLinearSlop);

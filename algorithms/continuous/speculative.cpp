@@ -4,9 +4,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Contacts that are still open: the solver lets their gaps close in this step, and no farther. A body that would pass
-// by sees the plane of a face that it would never have touched, and is turned away by it: a ghost. And what the solver
-// itself sends on its way within the step, nobody has looked ahead for.
+// Speculative contacts: the solver may close an open gap within the step, but no more. A body that would pass by can
+// meet the plane of a face that it would never touch, and is deflected: a ghost collision. Motion that the solver
+// itself adds within the step is not predicted.
 template <int D>
 class Speculative final : public ContinuousCollision<D> {
  public:

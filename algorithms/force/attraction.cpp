@@ -6,8 +6,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Nearer than the floor it falls to nothing in proportion to the distance, as gravity does inside of a ball of even
-// density: a pair that meets is not flung apart by one step's force.
+// Below `floor` the force falls to zero in proportion to the distance, as gravity does inside a ball of constant
+// density. Otherwise one step's force would fling a touching pair apart.
 template <int D>
 class Attraction final : public ForceKind<D> {
  public:
@@ -49,7 +49,7 @@ class Attraction final : public ForceKind<D> {
       a.push(onA, state.bodies, out);
       b.push(-onA, state.bodies, out);
     };
-    if (force.bodyB >= 0) return pull(force.bodyB);  // who may be fixed, and pull A
+    if (force.bodyB >= 0) return pull(force.bodyB);  // A may be fixed; B attracts it
     forEachActedOn(force, state.bodies, [&](std::size_t i) { pull(static_cast<std::int32_t>(i)); });
   }
 

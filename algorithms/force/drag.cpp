@@ -4,8 +4,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// 9.4.4 of the report, which has the same two numbers for both. It takes no heed of the step: (linear + quadratic |v|)
-// dt / m beyond 2 throws a body back faster than it came.
+// Drag of section 9.4.4 of the report, which uses the same two coefficients for linear and angular motion. It is
+// explicit: if (linear + quadratic |v|) dt / m exceeds 2, the body is thrown back faster than it came.
 template <int D>
 class Drag final : public ForceKind<D> {
  public:

@@ -7,12 +7,12 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// What the report left open: a circle on a flat floor comes to rest. The load lies ahead of the contact by the
-// coefficient, so that a torque of coefficient times load is against the rolling, however fast it is. The load is that
-// of the step before: a first step has none, and a bounce has that of its blow.
+// Rolling resistance, which the report left open: a circle on a flat floor comes to rest. The load acts ahead of the
+// contact by the coefficient, so a torque of coefficient times load opposes rolling at any speed. The load is that of
+// the previous step: the first step has none, and after a bounce it is that of the impact.
 //
-// Of several contacts each may take the share of the speed that it has of the load, and no more: then a body's speed
-// becomes one between its own and its neighbours', and all of them together turn nothing round.
+// Each of several contacts may remove at most the share of the speed that it has of the load. The new speed then lies
+// between the body's own and its neighbours', and the contacts together never reverse the rotation.
 template <int D>
 class RollingResistance final : public ForceKind<D> {
  public:
@@ -40,7 +40,7 @@ class RollingResistance final : public ForceKind<D> {
     const Bodies<D>& bodies = state.bodies;
     for (const Manifold<D>& m : state.contacts) {
       const Real load = loadOf(force, m);
-      for (const std::int32_t body : {m.bodyA, m.bodyB}) {  // a floor carries all, and nobody turns it
+      for (const std::int32_t body : {m.bodyA, m.bodyB}) {  // a fixed floor carries every load and does not turn
         const auto i = static_cast<std::size_t>(body);
         if (movedByForces(bodies, i)) m_load[i] += load;
       }
@@ -58,7 +58,7 @@ class RollingResistance final : public ForceKind<D> {
         return axis.dot(rotateInertia(state.pose[i].q, bodies.invInertiaBody[i]) * axis);
       };
       const Real gain = (ease(a) + ease(b)) * state.dt, most = std::max(m_load[a], m_load[b]);
-      if (!(most > 0)) continue;  // neither is moved by forces
+      if (!(most > 0)) continue;  // no forces move either body
       const Real share = load / most;
       Real torque = m_params.coefficient * load / state.contactDt;
       if (share * speed < torque * gain) torque = share * speed / gain;
@@ -68,7 +68,7 @@ class RollingResistance final : public ForceKind<D> {
   }
 
  private:
-  // N s; 0 for a contact that is none of this force's.
+  // Load (N s); 0 for a contact that this force does not act on.
   static Real loadOf(const ForceRecord<D>& force, const Manifold<D>& m) {
     if (m.ignored || (force.bodyB >= 0 && m.bodyA != force.bodyB && m.bodyB != force.bodyB)) return 0;
     Real sum = 0;
@@ -79,7 +79,7 @@ class RollingResistance final : public ForceKind<D> {
   static Ang<3> withoutSpin(const Ang<3>& w, const Vec<3>& n) { return w - w.dot(n) * n; }
 
   Params m_params;
-  mutable std::vector<Real> m_load;  // scratch: of each body, N s
+  mutable std::vector<Real> m_load;  // scratch, per body, N s
 };
 
 }  // namespace

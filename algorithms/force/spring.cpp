@@ -6,14 +6,14 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Explicit, as integrators take it: stable up to w dt = 2. What has to be stiffer is a joint, `spring` or `distance`.
+// Explicit spring, stable up to w dt = 2. Use the joints `spring` or `distance` for stiffer ones.
 template <int D>
 class LinearSpring final : public ForceKind<D> {
  public:
   struct Params {
     Real stiffness = 100, damping = 0, restLength = 0;
     void visit(ParamVisitor& v) {
-      constexpr Real kAny = std::numeric_limits<Real>::max();  // what blows up is a result, too
+      constexpr Real kAny = std::numeric_limits<Real>::max();  // a blow-up is a result, too
       v.real("stiffness", stiffness, 0, kAny, "N/m", "pulls its ends to their distance");
       v.real("damping", damping, 0, kAny, "N s/m", "of the speed along it");
       v.real("rest_length", restLength, 0, kAny, "m", "at which it neither pulls nor pushes");

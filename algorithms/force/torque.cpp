@@ -9,8 +9,8 @@ namespace {
 
 enum class TorqueMode { constant, speed };
 
-// A generator of torque. With a target it gives what reaches the speed within the step, as far as it can, so that it
-// does not swing about it; what else acts on the bodies it does not know, and lags behind by one step of that.
+// Applies a torque. With a target it applies what reaches the target speed within the step, up to its limit, so that
+// the speed does not oscillate. It ignores other torques on the bodies and therefore lags behind by one step of those.
 template <int D>
 class TorqueGenerator final : public ForceKind<D> {
  public:
@@ -79,8 +79,7 @@ class TorqueGenerator final : public ForceKind<D> {
       if (movedByForces(bodies, b)) out[b].torque += torque * axis;
       if (fromBody && movedByForces(bodies, a)) out[a].torque -= torque * axis;
     };
-    if (force.bodyB >= 0)
-      return drive(static_cast<std::size_t>(force.bodyB));  // who may be fixed, and A the one to turn
+    if (force.bodyB >= 0) return drive(static_cast<std::size_t>(force.bodyB));  // A may be fixed; B is then driven
     forEachActedOn(force, bodies, drive);
   }
 

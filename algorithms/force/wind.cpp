@@ -6,8 +6,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Drag against air that moves, at the centre of mass: it turns nobody. Gusts rise and fall in straight lines, since a
-// sine has other bits from one library to the next.
+// Drag against moving air, at the centre of mass, so without torque. Gusts rise and fall linearly, because sine has
+// different bits in different libraries.
 template <int D>
 class Wind final : public ForceKind<D> {
  public:
@@ -46,7 +46,7 @@ class Wind final : public ForceKind<D> {
   }
 
  private:
-  // From 0 up to 1, down to -1 and back within one period.
+  // Triangle wave: 0, 1, -1, 0 within one period.
   static Real wave(Real periods) {
     const Real phase = periods - std::floor(periods);
     if (phase < Real(0.25)) return 4 * phase;

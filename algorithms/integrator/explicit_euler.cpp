@@ -8,8 +8,8 @@ namespace {
 
 using namespace solver;
 
-// Position by the old velocity, velocity by the old force. Free fall comes out g T dt / 2 too high, oscillators gain
-// energy without end.
+// Explicit Euler: position by the old velocity, velocity by the old force. Free fall ends g T dt / 2 too high;
+// oscillators gain energy without bound.
 template <int D>
 class ExplicitEuler final : public Integrator<D> {
  public:

@@ -8,13 +8,13 @@ namespace {
 
 using namespace solver;
 
-// Semi-implicit Euler, and then the gyroscopic term by backward Euler in the body's axes, where the inertia is
+// Semi-implicit Euler, followed by the gyroscopic term by backward Euler in the body frame, where the inertia is
 // constant:
 //
-//   f(w) = I (w - w0) + dt w x I w = 0,   f'(w) = I + dt ([w]x I - [I w]x)
+// f(w) = I (w - w0) + dt w x I w = 0, f'(w) = I + dt ([w]x I - [I w]x)
 //
-// Its solution has less energy and less angular momentum than w0, however long the step: multiply by w and by I w.
-// Catto takes one step of Newton's from w0, which is most of the way.
+// The solution has less energy and less angular momentum than w0 for every step length (multiply by w and by I w).
+// Catto takes one Newton step from w0, which is most of the way.
 template <int D>
 class ImplicitGyroscopic final : public Integrator<D> {
  public:

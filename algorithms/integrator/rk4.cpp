@@ -8,13 +8,13 @@ namespace {
 
 using namespace solver;
 
-// The classical method of order four, rotation included. A rotation cannot be averaged like a position, so the stages
-// live in the rotation vector theta of q = exp(theta) q0 (Munthe-Kaas 1999), and its rate is
+// Classical Runge-Kutta method of order four, rotation included. Rotations cannot be averaged like positions, so the
+// stages use the rotation vector theta of q = exp(theta) q0 (Munthe-Kaas 1999), with the rate
 //
-//   theta' = w - theta x w / 2 + theta x (theta x w) / 12 - ...   (the next term is zero at this order)
+// theta' = w - theta x w / 2 + theta x (theta x w) / 12 - ... (the next term is zero at this order)
 //
-// What is integrated in 3D is the angular momentum, not the angular velocity: with no torque it stays as it is, and the
-// gyroscopic term needs no line of its own.
+// In 3D the method integrates angular momentum instead of angular velocity: without torque it stays constant, and the
+// gyroscopic term needs no code of its own.
 template <int D>
 class Rk4 final : public Integrator<D> {
  public:
@@ -94,7 +94,7 @@ class Rk4 final : public Integrator<D> {
     }
   }
 
-  // The state `h` seconds after the start, by the rates of the last stage.
+  // Sets the state `h` seconds after the start from the rates of the last stage.
   void place(const IntegrateInput<D>& in, Real h) {
     const Bodies<D>& b = in.bodies;
     for (std::size_t i = 0; i < m_pose.size(); ++i) {
@@ -108,7 +108,7 @@ class Rk4 final : public Integrator<D> {
     }
   }
 
-  static Ang<2> rate(const Ang<2>&, const Ang<2>& w) { return w; }  // turns in a plane commute
+  static Ang<2> rate(const Ang<2>&, const Ang<2>& w) { return w; }  // rotations in a plane commute
   static Ang<3> rate(const Ang<3>& theta, const Ang<3>& w) {
     const Ang<3> once = cross(theta, w);
     return w - once / 2 + cross(theta, once) / 12;

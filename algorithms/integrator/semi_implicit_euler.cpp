@@ -8,8 +8,8 @@ namespace {
 
 using namespace solver;
 
-// Position by the new velocity. Symplectic: energy errors stay bounded up to w dt = 2. Free fall comes out g T dt / 2
-// too low.
+// Semi-implicit (symplectic) Euler: position by the new velocity. Energy errors stay bounded up to w dt = 2. Free fall
+// ends g T dt / 2 too low.
 template <int D>
 class SemiImplicitEuler final : public Integrator<D> {
  public:

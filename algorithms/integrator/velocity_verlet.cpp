@@ -8,10 +8,10 @@ namespace {
 
 using namespace solver;
 
-// Half a step of the old force, the way, half a step of the force at its end: of order two, symplectic, and exact in a
-// constant field. Rotations do the same with the angular momentum, which so stays as it is without a torque; the
-// velocity at which they turn is that of the middle of the step. A force that depends on velocity sees at the end the
-// one that the old force alone would have made.
+// Velocity Verlet: half a step of the old force, the motion, half a step of the new force. Order two, symplectic, exact
+// in a constant field. Rotations integrate the angular momentum in the same way, so it stays constant without torque;
+// they turn with the velocity at mid-step. A velocity-dependent force at the end of the step sees the velocity that the
+// old force alone would give.
 template <int D>
 class VelocityVerlet final : public Integrator<D> {
  public:
@@ -75,8 +75,8 @@ class VelocityVerlet final : public Integrator<D> {
  private:
   std::vector<Wrench<D>> m_wrenches;
   std::vector<Pose<D>> m_pose;      // at the end of the step
-  std::vector<Motion<D>> m_motion;  // there, by the forces of the start
-  std::vector<Ang<D>> m_momentum;   // after half the step
+  std::vector<Motion<D>> m_motion;  // at the end of the step, by the forces of its start
+  std::vector<Ang<D>> m_momentum;   // at mid-step
   std::vector<std::uint8_t> m_turns;
 };
 

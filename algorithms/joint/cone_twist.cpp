@@ -6,9 +6,9 @@ namespace {
 
 using namespace solver;
 
-// The joint of a ragdoll: a pivot whose bone, the x of B's frame, stays within a cone about the x of A's. Swing is the
-// angle between the two; twist is what is left, about x, when the shortest turn that takes A's x to B's is taken away.
-// In 2D there is no twist, and a cone is two stops.
+// Joint of a ragdoll: a pivot that keeps the x axis of B's frame within a cone about the x axis of A's frame. Swing is
+// the angle between the two axes. Twist is the remaining rotation about x, after the shortest rotation from A's x to
+// B's. In 2D there is no twist, and the cone is two limits.
 template <int D>
 class ConeTwist final : public JointKind<D> {
  public:
@@ -65,13 +65,13 @@ class ConeTwist final : public JointKind<D> {
     } else {
       const Vec<3> bent = cross(xA, xB);
       const Real sine = bent.norm(), angle = static_cast<Real>(angleOf(sine, xA.dot(xB)));
-      // A straight bone may swing to any side, and starts to some.
+      // A straight joint may swing to any side; pick one.
       const Vec<3> axis = sine > 0 ? Vec<3>(bent / sine) : Vec<3>(at.qA * Vec<3>(0, 0, 1));
       ConstraintRow<3>& row = out.turn(axis, angle - m_params.swing);
       row.block = RowBlock::box, row.hi = 0;
     }
-    // The twist's rate is w . (xA + xB) / (1 + cos(swing)). Along the unit vector between both axes it is
-    // cos(swing / 2) of that, which measures the error, too: nothing where they are opposite, and there is no twist.
+    // The rate of twist is w . (xA + xB) / (1 + cos(swing)). Along the unit bisector of the two axes it is cos(swing /
+    // 2) of that, which also scales the error: zero where the axes are opposite and twist is undefined.
     const Vec<3> middle = xA + xB;
     const Real length = middle.norm();
     if (m_params.twist == kFree || !(length > 0)) {

@@ -8,8 +8,8 @@ namespace {
 
 enum class DistanceMode { rod, spring, rope };
 
-// One row along the line between two points. Where the points meet there is no line: a rope and a spring of no length
-// ask for nothing there, a rod of no length is a pivot and is refused.
+// One row along the line between two points. If the points coincide there is no line: a rope or spring of length zero
+// then has no row. A rod of length zero is a pivot and is refused.
 template <int D>
 class Distance final : public JointKind<D> {
  public:
@@ -41,7 +41,7 @@ class Distance final : public JointKind<D> {
 
   void begin(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
     joint.state[0] = m_params.length < 0 ? JointFrames<D>(joint, X_WA, X_WB).gap.norm() : m_params.length;
-    // Two frames given at one point differ by the rounding of their bodies' poses.
+    // Two frames made at one point differ by the rounding of their bodies' poses.
     const Real reach = joint.X_CaJ.p.norm() + joint.X_CbJ.p.norm() + X_WA.p.norm() + X_WB.p.norm();
     if (m_params.mode == DistanceMode::rod && !(joint.state[0] > 16 * std::numeric_limits<Real>::epsilon() * reach)) {
       throw UserError("'distance' is a rod of no length; valid: two points apart, or a pivot");
@@ -66,7 +66,7 @@ class Distance final : public JointKind<D> {
         break;
       case DistanceMode::rope:
         row.block = RowBlock::box;
-        row.hi = 0;  // it pulls, towards A
+        row.hi = 0;  // pulls only, towards A
         break;
     }
   }

@@ -6,18 +6,17 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// The turn of a frame against the world about its own z, the twist of swing and twist: a turn about z adds to it just
-// so, whatever the swing is.
+// The rotation of a frame relative to the world about its own z: the twist of swing and twist. A rotation about z adds
+// to it whatever the swing is.
 Real axisOf(const Rot<2>&) { return 1; }
 Vec<3> axisOf(const Rot<3>& q) { return q * Vec<3>(0, 0, 1); }
 double twist(const Rot<2>& q, bool) { return angleOf(q.s, q.c); }
-// Where z would be the world's turned round there is no twist: then it is against the world turned round about x.
+// Twist is undefined where z is opposite to the world's; it is then measured against the world turned by pi about x.
 double twist(const Rot<3>& q, bool turnedRound) { return turnedRound ? 2 * angleOf(q.y, -q.x) : 2 * angleOf(q.z, q.w); }
 
-// The angle of A about the z of its frame, plus ratio times that of B, stays what it was: two wheels that roll on each
-// other for ratio = r_B / r_A > 0, which then turn oppositely, w_A = -ratio w_B; a belt for ratio < 0. Each needs a
-// hinge of its own, since nothing here holds a place or an axis. The angles are against the world, which bears what the
-// two torques do not balance.
+// Keeps angle(A) + ratio angle(B) constant, each about the z axis of its frame. ratio = r_B / r_A > 0: two gears, which
+// turn oppositely, w_A = -ratio w_B. ratio < 0: a belt. Each wheel needs its own hinge, since this joint holds no
+// position and no axis. Angles are measured against the world, which takes the imbalance of the two torques.
 template <int D>
 class Gear final : public JointKind<D> {
  public:
@@ -56,7 +55,7 @@ class Gear final : public JointKind<D> {
     row.armA = Ang<D>(axisOf(at.qA)) / -m_ratio;
   }
 
-  // Whole turns are counted from step to step: less than half a turn each.
+  // Counts whole turns from step to step, assuming less than half a turn in each.
   void finish(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
     const JointFrames<D> at(joint, X_WA, X_WB);
     joint.state[0] = static_cast<Real>(angleA(joint, at)), joint.state[1] = static_cast<Real>(angleB(joint, at));
@@ -77,7 +76,7 @@ class Gear final : public JointKind<D> {
   static double angleB(const JointRecord<D>& joint, const JointFrames<D>& at) {
     return unwrapped(twist(at.qB, joint.state[3] >= 2), joint.state[1]);
   }
-  // In double also where Real is float: of many turns nothing is left but the error.
+  // In double even if Real is float: after many turns the sum is otherwise only rounding.
   double sum(const JointRecord<D>& joint, const JointFrames<D>& at) const {
     return angleA(joint, at) + double(m_ratio) * angleB(joint, at);
   }

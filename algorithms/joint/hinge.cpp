@@ -6,12 +6,12 @@ namespace {
 
 using namespace solver;
 
-// The angle of B against A about the axis: 0 where their frames agree.
+// The angle of B relative to A about the axis: 0 where their frames agree.
 Real hingeAngle(const Rot<2>& q_AB) { return static_cast<Real>(angleOf(q_AB.s, q_AB.c)); }
-// The twist of swing and twist: the swing has no part about z.
+// The twist of swing and twist: the swing has no component about z.
 Real hingeAngle(const Rot<3>& q_AB) { return static_cast<Real>(2 * angleOf(q_AB.z, q_AB.w)); }
 
-// In 2D a pivot, in 3D one that turns about the z of its frames alone. One row keeps the nearer of the two limits, one
+// In 2D a pivot, in 3D a rotation about the z axes of the two frames. One row holds the nearer of the two limits, one
 // is the motor, one the spring.
 template <int D>
 class Hinge final : public JointKind<D> {
@@ -56,7 +56,7 @@ class Hinge final : public JointKind<D> {
     m_params.addSpring(out, make);
   }
 
-  // Whole turns are counted from step to step: less than half a turn each.
+  // Counts whole turns from step to step, assuming less than half a turn in each.
   void finish(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
     joint.state[0] = unwrapped(joint, JointFrames<D>(joint, X_WA, X_WB));
   }

@@ -8,8 +8,8 @@ using namespace solver;
 
 enum class MotorMode { target, friction };
 
-// Damped springs to a target, of limited force: implicit ones, so that any gain is stable at any step, which a speed in
-// proportion to the error is not. Without a target a brake: dry friction between two bodies that need not touch.
+// Damped springs to a target, with limited force. They are implicit, so any gain is stable at any step; a speed in
+// proportion to the error is not. Without a target it is a brake: dry friction between two bodies that need not touch.
 template <int D>
 class Motor final : public JointKind<D> {
  public:

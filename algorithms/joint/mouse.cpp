@@ -6,9 +6,9 @@ namespace {
 
 using namespace solver;
 
-// What a pointer does: the point of B goes to the point of A, as a damped spring of this frequency would take the mass
-// that the two have against each other, by limited force. A is the world, where the target stays, or a body that
-// carries it. Implicit, so stable at any frequency.
+// Mouse joint: pulls the point of B to the point of A like a damped spring of this frequency on the effective mass of
+// the two bodies, with limited force. A is the world, where the target is fixed, or a body that carries the target.
+// Implicit, so stable at any frequency.
 template <int D>
 class Mouse final : public JointKind<D> {
  public:

@@ -4,8 +4,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// The 2009 engine's only joint. The rows lie along the world's axes, so that nothing turns with the bodies and the last
-// step's impulses are the right first guess.
+// Pivot, the only joint of the 2009 engine. The rows lie along the world axes, so they do not turn with the bodies and
+// the last step's impulses are a good first guess.
 template <int D>
 class Pivot final : public JointKind<D> {
  public:

@@ -6,8 +6,8 @@ namespace {
 
 using namespace solver;
 
-// B slides along the x of A's frame and does not turn against it. One row keeps the nearer of the two limits, one is
-// the motor, one the spring.
+// B slides along the x axis of A's frame and does not turn relative to it. One row holds the nearer of the two limits,
+// one is the motor, one the spring.
 template <int D>
 class Prismatic final : public JointKind<D> {
  public:

@@ -6,8 +6,8 @@ namespace {
 
 using namespace solver;
 
-// Nothing is rigid: each way and each turn of B's frame against A's has a damped spring. A stiffness of so many N/m
-// means the same in every method, unlike the softness of a solver's own constraints.
+// Six-axis spring: each translation and each rotation of B's frame relative to A's has a damped spring, and no row is
+// rigid. A stiffness in N/m means the same in every method, unlike the softness of a solver's own constraints.
 template <int D>
 class SpringJoint final : public JointKind<D> {
  public:

@@ -6,8 +6,8 @@ namespace {
 
 using namespace solver;
 
-// B is a wheel on A: its axle moves along the x of A's frame and not across it, and it spins about the z of both
-// frames. In 3D it does not steer: the axle keeps A's z.
+// B is a wheel on A: its axle moves along the x axis of A's frame only, and it spins about the z axes of both frames.
+// In 3D it does not steer: the axle keeps A's z.
 template <int D>
 class Wheel final : public JointKind<D> {
  public:

@@ -7,9 +7,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// What engines do: for each pair of kinds the method that is measured to be the fastest of those that are exact on it
-// (docs/pair_queries.md): a formula where there is one, axes for boxes and in 2D for all that has edges, and for what
-// is left one method that answers everything.
+// Dispatches as engines do: for each pair of kinds the fastest measured method that is exact on it
+// (docs/pair_queries.md). That is a closed form if there is one, SAT for boxes and in 2D for all shapes with edges, and
+// one general method for the rest.
 template <int D>
 class ByKind final : public PairQuery<D> {
  public:
@@ -32,8 +32,8 @@ class ByKind final : public PairQuery<D> {
   bool traces(ShapeKind a, ShapeKind b) const override { return chosen(a, b).traces(a, b); }
   void trace(const PairView<D>& pair, PairTrace<D>& out) override { chosen(pair.a.kind, pair.b.kind).trace(pair, out); }
 
-  // A pair keeps its kinds, and with them its method: nobody reads what another has written. In 2D only curved pairs
-  // would be remembered.
+  // A pair keeps its kinds, and with them its method, so no method reads what another has written. In 2D only curved
+  // pairs would be remembered.
   bool remembers() const override { return D == 3; }
 
   void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,

@@ -11,10 +11,10 @@ namespace {
 
 using namespace pair_query;
 
-// Points, segments and boxes among each other, box against box left out, points and segments against triangles, and
-// points against cylinders and cones: the nearest points in closed form, the deepest axis from the few there are. Near
-// contact the difference of the nearest points is all rounding, and so is its direction; then, and only then, the axes
-// are tried too, and the best proved bound wins (core_pair.h).
+// Closed forms for points, segments and boxes (except box against box), points and segments against triangles, and
+// points against cylinders and cones: the closest points directly, the deepest axis from the few candidates. Near
+// contact the difference of the closest points, and so its direction, is mostly rounding. Only then are the axes tested
+// too, and the best proved bound wins (core_pair.h).
 template <int D>
 class ClosedForm final : public PairQuery<D> {
  public:
@@ -93,7 +93,7 @@ class ClosedForm final : public PairQuery<D> {
     return best.bound >= v.norm() - kBoundRounding * pair.scale;
   }
 
-  // Directions that are perpendicular to the unit vector u, and what is left of v without its part along u.
+  // Tries directions perpendicular to the unit vector u, and the component of v perpendicular to u.
   static void tryPerpendicular(const CorePair<D>& pair, const Vec<D>& u, Vec<D> v, BestAxis<D>& best, WorkDone& work) {
     removeAlong<D>(v, u);
     best.tryDirection(pair, v, work);
@@ -109,7 +109,7 @@ class ClosedForm final : public PairQuery<D> {
       const Vec<D>& p = pairs[i].X_AB.p;
       PairAnswer<D>& out = answers[i];
       out.normal = p;
-      if (!makeUnit<D>(out.normal)) out.normal = Vec<D>::Unit(0);  // concentric: every direction is right
+      if (!makeUnit<D>(out.normal)) out.normal = Vec<D>::Unit(0);  // concentric: every direction is correct
       out.distance = out.normal.dot(p) - pairs[i].a.radius - pairs[i].b.radius;
       out.status = std::isfinite(out.distance) ? QueryStatus::converged : QueryStatus::failed;
       out.pA = pairs[i].a.radius * out.normal;
@@ -126,7 +126,7 @@ class ClosedForm final : public PairQuery<D> {
   static void pointBox(const CorePair<D>& pair, BestAxis<D>& best) {
     const Vec<D> q = -(pair.r.transpose() * pair.p);  // the point in the box's frame
     const Vec<D> excess = q - q.cwiseMax(-pair.b.half).cwiseMin(pair.b.half);
-    Vec<D> n = -excess;  // exactly zero along the slabs that hold the point: never a direction made of noise
+    Vec<D> n = -excess;  // exactly zero along the slabs that contain the point: no component is noise
     if (makeUnit<D>(n)) return best.take(pair.r * n, excess.norm());
     int k = 0;
     for (int d = 1; d < D; ++d) {
@@ -140,7 +140,7 @@ class ClosedForm final : public PairQuery<D> {
     const Real lA = pair.a.half[0], lB = pair.b.half[0];
     const Vec<D> v = segmentGap<D>(p, u, lA, lB);
     if (proves(pair, v, best, work)) return;
-    // Of a boolean the difference says enough where it is clearly shorter than the radii.
+    // A boolean query is decided where the difference is clearly shorter than the radii.
     if (need == QueryNeed::boolean && best.bound > -std::numeric_limits<Real>::infinity() &&
         (best.bound > pair.radii() || v.norm() + kBoundRounding * pair.scale < pair.radii())) {
       return;
@@ -163,8 +163,8 @@ class ClosedForm final : public PairQuery<D> {
     }
   }
 
-  // The squared distance of a point of the segment from the box is convex and piecewise quadratic along the segment;
-  // its slope, piecewise linear, changes its law only where the segment's line crosses a plane of a face.
+  // The squared distance of a point of the segment from the box is convex and piecewise quadratic along the segment.
+  // Its slope is piecewise linear, with breaks only where the segment's line crosses a plane of a face.
   static void segmentBox(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     const Vec<D> c = -(pair.r.transpose() * pair.p), u = pair.r.row(0).transpose(), &h = pair.b.half;
     const Real l = pair.a.half[0];
@@ -176,7 +176,7 @@ class ClosedForm final : public PairQuery<D> {
     Real lo = -l, hi = l, slopeLo = slope(lo), slopeHi = slope(hi);
     for (int k = 0; k < D; ++k) {
       for (const Real face : {-h[k], h[k]}) {
-        const Real t = (face - c[k]) / u[k];  // no number or far away when the segment runs along the face
+        const Real t = (face - c[k]) / u[k];  // not finite or far away when the segment runs along the face
         if (!(t > lo && t < hi)) continue;
         const Real s = slope(t);
         s < 0 ? (lo = t, slopeLo = s) : (hi = t, slopeHi = s);
@@ -204,7 +204,7 @@ class ClosedForm final : public PairQuery<D> {
     for (const Real end : {-l, l}) best.tryDirection(pair, -(pair.r * excess(end)), work);
   }
 
-  // v without its part along u, but still exactly zero where it was: it stays in the cone of the box's feature.
+  // The component of v perpendicular to u, with exact zeros kept: it stays in the cone of the box's feature.
   static void tryPerpendicularWithinBox(const CorePair<D>& pair, Vec<D> v, Vec<D> u, BestAxis<D>& best,
                                         WorkDone& work) {
     for (int k = 0; k < D; ++k) u[k] = v[k] == 0 ? 0 : u[k];

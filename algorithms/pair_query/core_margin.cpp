@@ -10,22 +10,22 @@ namespace {
 
 using namespace pair_query;
 
-// A shape's inner core: what is left of it when a margin is taken off. The inner core with a ball of the margin around
-// each of its points lies within the shape.
+// The inner core of a shape: the shape reduced by a margin. The inner core with a ball of the margin around each of its
+// points lies within the shape.
 template <int D>
 struct InnerCore {
   ShapeView<D> view;
   Real margin = 0;  // m
 
-  // `share` of the smallest half extent. Points and segments have none to give.
+  // `share` of the smallest half extent. Points and segments have none.
   void shrink(const ShapeView<D>& shape, Real share) {
     view = shape, margin = 0;
     if (shape.core() == CoreClass::box) {
       margin = share * shape.half.minCoeff();
       view.half.array() -= margin;
     } else if (shape.core() == CoreClass::hull) {
-      // Its planes moved inwards would be another hull, of other corners, to be made anew. Drawn together towards a
-      // point it keeps them, and of a ball around that point inside the hull (1 - t) K + t ball lies within K.
+      // Moving its planes inwards would make another hull with other corners. Scaling it towards a point keeps them,
+      // and for a ball around that point inside the hull (1 - t) K + t ball lies within K.
       const auto& corners = shape.hull->vertices;
       Vec<D> middle = Vec<D>::Zero();
       for (const Vec<D>& v : corners) middle += v;
@@ -51,16 +51,16 @@ struct InnerCore {
     return radius;
   }
 
-  Polytope<D> m_hull;  // corners alone: who searches for directions reads no faces
+  Polytope<D> m_hull;  // corners only: the search for directions reads no faces
 };
 
-// Cores with a margin (van den Bergen 2003; Bullet's btGjkPairDetector): GJK between the inner cores, which are apart
-// while the shapes are in each other by less than the margins, so that EPA is for deeper overlaps alone. Bullet reports
-// the inner distance less the margins, that of shapes with round edges: too far where an edge or a corner is nearest,
-// and apart where they overlap by one. Here the direction alone is taken from the inner cores, and what is reported is
-// what it proves of the whole shapes (core_pair.h): the same where faces meet, and never more than the truth. Where it
-// proves no gap, and the margins do not meet either, an edge or a corner decides: then, and where the inner cores
-// overlap, GJK and EPA go on with the whole shapes, from the corners reached.
+// Cores with a margin (van den Bergen 2003; Bullet's btGjkPairDetector). GJK runs between the inner cores, which are
+// apart while the shapes overlap by less than the margins, so that only deeper overlaps need EPA. Bullet reports the
+// inner distance less the margins, the distance of shapes with rounded edges: too large where an edge or corner is
+// nearest, and positive where shapes overlap there. Here only the direction comes from the inner cores, and the
+// reported distance is what that direction proves for the whole shapes (core_pair.h): equal where faces meet, and never
+// more than the truth. If it proves no gap, and the margins do not meet either, an edge or a corner decides. Then, and
+// where the inner cores overlap, GJK and EPA continue with the whole shapes from the corners reached.
 template <int D>
 class CoreMargin final : public PairQuery<D> {
  public:
@@ -103,7 +103,7 @@ class CoreMargin final : public PairQuery<D> {
     return out;
   }
 
-  // A curved core has no corners to draw together, nor planes that tell of a ball in it; a triangle has no inside.
+  // A curved core has no corners to scale, nor planes that bound a ball in it; a triangle has no interior.
   bool supports(ShapeKind a, ShapeKind b) const override {
     if (hasPlane(a, b)) return supportsPlane(a, b);
     const auto has = [](ShapeKind k) { return coreClass(k) != CoreClass::curved && k != ShapeKind::triangle; };
@@ -139,7 +139,7 @@ class CoreMargin final : public PairQuery<D> {
     const Simplex<D>& last() const { return inside ? simplex : nearest.feature; }
   };
 
-  // GJK from what is remembered to the nearest point. `best` collects the bounds of its directions.
+  // GJK from the remembered simplex to the nearest point. `best` collects the bounds of its directions.
   Walk approach(const CorePair<D>& pair, Real rounding, PairWarmth<D>& warmth, BestAxis<D>& best,
                 WorkDone& work) const {
     const auto support = [&](const Vec<D>& n) {
@@ -170,7 +170,7 @@ class CoreMargin final : public PairQuery<D> {
       walk.simplex.push(w);
       NearestFeature<D> next;
       walk.inside = nearestOfSimplex(walk.simplex, next);
-      // A bound that gets better is a descent, too: the length shows only the square of a direction's lean.
+      // An improving bound is a descent, too: the length shows only the square of a direction's error.
       if (!walk.inside && !(next.length2 < walk.nearest.length2) && !(best.bound > before)) break;
       if (!walk.inside) walk.nearest = next;
     }
@@ -187,7 +187,7 @@ class CoreMargin final : public PairQuery<D> {
     const Walk walk = approach(inner, rounding, m_warmth, core, work);
     m_warmth.remember(core.n, walk.last(), corners);
     if (memory) *memory = corners;
-    if (!(walk.length() <= near)) {  // nearer, GJK's direction is rounding
+    if (!(walk.length() <= near)) {  // nearer than this, GJK's direction is rounding
       best.tryDirection(pair, core.n, work);
       const bool meets = walk.length() <= m_a.margin + m_b.margin + pair.radii();
       if (meets || best.bound > pair.radii()) {

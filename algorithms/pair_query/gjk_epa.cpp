@@ -6,7 +6,7 @@ namespace {
 
 using namespace pair_query;
 
-// GJK, then EPA: the search is in gjk_epa.h.
+// GJK, then EPA. The search is in gjk_epa.h.
 template <int D>
 class GjkEpa final : public PairQuery<D> {
  public:

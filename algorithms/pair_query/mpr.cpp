@@ -11,14 +11,14 @@ using namespace pair_query;
 
 Real turnOf(const Vec<2>& u, const Vec<2>& v) { return u[0] * v[1] - u[1] * v[0]; }
 
-// One pair. M is the difference of the whole shapes, rounding included: of the cores alone the side is not known where
-// they are apart by less than the radii. A ray goes from a point inside M through the origin; a portal is a facet of
-// points of M's surface that the ray passes through. Each support point along the portal's normal makes it a smaller
-// one farther out, until it lies in the surface: there the ray leaves M.
+// Portal refinement of one pair. M is the difference of the whole shapes with their rounding radii: the cores alone do
+// not decide the side if they are apart by less than the radii. A ray goes from a point inside M through the origin; a
+// portal is a triangle of points of M's surface through which the ray passes. Each support point along the portal's
+// normal makes it smaller and farther out, until it lies in the surface, where the ray leaves M.
 //
-// Nothing is claimed that is not proved: that the shapes are apart by the bound of a direction (core_pair.h), that they
-// overlap by D + 1 points of M around the origin. Where rounding leaves the ray beside its portal neither is, and steps
-// to M's nearest point (gjk_epa) decide.
+// Claims are proved: that the shapes are apart by the bound of a direction (core_pair.h), that they overlap by D + 1
+// points of M around the origin. If rounding leaves the ray beside its portal, neither is proved, and steps to M's
+// nearest point (gjk_epa) decide.
 template <int D>
 class Refinement {
  public:
@@ -29,10 +29,10 @@ class Refinement {
     m_rounding = kBoundRounding * size;
     const Real least = kBoundRounding * (round ? kCurvedTolerance : Real(1));
     m_least = least * size, m_tolerance = std::max(tolerance * size, m_least);
-    m_near = std::max(least, kAttainedRounding) * size;  // the side is owed whatever the tolerance
+    m_near = std::max(least, kAttainedRounding) * size;  // the side must be right whatever the tolerance
     m_center = (pair.p + pair.r * middle(pair.b)) - middle(pair.a);
     m_ray = -m_center;
-    if (!makeUnit<D>(m_ray)) m_ray = Vec<D>::Unit(0);  // any way out will do
+    if (!makeUnit<D>(m_ray)) m_ray = Vec<D>::Unit(0);  // any direction out is used
   }
 
   QueryStatus run() {
@@ -43,7 +43,7 @@ class Refinement {
     return discover();
   }
 
-  /// Of shapes apart the best direction that was tried, else that of the portal.
+  /// For shapes apart the best tested direction, else that of the portal.
   BestAxis<D> axis() const {
     BestAxis<D> exit;
     if (!isApart() && !m_sideAlone) exit.take(m_exit, m_pair.bound(m_exit)), ++m_work[WorkCount::axisTests];
@@ -53,19 +53,19 @@ class Refinement {
  private:
   static Vec<D> middle(const ShapeView<D>& shape) {
     Vec<D> sum = Vec<D>::Zero();
-    if (!shape.hull) return sum;  // others have it in their frame's origin
+    if (!shape.hull) return sum;  // other shapes have it at their frame's origin
     for (const Vec<D>& v : shape.hull->vertices) sum += v;
     return sum / static_cast<Real>(shape.hull->vertices.size());
   }
 
-  // Of the core, along n as in core_pair.h.
+  // Support of the core, along n as in core_pair.h.
   Vec<D> coreSupport(const Vec<D>& n) {
     m_work[WorkCount::supportCalls] += 2;
     const Vec<D> w = m_pair.support(n);
     m_best.take(n, n.dot(w));
     return w;
   }
-  // The point of M that lies farthest along the unit vector.
+  // The support point of M along the unit vector.
   Vec<D> support(const Vec<D>& outward) { return coreSupport(Vec<D>(-outward)) + m_pair.radii() * outward; }
   bool isApart() const { return m_best.bound > m_pair.radii(); }
 
@@ -90,7 +90,8 @@ class Refinement {
       if (Vec<3>(m_portal[0] - m_center).cross(m_portal[1] - m_center).dot(m_ray) < 0) {
         std::swap(m_portal[0], m_portal[1]);
       }
-      // A third corner on the ray's side of the plane of two and the centre, until the ray is between all three.
+      // Finds a third corner on the ray's side of the plane of two corners and the centre, until the ray is between all
+      // three.
       for (;;) {
         const Vec<3> a0 = m_portal[0] - m_center, a1 = m_portal[1] - m_center;
         out = a0.cross(a1);
@@ -120,7 +121,7 @@ class Refinement {
       if (m_left-- <= 0) return QueryStatus::iterationLimit;
       const Vec<D> w = support(out);
       if (isApart()) return QueryStatus::converged;
-      // A tolerance is of the depth: where the portal does not hold the origin yet it goes on, or others would decide.
+      // A tolerance applies to the depth: while the portal does not contain the origin, the search continues.
       const Real rise = out.dot(w) - height;
       if (rise <= m_least || (rise <= m_tolerance && holdsOrigin()) || !replace(w)) break;
     }
@@ -139,8 +140,7 @@ class Refinement {
     return makeUnit<D>(out);
   }
 
-  // The part of the portal, seen from the new point, that the ray passes through. False when rounding says that there
-  // is none.
+  // The part of the portal, seen from the new point, through which the ray passes. False if rounding finds none.
   bool replace(const Vec<D>& w) {
     if constexpr (D == 2) {
       m_portal[turnOf(m_ray, w - m_center) > 0 ? 1 : 0] = w;
@@ -158,7 +158,7 @@ class Refinement {
     }
   }
 
-  // Is the origin in the hull of the centre and the portal, or within rounding of it?
+  // Whether the origin is in the hull of the centre and the portal, or within rounding of it.
   bool holdsOrigin() const {
     Simplex<D> simplex;
     simplex.push(m_center);
@@ -172,7 +172,7 @@ class Refinement {
 
   QueryStatus overlapOrDecide() { return holdsOrigin() ? QueryStatus::converged : decide(); }
 
-  // The side alone, by the nearest point of the cores' difference.
+  // Decides the side by the nearest point of the cores' difference.
   QueryStatus decide() {
     Simplex<D> simplex;
     simplex.push(coreSupport(m_best.n));
@@ -205,9 +205,9 @@ class Refinement {
   BestAxis<D> m_best;
 };
 
-// Portal refinement (Snethen 2008), known as XenoCollide. Whether the shapes overlap is exact. The depth is that along
-// the normal of the portal by which the ray from centre to centre leaves, which suffices and need not be the least; of
-// shapes apart the first direction that separates them ends the search, and the distance is what it proves, a lower
+// Portal refinement (Snethen 2008), known as XenoCollide. The overlap test is exact. The depth is that along the normal
+// of the portal through which the ray from centre to centre leaves, which suffices to separate but need not be the
+// least. For shapes apart the first separating direction ends the search, and the distance is what it proves, a lower
 // bound.
 template <int D>
 class Mpr final : public PairQuery<D> {
@@ -250,7 +250,7 @@ class Mpr final : public PairQuery<D> {
 
   bool supports(ShapeKind a, ShapeKind b) const override { return !hasPlane(a, b) || supportsPlane(a, b); }
 
-  /// The first axis that separates ends the search; beside a plane there is no search.
+  /// The first separating axis ends the search; against a plane there is no search.
   bool claimsGap(ShapeKind a, ShapeKind b) const override { return hasPlane(a, b); }
 
   void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,

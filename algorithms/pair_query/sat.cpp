@@ -7,9 +7,9 @@ namespace {
 
 using namespace pair_query;
 
-// Separating axes, all of them: face normals, and in 3D the common normals of two edges, which the 2009 engine got
-// wrong. For cores that are apart the directions between the nearest vertices and edges are tested too, so that the
-// answer is the signed distance in both regimes and not the lower bound that axes alone give.
+// All separating axes: face normals, and in 3D the common normals of two edges, which the 2009 engine got wrong. For
+// cores that are apart the directions between the nearest vertices and edges are tested too, so that the answer is the
+// signed distance in both regimes instead of the lower bound of the axes alone.
 template <int D>
 class Sat final : public PairQuery<D> {
  public:
@@ -50,7 +50,7 @@ class Sat final : public PairQuery<D> {
           return boxesInLanes(some, need, out, work);
         },
         [&](std::span<const PairView<D>> some, std::span<PairAnswer<D>> out) {
-          oneByOne(some, need, out, {}, work);  // of boxes nothing is remembered
+          oneByOne(some, need, out, {}, work);  // nothing is remembered of boxes
         });
   }
 

@@ -16,14 +16,14 @@ struct Feature {
   std::int32_t number = 0;
 };
 
-// Mirtich's walk: from a pair of features of the two cores to one of lower dimension or shorter distance, as long as
-// one of them lies outside of the Voronoi region of the other. It ends where both are inside, and then are the nearest,
-// or where a feature is seen to lie in the other core.
+// Mirtich's walk: from a pair of features of the two cores to one of lower dimension or shorter distance, while one of
+// them lies outside the Voronoi region of the other. It ends where both are inside, and are then the nearest, or where
+// a feature lies in the other core.
 class Walk {
  public:
   enum class End { apart, overlap, lost };
 
-  /// From these features, which become those where it ends.
+  /// Starts at these features and replaces them by those where it ends.
   End run(const SatCore& a, const SatCore& b, int steps, IndexedArray<Feature, 2>& features, WorkDone& work) {
     m_core = {&a, &b}, m_feature = &features;
     for (int i = 0; i < steps; ++i) {
@@ -46,15 +46,15 @@ class Walk {
     return Step::moved;
   }
 
-  // A plane of the feature's Voronoi region: it lies within `height >= 0`, beyond is the region of `neighbour`; where
-  // the feature is a face, of the edge that leaves that vertex.
+  // A plane of the feature's Voronoi region, which lies within `height >= 0`; beyond is the region of `neighbour`. If
+  // the feature is a face: of the edge that starts at that vertex.
   struct Bound {
     Vec<3> point, inward;
     Feature neighbour;
     Real height(const Vec<3>& q) const { return inward.dot(q - point); }
   };
 
-  // The edge of this face that leaves v in the direction in which the face's loop goes round.
+  // The edge of this face that leaves v in the direction of the face's loop.
   static std::int32_t edgeFrom(const SatCore& core, int v, int face) {
     for (const Polytope<3>::Spoke& s : core.spokes(v)) {
       const SatCore::Edge& e = core.edges()[s.edge];
@@ -145,15 +145,15 @@ class Walk {
     return first == Step::done ? clipBy(1, 0) : first;
   }
 
-  // What is left of edge `e` in the region of the other feature, a vertex or an edge. Where it comes no nearer to it
-  // within than at one of its ends, the neighbour behind that end is nearer.
+  // The part of edge `e` in the region of the other feature, a vertex or an edge. If the edge is nearest at one end of
+  // that part, the neighbour behind that end is nearer.
   Step clipBy(int other, int e) {
     regionOf(other, m_region);
     Clip clip;
     cut(e, clip);
     if (clip.simply) return feature(other) = *clip.entry, Step::moved;
     const Vec<3> way = clip.head - clip.tail;
-    const auto slope = [&](Real t) {  // of the distance, on the way along the edge
+    const auto slope = [&](Real t) {  // of the distance along the edge
       Vec<3> from = clip.tail + t * way - m_origin;
       if (feature(other).kind == Kind::edge) {
         Vec<3> along = m_region.front().inward;
@@ -169,10 +169,10 @@ class Walk {
   struct Clip {
     Vec<3> tail, head;
     Real from = 0, to = 1;
-    const Feature *entry = nullptr, *exit = nullptr;  // behind the planes that cut it
-    bool simply = false;                              // all of it lies behind one plane
+    const Feature *entry = nullptr, *exit = nullptr;  // behind the planes that clip it
+    bool simply = false;                              // all of it is behind one plane
   };
-  // By m_region. False when nothing is left.
+  // Clips by m_region. False if nothing is left.
   bool cut(int e, Clip& clip) const {
     const SatCore::Edge& edge = core(e).edges()[feature(e).number];
     clip.tail = core(e).vertex(edge.v0), clip.head = core(e).vertex(edge.v1);
@@ -211,7 +211,7 @@ class Walk {
       }
       return Step::done;
     }
-    // Behind the face: within the core, or some face has it in front.
+    // Behind the face: inside the core, or in front of another face.
     Real most = -std::numeric_limits<Real>::infinity();
     std::size_t highest = 0;
     for (std::size_t k = 0; k < core(f).faces().size(); ++k) {
@@ -226,7 +226,7 @@ class Walk {
     regionOf(f, m_region);
     Clip clip;
     const SatCore::Edge& edge = core(e).edges()[feature(e).number];
-    if (!cut(e, clip)) {  // beside the face: its edge that is nearest
+    if (!cut(e, clip)) {  // beside the face: its nearest edge
       const SatRidge ridge(core(e), feature(e).number);
       Real least2 = std::numeric_limits<Real>::infinity();
       Feature nearest = beyond(f, m_region.front().neighbour);
@@ -255,14 +255,13 @@ class Walk {
   IndexedArray<const SatCore*, 2> m_core{};
   IndexedArray<Feature, 2>* m_feature = nullptr;
   std::vector<Bound> m_region;
-  Vec<3> m_origin = Vec<3>::Zero();  // of the region's feature: the vertex, the edge's first end
+  Vec<3> m_origin = Vec<3>::Zero();  // of the region's feature: the vertex, or the edge's first end
 };
 
-// V-Clip (Mirtich 1998): the nearest features of the cores by a walk that begins at those of the last step. They are
-// taken for the nearest when the way between them is what its direction proves (core_pair.h). Who overlaps has none,
-// and the walk gives no depth: that, and what rounding makes the walk lose, is left to separating axes. The direction
-// is proved by climbs that begin at those features (hull_climb.h), so that of hulls that have hardly moved a few
-// vertices are looked at.
+// V-Clip (Mirtich 1998): the nearest features of the cores by a walk that starts at those of the last step. They are
+// accepted if the vector between them is as long as its direction proves (core_pair.h). For overlapping cores the walk
+// gives no depth; these pairs, and walks that fail by rounding, are left to separating axes. Climbs from those features
+// prove the direction (hull_climb.h), so that few vertices are visited on hulls that have hardly moved.
 template <int D>
 class VClip final : public PairQuery<D> {
  public:
@@ -315,7 +314,7 @@ class VClip final : public PairQuery<D> {
 
  private:
   struct Stored {
-    std::uint32_t known = 0;  // 1: there are features; no others are taken
+    std::uint32_t known = 0;  // 1: there are features; no other value is valid
     IndexedArray<Feature, 2> features;
     std::array<std::uint32_t, 3> none{};
   };
@@ -333,7 +332,7 @@ class VClip final : public PairQuery<D> {
     return false;  // a number from a file
   }
 
-  // False when it has not found, and proved, the distance.
+  // Returns false if it has not found and proved the distance.
   bool walk(const CorePair<D>& pair, PairMemory* memory, BestAxis<D>& best, WorkDone& work) {
     m_a.start(pair.a), m_b.start(pair.b, pair.p, pair.r);
     const Stored last = memory ? std::bit_cast<Stored>(memory->bytes) : Stored{};

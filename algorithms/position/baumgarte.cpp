@@ -7,7 +7,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Part of the position error is asked for as velocity, which stays in the bodies as kinetic energy.
+// Baumgarte stabilisation: the velocity rows remove part of the position error. The velocity stays in the bodies as
+// kinetic energy.
 template <int D>
 class Baumgarte final : public PositionResolver<D> {
  public:

@@ -8,7 +8,7 @@ namespace {
 
 using namespace solver;
 
-// The 2009 engine's first method: bodies are moved apart along the normal, each by the share of its inverse mass, and
+// The first method of the 2009 engine: bodies are moved apart along the normal, each by its share of inverse mass, and
 // never turned. A tilted box that touches with one corner is lifted as a whole.
 template <int D>
 class Linear final : public PositionResolver<D> {
@@ -49,7 +49,7 @@ class Linear final : public PositionResolver<D> {
       for (const JointRecord<D>& j : in.joints) {
         if (!j.active() || !in.features.joints) continue;
         jointRows(j, bodies, m_rows);
-        Vec<D> error = Vec<D>::Zero();  // what turns alone would mend stays
+        Vec<D> error = Vec<D>::Zero();  // errors that only a rotation could correct remain
         for (const ConstraintRow<D>& row : m_rows.all()) {
           if (row.binds()) error += row.error * row.d;
         }

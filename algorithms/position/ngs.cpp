@@ -6,8 +6,8 @@ namespace {
 
 using namespace solver;
 
-// A part of each depth, one contact after the other, each where the others have left its bodies, as in solver2d. (In
-// Box2D 2 the normal turns with its body, and contacts go before joints.)
+// Nonlinear Gauss-Seidel as in solver2d: removes a part of each depth, one contact after the other, each at the poses
+// that the previous ones left. (In Box2D 2 the normal turns with its body, and contacts precede joints.)
 template <int D>
 class Ngs final : public PositionResolver<D> {
  public:

@@ -4,7 +4,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Position errors stay: what the others are measured against.
+// No position correction: the baseline for the other methods.
 template <int D>
 class NoPosition final : public PositionResolver<D> {
  public:

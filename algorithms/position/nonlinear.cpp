@@ -9,16 +9,16 @@ namespace {
 
 using namespace solver;
 
-// The deepest contact first: its depth is shared between moving and turning both bodies, by how easily each of the four
-// gives way, and then measured again where bodies have moved.
+// Corrects the deepest contact first. Its depth is shared between translation and rotation of both bodies in proportion
+// to their inverse inertia along the row; depths are then measured again where bodies have moved.
 template <int D>
 class Nonlinear final : public PositionResolver<D> {
  public:
   struct Params {
     Real iterationFactor = 4;
     Real slop = 0;
-    // The penetration epsilon of the book's code. A move deepens the contacts beside it by less, so that a tolerance of
-    // zero uses up every move that the limit allows.
+    // The penetration epsilon of the book's code. A correction deepens neighbouring contacts by less than this, so a
+    // tolerance of zero uses up all permitted iterations.
     Real tolerance = Real(0.01);
     Real angularLimit = Real(0.2);
     ExtremeSearch search = ExtremeSearch::tree;
@@ -93,25 +93,25 @@ class Nonlinear final : public PositionResolver<D> {
   }
 
  private:
-  // A contact, or of a joint either all that is wrong in metres or all that is wrong in radians. A radian counts as
-  // much as a metre when the deepest is sought.
+  // A contact, or the errors of a joint in metres or in radians. A radian counts as much as a metre when the deepest is
+  // sought.
   struct Item {
     int a, b;  // a -1: the world
     Vec<D> normal, localA, localB;
     std::int32_t joint;  // -1: a contact
     bool angular;
   };
-  // The one row along which an item is wrong now.
+  // The row along which an item violates its constraint most.
   struct Place {
     Vec<D> n;
     Ang<D> armA, armB;
-    Real depth;  // beyond what may stay, m or rad
+    Real depth;  // beyond the allowed error, m or rad
   };
 
   void addJoint(const PositionInput<D>& in, std::int32_t number) {
     const JointRecord<D>& joint = in.joints[number];
     jointRows(joint, in.bodies, m_rows);
-    bool rigid[2] = {};  // may it ever be wrong in metres, in radians?
+    bool rigid[2] = {};  // whether it can violate constraints in metres, in radians
     for (const ConstraintRow<D>& row : m_rows.all()) {
       if (row.law == RowLaw::rigid && !row.absent()) rigid[row.angular] = true;
     }
@@ -144,9 +144,9 @@ class Nonlinear final : public PositionResolver<D> {
       }
     }
     Real size = item.angular ? turn.norm() : gap.norm();
-    if (item.angular && !turns(bodies, item)) size = 0;  // nobody can mend it: it would take all moves
+    if (item.angular && !turns(bodies, item)) size = 0;  // no rotation can correct it; it would use up all iterations
     Place x{Vec<D>::Zero(), Ang<D>::Zero(), Ang<D>::Zero(), 0};
-    // A joint is never exact: without a floor it would take all iterations for rounding errors.
+    // A joint is never exact: without a floor, rounding errors would use up all iterations.
     if (!(size > std::max(m_params.slop, kLinearSlop) / 8)) return x;
     x.depth = size;
     for (const ConstraintRow<D>& row : m_rows.all()) {
@@ -174,8 +174,8 @@ class Nonlinear final : public PositionResolver<D> {
     move(bodies, b, amount, x.n, x.armB, turnB);
   }
 
-  // A turn moves the contact along a circle, not along the normal, so it is limited, and what is missing of this body's
-  // share is made up by moving it.
+  // A rotation moves the contact along a circle instead of along the normal, so it is limited; translation makes up the
+  // rest of this body's share.
   void move(Bodies<D>& bodies, std::int32_t i, Real amount, const Vec<D>& n, const Ang<D>& arm,
             const Ang<D>& turnPerAmount) const {
     Ang<D> turn = amount * turnPerAmount;

@@ -9,8 +9,8 @@ namespace {
 
 using namespace solver;
 
-// Errors are removed by a velocity of their own, which moves the bodies once and is then forgotten: no energy stays.
-// The rows are solved in displacements (pseudo velocity x dt), so that "impulses" here are in kg m.
+// Removes errors by a separate velocity, which moves the bodies once and is then discarded, so that no energy is added.
+// The rows are solved in displacements (pseudo velocity x dt); their "impulses" are in kg m.
 template <int D>
 class SplitImpulse final : public PositionResolver<D> {
  public:
@@ -83,7 +83,7 @@ class SplitImpulse final : public PositionResolver<D> {
         const ContactArms<D> arms(c, m.normal, bodies.pose[a], bodies.pose[b]);
         const Real spare = arms.separation + m_params.slop;
         m_wrong = m_wrong || spare < 0;
-        // Contacts without an error take part, or the correction of one would push bodies into another.
+        // Contacts without an error take part too; otherwise correcting one contact would push bodies into another.
         const Real target = spare < 0 ? std::min(-m_params.factor * spare, m_params.maxMove) : -spare;
         const Real invMassSum = bodies.invMass[a] + bodies.invMass[b];
         m_contacts.push_back(

@@ -6,7 +6,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// base^exponent, exponent > 0, from square roots alone: std::pow is not the same everywhere.
+// base^exponent, exponent > 0, by square roots alone: std::pow is not the same everywhere.
 double power(double base, double exponent) {
   int scale = 0;
   double rest = std::frexp(exponent, &scale), root = base, result = 1;
@@ -19,12 +19,12 @@ double power(double base, double exponent) {
   return result;
 }
 
-// Sleeping of Millington's book: one recency-weighted average of v^2 + w^2 for metres and
-// radians alike. The bias is that of his code, bias^dt a step, which forgets by seconds; the 2009 report prints it by
-// the step (6.5). The book wakes whom an awake body touches with a speed that must be resolved, and whom the user
-// pushes. With that alone a pile hangs in the air when its support goes, slow throws freeze at their tops and joints
-// pull at walls (BookAlone in tests/planted_bugs/sleep_twins.h), so who wakes and who may sleep are the repairs that
-// the report made.
+// Sleeping of Millington's book: one recency-weighted average of v^2 + w^2, in metres and radians alike. The bias is
+// that of his code, bias^dt per step, which decays over seconds; the 2009 report prints it per step (6.5). In the book
+// a body wakes if an awake body hits it with a resolvable speed, or if the user pushes it. With these rules alone a
+// pile hangs in the air when its support is removed, slow throws freeze at their apex, and joints pull at walls
+// (BookAlone in tests/planted_bugs/sleep_twins.h). Therefore the report's repairs decide which bodies wake and which
+// may sleep.
 template <int D>
 class Millington final : public SleepPolicy<D> {
  public:

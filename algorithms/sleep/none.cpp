@@ -4,7 +4,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Nobody sleeps: what a sleeping policy is compared with. Bodies that were added asleep wake up, too.
+// No sleeping: the baseline for the sleeping policies. Bodies that were added asleep wake up.
 template <int D>
 class None final : public SleepPolicy<D> {
  public:

@@ -4,8 +4,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Sleeping of the 2009 report (6.5, 6.5.1): a recency-weighted average of the speed and one of the angular speed, each
-// with its own threshold, and bodies that wake when their support goes; wake_rules.h says what is added.
+// Sleeping of the 2009 report (6.5, 6.5.1): recency-weighted averages of speed and of angular speed, each with its own
+// threshold. A body wakes when its support is removed. wake_rules.h lists the added rules.
 template <int D>
 class SplitAverage final : public SleepPolicy<D> {
  public:

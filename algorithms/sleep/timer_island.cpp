@@ -7,17 +7,17 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Sleeping of Box2D 2 (b2Island::Solve): bodies that touch or are jointed, an island, sleep when each of them has been
-// slow for some time, and wake together. One who is awake wakes whom he touches, at any speed, so that nobody need ask
-// for blows, supports or loads. Not taken over: that an island waits until its position errors are repaired, which a
-// policy does not see; a platform, however slow, keeps its island awake here; and only what something holds that
-// cannot fall may sleep, because in weak gravity a throw is slow for longer than any time. So who hangs on a spring or
-// is wedged between walls stays awake.
+// Sleeping of Box2D 2 (b2Island::Solve): an island of touching or jointed bodies sleeps when each body has been slow
+// for some time, and wakes as a whole. An awake body wakes everything that it touches, at any speed, so impacts,
+// supports and loads need no rules. Three differences: the island does not wait until position errors are repaired,
+// which a policy does not see; a moving platform keeps its island awake at any speed; and an island may sleep only if
+// something that cannot fall holds it, because in weak gravity a throw is slow for longer than any time limit. A body
+// that hangs on a spring or is wedged between walls therefore stays awake.
 template <int D>
 class TimerIsland final : public SleepPolicy<D> {
  public:
   struct Params {
-    Real linear = Real(0.05);                  // of Box2D 3; 2 has 0.01
+    Real linear = Real(0.05);                  // of Box2D 3; Box2D 2 has 0.01
     Real angular = Real(0.03490658503988659);  // 2 degrees
     Real time = Real(0.5);
     Real wakeSeparation = Real(0.05);
@@ -70,14 +70,14 @@ class TimerIsland final : public SleepPolicy<D> {
         if (sleep::carries(in, m, from)) m_falls[island[to]] = 0;
       }
     }
-    for (const JointRecord<D>& j : in.joints) {  // also those to the world, which has no slot
+    for (const JointRecord<D>& j : in.joints) {  // also joints to the world, which has no slot
       const bool a = sleep::dynamic(in, j.bodyA), b = sleep::dynamic(in, j.bodyB);
       if (j.active() && a != b) m_falls[island[a ? j.bodyA : j.bodyB]] = 0;
     }
     sleep::forHeld(in, [&](std::int32_t body, std::int32_t holder) {
       if (sleep::moves(in, holder)) m_held[body] = 1;
     });
-    // By island: first whether anybody is awake in it, then the shortest rest of its bodies.
+    // Per island: first whether any body is awake, then the shortest rest time of its bodies.
     m_rested.assign(awake.size(), -1);
     each([&](std::size_t i, std::size_t of) {
       if (awake[i] || m_held[i]) m_rested[of] = 1;
@@ -93,7 +93,7 @@ class TimerIsland final : public SleepPolicy<D> {
       memory[i][0] = waits && awake[i] ? memory[i][0] + in.dt : Real(0);
       m_rested[of] = std::min(m_rested[of], memory[i][0]);
     });
-    // To the nearest step, so that sums of rounded steps count.
+    // Rounded to the nearest step, so that sums of rounded steps count.
     each([&](std::size_t i, std::size_t of) {
       const Real shortest = m_rested[of];
       if (m_falls[of] || !awake[i] || !(shortest > 0)) return;
@@ -104,8 +104,8 @@ class TimerIsland final : public SleepPolicy<D> {
  private:
   Params m_params;
   sleep::WakeRules<D> m_rules;
-  IndexedVector<std::uint8_t> m_held;   // by slot: by something that goes its own way
-  IndexedVector<std::uint8_t> m_falls;  // by island: has weight, and nothing holds it
+  IndexedVector<std::uint8_t> m_held;   // by slot: held by a body that forces do not move
+  IndexedVector<std::uint8_t> m_falls;  // by island: has weight and is not held
   IndexedVector<Real> m_rested;         // by island
 };
 

@@ -26,34 +26,34 @@ bool moves(const SleepInput<D>& in, std::int32_t slot) {
   return m.v.squaredNorm() > 0 || m.w.squaredNorm() > 0;
 }
 
-/// A kinematic body that moves: it takes its load along at any speed, and would slide away under sleepers, or
-/// through them.
+/// Whether a kinematic body moves. It carries its load along at any speed; sleepers would let it slide away under them
+/// or through them.
 template <int D>
 bool platform(const SleepInput<D>& in, std::int32_t slot) {
   return in.bodies.type[slot] == BodyType::kinematic && moves(in, slot);
 }
 
-/// Whether `from` carries the other body of this contact: pushes it against its own share of gravity; without any a
-/// touch will do.
+/// Whether `from` carries the other body of this contact: pushes it against the other body's own gravity. Without
+/// gravity any touch counts.
 template <int D>
 bool carries(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
   const std::int32_t to = from == m.bodyA ? m.bodyB : m.bodyA;
   Real nearest = kContactMargin;
   for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[i].separation);
-  if (nearest > kLinearSlop) return false;  // near, but it does not carry
+  if (nearest > kLinearSlop) return false;  // near, but carries nothing
   const Real g = in.gravity.norm(), share = in.bodies.gravityScale[to];
   const Real down = share * m.normal.dot(in.gravity) * (from == m.bodyB ? Real(1) : Real(-1));
   return !(g > 0 && share != 0 && down < Real(0.1) * std::abs(share) * g);
 }
 
-/// Velocity of a point of a body, which is given in its own frame.
+/// Velocity of a point of a body; the point is given in the body's frame.
 template <int D>
 Vec<D> velocityAt(const SleepInput<D>& in, std::int32_t slot, const Vec<D>& local) {
   const Motion<D>& motion = in.bodies.motion[slot];
   return motion.v + cross(motion.w, Vec<D>(in.bodies.pose[slot].q * local));
 }
 
-/// How fast `from` moves along the faces of this contact at the worst point, m/s: what slides away under a sleeper.
+/// Largest speed (m/s) of `from` along the faces of this contact: a support that slides away under a sleeper.
 template <int D>
 Real slide(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
   Real worst = 0;
@@ -65,7 +65,7 @@ Real slide(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
   return worst;
 }
 
-/// f(body, holder) for each joint of a dynamic body with one that goes its own way.
+/// Calls f(body, holder) for each joint between a dynamic body and one that forces do not move.
 template <int D, class F>
 void forHeld(const SleepInput<D>& in, const F& f) {
   for (const JointRecord<D>& j : in.joints) {
@@ -74,31 +74,31 @@ void forHeld(const SleepInput<D>& in, const F& f) {
   }
 }
 
-/// A recency-weighted average, held less two thresholds: zeros, as a new body has them, mean "has just been woken" (the
-/// book and the 2009 report set an average of two thresholds then). Ten thresholds are the most, so that a fast one
-/// soon calms down. True when it is below the threshold.
+/// Recency-weighted average, stored less two thresholds: zero, as in a new body, means "just woken" (the book and the
+/// 2009 report then set two thresholds). It is capped at ten thresholds, so that a fast body calms down soon. Returns
+/// whether the average is below the threshold.
 inline bool recentAverage(Real& stored, Real bias, Real now, Real threshold) {
   const Real mean = bias * (stored + 2 * threshold) + (1 - bias) * now;
   stored = std::min(mean, 10 * threshold) - 2 * threshold;
   return mean < threshold;
 }
 
-/// Who wakes, and who of those that are calm may sleep: what is common to policies that ask each body by itself. Added
-/// to the rules of the 2009 report (6.5.1), because averages alone fall asleep in the air (with a threshold of 1.5 m/s
-/// every throw has 18 steps that are slow enough):
-/// - only a body that stands on something fixed, directly or over others, may fall asleep;
-/// - a blow wakes at once all those whom it can reach with enough speed: a sleeper weighs infinitely, so a neighbour
-///   left asleep would throw the blow back; a platform that moves reaches all of its load, at any speed;
-/// - a support that slides away wakes what stands on it up to the top, and nobody falls asleep on one that would wake
-///   him in the next step: its distance does not change, and sleepers would hold it like a wall;
-/// - bodies that are jointed sleep and wake together.
-/// Their use in a step: byEvents, byBlows, bySlides, byJoints, fallAsleep.
+/// Rules shared by the policies that judge each body alone: which bodies wake, and which calm ones may sleep. Averages
+/// alone let bodies fall asleep in the air: with a threshold of 1.5 m/s each throw has 18 slow steps. These rules are
+/// added to those of the 2009 report (6.5.1):
+/// - Only a body that stands on something fixed, directly or through others, may fall asleep.
+/// - An impact wakes at once every body that it can reach with enough speed. A sleeper has infinite mass, so a
+/// neighbour left asleep would reflect the impact. A moving platform wakes its whole load, at any speed.
+/// - A support that slides away wakes everything on it up to the top, and no body falls asleep on a support that would
+/// wake it in the next step. The distance to such a support does not change, and sleepers would hold it like a wall.
+/// - Jointed bodies sleep and wake together.
+/// Call order in a step: byEvents, byBlows, bySlides, byJoints, fallAsleep.
 template <int D>
 class WakeRules {
  public:
   explicit WakeRules(Real wakeSeparation) : m_wakeSeparation(wakeSeparation) {}
 
-  /// By slot, since byEvents(): who was woken, and whom the user changed. Their memory begins anew.
+  /// By slot, since byEvents(): bodies that were woken or that the user changed. Their averages restart.
   std::span<const std::uint8_t> woken() const { return m_woken; }
 
   void wake(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake, std::int32_t slot) {
@@ -107,7 +107,7 @@ class WakeRules {
     m_woken[slot] = 1;
   }
 
-  // What users did is marked first, so that the contacts are walked once for all of it.
+  // Marks all user changes first, so that one pass over the contacts serves all of them.
   void byEvents(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
     m_woken.assign(awake.size(), 0);
     bool changed = false;
@@ -121,13 +121,13 @@ class WakeRules {
           wake(in, awake, e.body);
           break;
         case SleepEvent::userChange:
-          // What the user does to a body, also to a static one, reaches those who touch it. The body itself was woken
-          // by the world already.
+          // A user's change of a body, also of a static one, wakes the bodies that touch it. The world has already
+          // woken the body itself.
           if (dynamic(in, e.body)) m_woken[e.body] = 1;
           m_flag[e.body] = 1, changed = true;
           break;
         case SleepEvent::contactBegun:
-          break;  // a blow is judged by the contact itself, begun or not
+          break;  // an impact is judged by its contact, new or old
         case SleepEvent::separationGrown:
           if (e.speed > double(m_wakeSeparation)) wake(in, awake, e.body);
           break;
@@ -148,8 +148,8 @@ class WakeRules {
     });
   }
 
-  // In rounds, so that the order of contacts leaves no trace: the speeds that reach sleepers from those who were woken
-  // in the round before. Nobody is woken twice, so it ends.
+  // Works in rounds, so that the order of contacts has no effect: each round uses the speeds that bodies woken in the
+  // previous round pass to sleepers. No body wakes twice, so the loop ends.
   void byBlows(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
     m_speed.assign(awake.size(), 0);
     m_front.assign(awake.size(), 0);
@@ -170,7 +170,7 @@ class WakeRules {
     bool again = false;
     for (std::size_t i = 0; i < awake.size(); ++i) {
       if (m_speed[i] > 0 || m_woken[i]) awake[i] = 1, m_woken[i] = 1;
-      // What a platform or the user's hand takes along takes all along that touches it, at any speed.
+      // Whatever a platform or the user's hand carries along wakes everything that touches it, at any speed.
       if (m_carried[i] && dynamic(in, static_cast<std::int32_t>(i))) {
         wake(in, awake, static_cast<std::int32_t>(i));
         m_speed[i] = std::numeric_limits<Real>::infinity();
@@ -198,7 +198,7 @@ class WakeRules {
     }
   }
 
-  // Who carries whom is a relation of the step, so that the order of contacts leaves no trace.
+  // Which body carries which is decided once a step, so that the order of contacts has no effect.
   void bySlides(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
     m_flag.assign(awake.size(), 0);
     bool again = false;
@@ -237,7 +237,8 @@ class WakeRules {
     }
   }
 
-  /// Puts those of `calm` to sleep whom nothing keeps awake; takes out of it whom platforms and holders keep.
+  /// Puts the bodies of `calm` to sleep that nothing keeps awake; removes from `calm` those that platforms and holders
+  /// keep awake.
   void fallAsleep(const SleepInput<D>& in, IndexedSpan<std::uint8_t> calm, IndexedSpan<std::uint8_t> awake) {
     if (std::find(calm.begin(), calm.end(), 1) == calm.end()) return;
     findSupported(in, awake);
@@ -250,7 +251,7 @@ class WakeRules {
     forHeld(in, [&](std::int32_t body, std::int32_t holder) {
       if (moves(in, holder)) calm[body] = 0;
     });
-    // A jointed group may sleep when all of it is calm and somebody in it stands.
+    // A jointed group may sleep when all its bodies are calm and one of them stands on something fixed.
     m_flag.assign(awake.size(), 0);
     m_next.assign(awake.size(), 0);
     for (std::size_t i = 0; i < awake.size(); ++i) {
@@ -272,12 +273,12 @@ class WakeRules {
   }
 
  private:
-  // f(manifold, from, to) for each contact of a dynamic body `to`, both ways.
+  // Calls f(manifold, from, to) for each contact of a dynamic body `to`, in both directions.
   template <class F>
   static void forContacts(const SleepInput<D>& in, const F& f) {
     for (const Manifold<D>& m : in.manifolds) atContact(in, m, f);
   }
-  // The same from the last to the first, so that a pile is gone through at once whatever the order of its slots.
+  // The same from last to first, so that one pass goes through a pile whatever the order of its slots.
   template <class F>
   static void forContactsBack(const SleepInput<D>& in, const F& f) {
     for (std::size_t i = in.manifolds.size(); i-- > 0;) atContact(in, in.manifolds[i], f);
@@ -289,7 +290,7 @@ class WakeRules {
     if (dynamic(in, m.bodyA)) f(m, m.bodyB, m.bodyA);
   }
 
-  // Speed of approach at the worst point, m/s.
+  // Approach speed (m/s) at the fastest point.
   static Real approach(const SleepInput<D>& in, const Manifold<D>& m) {
     Real worst = 0;
     for (int i = 0; i < m.count; ++i) {
@@ -300,14 +301,14 @@ class WakeRules {
     return worst;
   }
 
-  // How much faster than the striker the struck one can be: 2M/(M+m) after an elastic blow.
+  // How much faster than the striking body the struck one can become: 2M/(M+m), after an elastic impact.
   static Real passedOn(const SleepInput<D>& in, std::int32_t from, std::int32_t to) {
     const Real striker = in.bodies.mass[from], struck = in.bodies.mass[to];
     return striker > 0 ? 2 * striker / (striker + struck) : Real(2);
   }
 
-  // Who stands on something fixed: static bodies, sleepers, and whoever rests on one who stands. Fixed point by sweeps
-  // to and fro, two for a pile whose slots rise or fall with height.
+  // Finds bodies that stand on something fixed: on static bodies, on sleepers, or on a body that itself stands.
+  // Fixed-point iteration by forward and backward sweeps; two suffice for a pile with slots in order of height.
   void findSupported(const SleepInput<D>& in, IndexedSpan<const std::uint8_t> awake) {
     m_stands.assign(awake.size(), 0);
     for (std::size_t i = 0; i < awake.size(); ++i) {
@@ -332,7 +333,7 @@ class WakeRules {
   Real m_wakeSeparation;
   // Scratch of one decision, by body slot.
   IndexedVector<std::uint8_t> m_woken, m_carried, m_stands, m_flag, m_front;
-  IndexedSpan<const std::int32_t> m_group;  // of jointed bodies; -1 where a body is not dynamic
+  IndexedSpan<const std::int32_t> m_group;  // group of jointed bodies; -1 if a body is not dynamic
   IndexedVector<Real> m_speed, m_next;
 };
 

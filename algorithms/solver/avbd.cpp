@@ -14,18 +14,19 @@ namespace {
 
 using namespace solver;
 
-// Each body in turn minimises its own inertia and the energy of all its constraints, while the others stand still: one
-// small linear system. A constraint is a spring that grows stiffer while it is violated, and a force that takes over
-// what the spring bears (augmented Lagrangian), both kept from step to step.
+// Augmented vertex block descent. Each body in turn minimises its own inertial energy and the energy of all its
+// constraints while the other bodies are fixed: one small linear system. A constraint is a spring that stiffens while
+// it is violated, plus a force that takes over the load of the spring (augmented Lagrangian). Both are kept from step
+// to step.
 //
-// Everything is written in velocities u, with which a body goes through the step, and impulses: a spring k is then
-// h^2 k, a mass, and is kept as a multiple of the row's effective mass. So nothing depends on the unit of mass, or on
-// how heavy a scene is, as absolute penalties do. A joint has one such multiple for its metres and one for its
-// radians, and a point one for both tangents: several would tell the directions of the world's axes apart.
+// All quantities are velocities u, with which a body moves through the step, and impulses. A spring k becomes h^2 k, a
+// mass, and is stored as a multiple of the row's effective mass. Results therefore do not depend on the unit of mass or
+// on the masses of the scene, as absolute penalties do. A joint has one multiple for its metres and one for its
+// radians, and a point has one for both tangents; separate ones would distinguish the world axes.
 //
-// Contacts are linear from the start of the step, joints from the end of the last iteration, as in the authors' demo.
-// The arms of the two then belong to different poses, so that bodies that press on each other and turn on joints lose
-// angular momentum: `lpc run turning_cluster --pipeline solver=avbd` loses 68 % of it, with rows=start 5 %.
+// Contacts are linearised at the start of the step and joints at the end of the last iteration, as in the authors'
+// demo. The arms of the two then belong to different poses, so bodies that press on each other while they turn on
+// joints lose angular momentum: `lpc run turning_cluster --pipeline solver=avbd` loses 68 % of it, with rows=start 5 %.
 template <int D>
 class Avbd final : public Solver<D> {
  public:
@@ -128,8 +129,8 @@ class Avbd final : public Solver<D> {
   enum Kept : std::size_t { angularPenalty = kJointRows - 2, linearPenalty = kJointRows - 1 };
 
   struct Point {
-    Real separation;       // at the start of the step, less what may stay, m
-    Real arrival;          // velocity along the normal before it, m/s
+    Real separation;       // at the start of the step, less the allowed error, m
+    Real arrival;          // normal velocity before the step, m/s
     Real reachA, reachB;   // from the centres of mass, m
     Real normal, tangent;  // penalties
   };
@@ -138,7 +139,7 @@ class Avbd final : public Solver<D> {
   Real kept(Real penalty) const {
     return std::clamp(m_params.gamma * penalty, m_params.minPenalty, m_params.maxPenalty);
   }
-  // A force is what stays the same when dt changes.
+  // The previous step's force is kept when dt changes, not its impulse.
   Real warmth(const StepInput<D>& in) const {
     const Real scale = lastImpulseScale(in);
     return m_params.postStabilize ? scale : m_params.alpha * m_params.gamma * scale;
@@ -202,8 +203,8 @@ class Avbd final : public Solver<D> {
     return m_rotation && in.bodies.invInertia[i].trace() > 0;
   }
 
-  // Where bodies would go without constraints, and where they start from: as far that way as they went in the last
-  // step, so that what rests starts at rest.
+  // Positions without constraints, and the initial guess: along the same line as far as the body moved in the last
+  // step, so that a resting body starts at rest.
   void guess(const StepInput<D>& in) {
     auto& motion = in.bodies.motion;
     m_start.assign(motion.begin(), motion.end());
@@ -217,7 +218,7 @@ class Avbd final : public Solver<D> {
       motion[i].v -= in.bodies.solver[i][0] * (motion[i].v - m_start[i].v);
     }
   }
-  // For the next step: how much of what its forces asked for a body has not done in this one.
+  // Stores, for the next step, how much of the motion that its forces demanded a body did not make in this one.
   void learn(const StepInput<D>& in) const {
     for (std::size_t i = 0; i < m_free.size(); ++i) {
       if (!in.bodies.active(static_cast<int>(i))) continue;
@@ -235,7 +236,7 @@ class Avbd final : public Solver<D> {
     }
   }
 
-  // Rows of joints where the bodies are now; their errors are then those at which u = 0 would be.
+  // Linearises the joints at the present poses; their errors then belong to u = 0.
   void linearize(const StepInput<D>& in) {
     if (m_joints.empty()) return;
     const bool moved = m_params.rows == Rows::jointsAtEnd;
@@ -252,7 +253,7 @@ class Avbd final : public Solver<D> {
     for (std::size_t k = 0; k < m_from.size() && moved; ++k) in.bodies.pose[k] = m_from[k];
   }
 
-  // What a row asks for at the present velocities, and what it adds to the masses of its bodies.
+  // Impulse that a row demands at the present velocities, and its contribution to the mass matrices of its bodies.
   struct Ask {
     Real impulse, stiffness;
     Real violation;  // m or rad; 0 where the impulse is at a limit
@@ -274,7 +275,8 @@ class Avbd final : public Solver<D> {
     RealMatrix<D - 1, 1> impulse;
     Real stiffness, violation;
   };
-  // A point that slides is as stiff as the line from no force to the limit: its own stiffness would hold it back.
+  // For a sliding point, uses the stiffness of the line from zero force to the limit: its own stiffness would hold it
+  // back.
   Rub askFriction(const ManifoldRows<D>& m, int at, Real limit, const Motion<D>& a, const Motion<D>& b) const {
     const PointRows<D>& row = m_contacts.points[at];
     RealMatrix<D - 1, 1> v, wanted;
@@ -313,7 +315,8 @@ class Avbd final : public Solver<D> {
   void sweep(const StepInput<D>& in) {
     for (std::size_t i = 0; i < m_from.size(); ++i) {
       if (!in.bodies.active(static_cast<int>(i)) || !moves(in, static_cast<std::int32_t>(i))) continue;
-      // A single solve assumes the rows at a limit. Further ones go on until these are the rows that were assumed.
+      // A single solve assumes which rows are at a limit. Solves repeat until the rows at a limit are those that were
+      // assumed.
       std::uint64_t before = 0, limits = descend(in, i, 0, 1);
       for (int k = 0; k < m_params.tries && before != limits; ++k) {
         before = limits, limits = descend(in, i, limits, k == 0 ? Real(1) : Real(0.5));
@@ -321,14 +324,14 @@ class Avbd final : public Solver<D> {
     }
   }
 
-  // A row adds its square to the matrix of one body; a solve is a factorisation and two substitutions.
+  // A row adds its outer product to the matrix of one body; a solve is a factorisation and two substitutions.
   static constexpr std::uint64_t kSolveMultiplyAdds = kSize * kSize * kSize / 6 + kSize * kSize;
   static void countBodyRows(const StepInput<D>& in, std::uint64_t n) {
     countRows<D>(in.work, n);
     in.work[WorkCount::multiplyAdds] += n * kSize * kSize;
   }
 
-  // Returns which rows were within their limits; does nothing where these are the same as in `last`.
+  // Returns the rows that were within their limits; does nothing if they are those of `last`.
   std::uint64_t descend(const StepInput<D>& in, std::size_t i, std::uint64_t last, Real share) {
     const auto body = static_cast<std::int32_t>(i);
     auto& motion = in.bodies.motion;
@@ -345,7 +348,7 @@ class Avbd final : public Solver<D> {
       g.template tail<kAngDim<D>>() = m_inertia[i] * Ang<D>(m_free[i].w - motion[i].w);
     }
     std::uint64_t within = 1;
-    Real bends = 0;  // how a loaded lever resists turning, which no single row knows: a bound, so that it only brakes
+    Real bends = 0;  // resistance of a loaded lever to turning, which no single row contains; a bound, so it only damps
     const auto add = [&](const Vec<D>& d, const Ang<D>& arm, Real impulse, Real stiffness) {
       Column j = Column::Zero();
       if (shifts) j.template head<D>() = d;
@@ -401,7 +404,7 @@ class Avbd final : public Solver<D> {
     return within;
   }
 
-  // Forces take over what the penalties have borne, and penalties grow where that was not enough.
+  // Adds the penalty forces to the constraint forces, and raises penalties where that was not enough.
   void raise(const StepInput<D>& in) {
     const auto& motion = in.bodies.motion;
     const auto grown = [&](Real penalty, Real violation) {
@@ -437,7 +440,8 @@ class Avbd final : public Solver<D> {
     }
   }
 
-  // The method knows no restitution: pairs bounce by impulses at the end, and rub by these.
+  // The method has no restitution: impulses at the end of the step make pairs bounce, and friction acts with these
+  // impulses.
   void bounce(const StepInput<D>& in) {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Real e = in.manifolds[m.manifold].restitution;
@@ -483,10 +487,10 @@ class Avbd final : public Solver<D> {
   ContactRows<D> m_contacts;
   IndexedVector<Point> m_points;
   IndexedVector<Joint> m_joints;
-  IndexedVector<int> m_at, m_jointAt;  // by manifold, by slot of a joint: place in the above, or -1
+  IndexedVector<int> m_at, m_jointAt;  // by manifold, by slot of a joint: index into the arrays above, or -1
   IndexedVector<Pose<D>> m_from;       // at the start of the step
   IndexedVector<Motion<D>> m_start, m_free,
-      m_velocity;  // without constraints; what stays when the last sweep has moved bodies
+      m_velocity;  // without constraints; velocity that remains after the last sweep
   IndexedVector<Inertia<D>> m_inertia;
   IndexedVector<Wrench<D>> m_wrenches;
 };

@@ -6,11 +6,11 @@ namespace {
 
 using namespace solver;
 
-// Soft contacts and joints without sub-steps: many sweeps on one set of separations, one move, and then some sweeps
-// without springs on the same separations. Where the defaults fail, three parameters depart from the source:
-//   joints=rigid     Each step removes a share of a joint's error, as tgs does. Relaxing then takes out no spring.
-//   gaps=soft        Springs also stop what closes a gap, so that the law has no jump at touch.
-//   relax_at=end     Relaxing uses the separations after the move.
+// Soft contacts and joints without sub-steps: many sweeps on one set of separations, one move, then some sweeps without
+// springs on the same separations. Three parameters depart from the source where the defaults fail:
+// joints=rigid     Each step removes a share of a joint's error, as in tgs. Relaxing then removes no spring force.
+// gaps=soft        Springs also act on closing gaps, so that the law has no jump at touch.
+// relax_at=end     Relaxing uses the separations after the move.
 template <int D>
 class PgsSoft final : public Solver<D> {
  public:

@@ -6,8 +6,9 @@ namespace {
 
 using namespace solver;
 
-// Sub-steps with one detection: the separations follow from the anchors. Each sub-step solves soft contacts, moves, and
-// then solves again without the springs, which takes out the velocity that the springs put in. Restitution comes last.
+// Sub-steps with one detection: separations follow from the anchors. Each sub-step solves soft contacts, moves the
+// bodies, and solves again without the springs, which removes the velocity that the springs added. Restitution comes
+// last.
 template <int D>
 class SoftStep final : public Solver<D> {
  public:

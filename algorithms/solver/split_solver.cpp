@@ -17,7 +17,7 @@ using namespace solver;
 enum class Order { stored, reverse, random, bottomUp, coloured, worstFirst };
 enum class Loop { solveMove, resolveThenForceMove };
 
-// Forces, velocities and positions by three methods of one's choice, one after the other.
+// Forces, velocities and positions by three separate methods, one after the other.
 template <int D>
 class SplitSolver final : public Solver<D> {
  public:
@@ -94,7 +94,8 @@ class SplitSolver final : public Solver<D> {
     m_order.assign(in.active.begin(), in.active.end());
     if (m_params.order == Order::reverse) std::reverse(m_order.begin(), m_order.end());
     if (m_params.order == Order::random) {
-      // Seeded by the time: another order in each step, yet a loaded world continues with the order it would have had.
+      // Seeded by the time: each step has another order, yet a loaded world continues with the order that it would have
+      // had.
       Random random(static_cast<std::uint64_t>(m_params.seed) ^ std::bit_cast<std::uint64_t>(double(in.time)));
       for (std::size_t i = m_order.size(); i > 1; --i) std::swap(m_order[i - 1], m_order[random.below(i)]);
     }
@@ -114,8 +115,8 @@ class SplitSolver final : public Solver<D> {
     sortByKey();
   }
 
-  // Once per step, by what a resolver is about to make right: the largest change of normal velocity that a point of the
-  // contact asks for (contactTarget), this step's forces included, when nothing has been pushed yet.
+  // Sorts contacts once per step by the correction that a resolver is about to make: the largest change of normal
+  // velocity that a point of the contact demands (contactTarget), including this step's forces, before any impulse.
   void sortWorstFirst(const VelocityInput<D>& in) {
     m_key.resize(in.manifolds.size());
     for (int i : m_order) {
@@ -132,7 +133,7 @@ class SplitSolver final : public Solver<D> {
   void sortByKey() {
     for (int i : m_order) {
       Real& key = m_key[i];
-      if (!(key == key)) key = 0;  // NaN has no place in an order
+      if (!(key == key)) key = 0;  // NaN cannot be ordered
     }
     std::sort(m_order.begin(), m_order.end(), [&](int a, int b) {
       const Real x = m_key[a], y = m_key[b];
@@ -180,7 +181,7 @@ class SplitSolver final : public Solver<D> {
   std::unique_ptr<PositionResolver<D>> m_position;
   std::unique_ptr<Integrator<D>> m_integrator;
   std::vector<int> m_order, m_colours;
-  IndexedVector<Real> m_key;  // by manifold: what the order follows, m or m/s
+  IndexedVector<Real> m_key;  // by manifold: the sort key, m or m/s
   std::vector<Motion<D>> m_drift, m_free, m_arrival;
   Impact<D> m_impact;
 };

@@ -7,26 +7,26 @@ namespace {
 
 using namespace solver;
 
-// A variant of our own, the rigid twin of soft_step; neither the sub-steps on positions of macklin2019, nor
-// PhysX's TGS, whose order of sweeps is relax_at=end. What is wrong is asked for as velocity, as Baumgarte does, and
-// taken out again after the move. Errors are measured anew in each sub-step, of contacts along the normal of the
-// detection by its anchors, which move with the bodies, of joints by fresh rows. Friction is Coulomb's on velocities,
-// without anchors.
+// Rigid sub-steps, a variant of our own: soft_step without springs. It is neither the sub-steps on positions of
+// macklin2019 nor PhysX's TGS, whose order of sweeps is relax_at=end. Velocities remove position errors, as in
+// Baumgarte's method, and relaxing removes the added velocity after the move. Each sub-step measures errors anew: of
+// contacts along the normal of the detection by anchors that move with the bodies, of joints by new rows. Friction is
+// Coulomb's law on velocities, without anchors.
 //
-// The push is a share of the error per step, not per sub-step. A rigid row remembers all that it was ever asked for, so
-// that pushing and starting warm together are an integral of the error: `lpc run bridge --pipeline
-// solver=tgs{factor=1}` flies about at 46 m/s, at 4 m/s with a fifth. Springs forget.
+// The push removes a share of the error per step, not per sub-step. A rigid row accumulates every correction, so
+// pushing with warm starting is an integral of the error: `lpc run bridge --pipeline solver=tgs{factor=1}` flies about
+// at 46 m/s, with a factor of a fifth at 4 m/s. Springs forget.
 //
-// How to spend twelve updates of each row: `lpc run mass_ratio` and `overlap_recovery`, and how far the shelf of
-// JointMotion.Converges, on a hinge that hits its stop, is at 240 steps a second from where 61440 take it. No way is
-// best in all, and the default is between.
+// Ways to spend twelve updates of each row, on `lpc run mass_ratio` and `overlap_recovery`, and on the shelf of
+// JointMotion.Converges, whose hinge hits its limit: its distance at 240 steps a second from the result of 61440. None
+// is best in all three, and the default is a compromise.
 //   sub-steps x (sweep + relax)   moved, mm   apart by, m/s   off, mm
 //              12 x (1 + 0)             2.9            13.2        25
 //               6 x (1 + 1)              36             4.0        60
 //               4 x (1 + 2)              26             2.1        48
 //               3 x (1 + 3)              35             1.2        36
 //               2 x (1 + 5)             161             1.1        22
-// More relaxing in four sub-steps costs more and is better: relax=6 has 3.5 mm, 1.1 m/s, 17 mm.
+// More relaxing in four sub-steps costs more and is better: relax=6 gives 3.5 mm, 1.1 m/s, 17 mm.
 template <int D>
 class Tgs final : public Solver<D> {
  public:

@@ -7,9 +7,9 @@ namespace {
 
 using namespace solver;
 
-// Rigid sub-steps whose velocities know of no errors: each is followed by sweeps that mend the poses themselves. The
-// arms of contacts turn with the bodies, and lead to a point that both bodies share. In solver2d each arm leads to the
-// anchor of its own body (arms=own), so that two impulses are a torque where the anchors have slid apart. With the arms
+// Rigid sub-steps without error feedback in their velocities; after each, sweeps correct the poses directly. The arms
+// of contacts turn with the bodies and lead to a point shared by both bodies. In solver2d each arm leads to the anchor
+// of its own body (arms=own), so that the two impulses form a torque where the anchors have slid apart. With the arms
 // of the detection, bodies that press on each other and turn together lose angular momentum.
 template <int D>
 class TgsNgs final : public Solver<D> {

@@ -12,21 +12,21 @@ namespace {
 
 using namespace solver;
 
-// Sub-steps of one iteration: bodies move freely, constraints move them back, and what they have moved by is their
-// velocity. Nothing is accumulated from sub-step to sub-step. A second pass over velocities adds sliding friction and
-// restitution, and takes back what was only there to undo overlap.
+// Extended position based dynamics: sub-steps of one iteration. Bodies move freely, constraints move them back, and the
+// resulting displacement is their velocity. Nothing is accumulated from sub-step to sub-step. A second pass over
+// velocities adds sliding friction and restitution, and removes velocity that only corrected overlap.
 //
-// A correction is written as the change of velocity that makes it in this sub-step, so that a velocity is never the
-// difference of two places: far from the origin that would have no digits. Rows of joints are those of the predicted
-// poses and linear from there on. Rows of contacts have the arms of the sub-step's start: at the predicted poses the
-// anchor of a ball that rolls has turned with it, and the floor's push at that arm would turn the ball.
+// A correction is stored as the change of velocity that makes it in this sub-step, so a velocity is never the
+// difference of two positions, which would have no digits far from the origin. Joint rows belong to the predicted poses
+// and are linear from there. Contact rows have the arms of the start of the sub-step: at the predicted poses the anchor
+// of a rolling ball has turned with it, and the floor's push at that arm would turn the ball.
 template <int D>
 class Xpbd final : public Solver<D> {
  public:
   struct Params {
     int substeps = 8;
     Real contactCompliance = 0, jointCompliance = 0, slop = Real(0.0005);
-    // In f32 half: the rounding of a place, divided by h, would be speed and impulse.
+    // Half in f32: the rounding of a position divided by h would become speed and impulse.
     Real jointShare = 0;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each", ParamRole::effort);
@@ -103,7 +103,7 @@ class Xpbd final : public Solver<D> {
         if (i == 0) m_total.assign(m_contacts.points.size(), {});
         m_from.assign(pose.begin(), pose.end());
         if (in.features.joints) {
-          move(in, h);  // a prediction
+          move(in, h);  // to the predicted poses
           prepareJoints(in, h);
         }
       }
@@ -129,9 +129,10 @@ class Xpbd final : public Solver<D> {
   }
 
  private:
-  static constexpr int kSettle = 2;  // friction that is taken back changes the velocity along the normal
+  static constexpr int kSettle = 2;  // friction that is removed changes the normal velocity
 
-  // Places are the start of the step plus one way, or thirty small ways would be rounded thirty times.
+  // Positions are the start of the step plus one displacement; thirty small displacements would be rounded thirty
+  // times.
   void move(const StepInput<D>& in, Real h) {
     m_ahead.assign(m_way.begin(), m_way.end());
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
@@ -142,7 +143,7 @@ class Xpbd final : public Solver<D> {
     }
   }
 
-  // A velocity that closes more than the gap, or that leaves depth, is corrected.
+  // Corrects a velocity that closes more than the gap, or that leaves depth.
   void prepareContacts(const StepInput<D>& in, Real h) {
     const NoBias none;
     m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.features, in.restitutionThreshold,
@@ -157,8 +158,8 @@ class Xpbd final : public Solver<D> {
       }
     }
   }
-  // At the predicted poses. An error there less the way that the prediction has gone along its row is the error from
-  // which the velocity of this sub-step starts.
+  // Joint errors at the predicted poses, less the predicted motion along each row: the errors from which the velocity
+  // of this sub-step starts.
   void prepareJoints(const StepInput<D>& in, Real h) {
     const auto& motion = in.bodies.motion;
     m_joints.prepare(in.work, in.bodies, in.joints, m_params.jointCompliance / (h * h), {m_start, m_ahead});
@@ -169,7 +170,7 @@ class Xpbd final : public Solver<D> {
     }
   }
 
-  // On positions. Friction only where it holds the point to where it was: what slides is left to the velocities.
+  // Corrects positions. Friction acts only where it can hold the point in place; sliding is left to the velocity pass.
   void push(const ManifoldRows<D>& m, const StepInput<D>& in, Real h) {
     const bool rotation = in.features.rotation;
     Motion<D>& a = in.bodies.motion[m.a];
@@ -198,8 +199,8 @@ class Xpbd final : public Solver<D> {
     countRows<D>(in.work, m.rows());
   }
 
-  // On velocities: a point that was pushed stops or bounces, whatever the push was for. It may be pulled by no more
-  // than it was pushed.
+  // Corrects velocities: a point that was pushed stops or bounces, whatever the reason for the push. It may be pulled
+  // by no more than it was pushed.
   void settle(const ManifoldRows<D>& m, const StepInput<D>& in) {
     const bool rotation = in.features.rotation;
     const auto a = m.a, b = m.b;
@@ -246,10 +247,10 @@ class Xpbd final : public Solver<D> {
   Params m_params;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
-  IndexedVector<Pose<D>> m_from;  // before the move of this sub-step
+  IndexedVector<Pose<D>> m_from;  // before this sub-step's motion
   IndexedVector<Vec<D>> m_start, m_way,
-      m_ahead;                         // place at the start of the step, way since, way with this sub-step, m
-  IndexedVector<Motion<D>> m_arrival;  // before its forces
+      m_ahead;  // position at the start of the step, displacement since, the same with this sub-step, m
+  IndexedVector<Motion<D>> m_arrival;  // before this sub-step's forces
   IndexedVector<IndexedArray<Real, D>> m_total;
   IndexedVector<IndexedArray<Real, kJointRows>> m_jointImpulse;  // by slot
   IndexedVector<Wrench<D>> m_wrenches;

@@ -6,11 +6,12 @@ namespace {
 
 using namespace continuous;
 
-// Looks along one axis from both ends of the step: with the normal of the gap at t, the time until which the separation
-// along that axis lasts is a root of a function of time, which needs support points only. The axis stands still in the
-// world or on one of the bodies, whichever lasts longest: between a face and a corner it is the face's. Catto takes the
-// latest such time and may jump over a moment in which the bodies' turning closed and opened the gap again. Here a root
-// is taken as far as the bend of the separation proves that nothing lies before it; the rest is left to the next axis.
+// Looks along one axis from both ends of the step. With the normal of the gap at t, the time until which the separation
+// along that axis lasts is a root of a function of time that needs support points only. The axis is fixed in the world
+// or on one of the bodies, whichever lasts longest: between a face and a corner it is fixed on the face. Catto takes
+// the latest such time and may skip a moment in which rotation closed and reopened the gap. Here a root is accepted
+// only as far as the second derivative of the separation proves that nothing lies before it; the next axis handles the
+// rest.
 template <int D>
 class Bilateral final : public TimeOfImpact<D> {
  public:
@@ -42,7 +43,7 @@ class Bilateral final : public TimeOfImpact<D> {
   }
 
  private:
-  // A time and the separation there, less half the band.
+  // A time and the separation then, less half the contact band.
   struct Moment {
     Real t, gap;
   };
@@ -69,16 +70,16 @@ class Bilateral final : public TimeOfImpact<D> {
     return out;
   }
 
-  // A time up to which the shapes are apart for sure along this axis.
+  // A time up to which the shapes are certainly separated along this axis.
   static Real lastsUntil(const Closing<D>& closing, AxisFrame frame, const Vec<D>& n, const Moment& now, Real band,
                          Real duration, WorkDone& work) {
     const auto gapAt = [&](Real t) {
       work[WorkCount::supportCalls] += 2;
       return closing.separation(frame, n, now.t, t) - band / 2;
     };
-    // The chord from gap a to gap b over a time h, less what the bend takes away, stays above 0 if and only if
-    // (sqrt a + sqrt b)^2 >= bend h^2 / 2: for sure as long as h is at most sqrt(2 a / bend). The bend is that of the
-    // time looked at: the second look is at a shorter one.
+    // The chord from gap a to gap b over a time h, less the bend, stays above 0 if and only if (sqrt a + sqrt b)^2 >=
+    // bend h^2 / 2. That certainly holds while h is at most sqrt(2 a / bend). The bend is that of the interval
+    // examined, and the second pass examines a shorter one.
     Real end = duration;
     for (int look = 0; look < 3; ++look) {
       const Real bend = closing.bend(frame, now.t, end);
@@ -91,12 +92,12 @@ class Bilateral final : public TimeOfImpact<D> {
     return now.t;
   }
 
-  // A root of the gap in (now, end], from its positive side; `end` itself when the gap is positive there.
+  // Returns a root of the gap in (now, end], from its positive side; `end` if the gap is positive there.
   template <class GapAt>
   static Moment lastApart(const GapAt& gapAt, Moment apart, Real end, Real band) {
     Moment closed{end, gapAt(end)};
     if (closed.gap >= 0) return closed;
-    // Regula falsi with halved weights (Illinois) and, for functions with corners, a middle now and then.
+    // Regula falsi with halved weights (Illinois), and an occasional bisection for functions with corners.
     Real weightApart = apart.gap, weightClosed = closed.gap;
     for (int k = 0; k < kRootSteps && apart.gap > band / 4; ++k) {
       const Real share = k % 4 == 3 ? Real(0.5) : weightApart / (weightApart - weightClosed);
@@ -113,7 +114,7 @@ class Bilateral final : public TimeOfImpact<D> {
 
   static constexpr int kRootSteps = 60;
   static constexpr Real kAlmost =
-      1 - 16 * std::numeric_limits<Real>::epsilon();  // what is sure is so when rounded, too
+      1 - 16 * std::numeric_limits<Real>::epsilon();  // the bound must hold after rounding, too
 
   Params m_params;
   std::unique_ptr<PairQuery<D>> m_query;

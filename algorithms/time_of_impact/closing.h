@@ -31,21 +31,21 @@ class Closing {
         m_turnB(pair.B.motion.w.norm()),
         m_speed((pair.A.motion.v - pair.B.motion.v).norm()) {}
 
-  /// The fastest that S_n can fall (m/s), n unit and still in the world; negative when it rises for sure.
+  /// The largest rate (m/s) at which S_n can fall, n a unit vector fixed in the world; negative if it certainly rises.
   Real closing(const Vec<D>& n) const {
     return (m_pair.A.motion.v - m_pair.B.motion.v).dot(n) + cross(m_pair.A.motion.w, n).norm() * m_reachA +
            cross(m_pair.B.motion.w, n).norm() * m_reachB;
   }
 
-  /// A body's frame in which an axis may stand still, and that is not the world's. A plane has a separation along its
+  /// Whether an axis may be fixed in this body's frame as an alternative to the world's. A plane separates along its
   /// own normal alone, which does not turn with the other body.
   bool turns(AxisFrame frame) const {
     if (m_pair.a.core() == CoreClass::plane || m_pair.b.core() == CoreClass::plane) return false;
     return frame == AxisFrame::bodyA ? m_turnA > 0 : frame == AxisFrame::bodyB ? m_turnB > 0 : false;
   }
 
-  /// The largest second derivative (m/s^2) of a point along any n that is still in this frame, from t to `end`. In a
-  /// frame that turns by w, of a point at d from its centre: w^2 d + 2 w d' + d''.
+  /// The largest second derivative (m/s^2) of a point along any n fixed in this frame, from t to `end`. In a frame that
+  /// turns by w, for a point at d from its centre: w^2 d + 2 w d' + d''.
   Real bend(AxisFrame frame, Real t, Real end) const {
     const Real ofA = m_turnA * m_turnA * m_reachA, ofB = m_turnB * m_turnB * m_reachB;
     const Real apart = (m_pair.B.bodyAt(t).p - m_pair.A.bodyAt(t).p).norm() + m_speed * (end - t);
@@ -60,7 +60,7 @@ class Closing {
     return ofA + ofB;
   }
 
-  /// S at time t (m) along an axis of this frame, which was n, unit, in the world at time t0.
+  /// S at time t (m) along an axis of this frame that was n, a unit vector, in the world at time t0.
   Real separation(AxisFrame frame, const Vec<D>& n, Real t0, Real t) const {
     const Pose<D> X_WA = m_pair.A.bodyAt(t), X_WB = m_pair.B.bodyAt(t);
     Vec<D> now = n;
@@ -71,7 +71,7 @@ class Closing {
     return now.dot(centers) - along(m_pair.a, R_WA, now) - along(m_pair.b, R_WB, -now);
   }
 
-  /// Of the pair's largest coordinates at this answer (m): what rounding and tolerances are measured by.
+  /// The pair's largest coordinate at this answer (m): the scale of rounding and tolerances.
   Real size(const PairView<D>& view) const {
     const auto extent = [](const ShapeView<D>& s) {
       return s.core() == CoreClass::plane ? Real(0) : s.half.maxCoeff() + s.radius;
@@ -80,13 +80,14 @@ class Closing {
   }
 
  private:
-  // Largest distance of a point of the core from the centre of rotation (m): a rounding turns with its core, and is the
+  // Largest distance (m) of a point of the core from the centre of rotation. A rounding turns with its core and is the
   // same all around.
   static Real reach(const ShapeView<D>& shape, const ShapeMotion<D>& motion) {
-    if (shape.core() == CoreClass::plane) return 0;  // its body stands still
+    if (shape.core() == CoreClass::plane) return 0;  // its body is fixed
     return motion.X_CS.p.norm() + (boundingRadius(shape) - shape.radius);
   }
-  // h(n) of a shape, in the world's directions; of a plane, which extends along no other direction, its own normal's.
+  // Support value h(n) of a shape in world directions; of a plane along its own normal, since a plane is unbounded in
+  // all other directions.
   static Real along(const ShapeView<D>& shape, const Rot<D>& R_WS, const Vec<D>& n) {
     return shape.core() == CoreClass::plane ? Real(0) : supportValue(shape, Vec<D>(R_WS.inverse() * n));
   }
@@ -96,8 +97,8 @@ class Closing {
   Real m_turnA, m_turnB, m_speed;  // rad/s, m/s
 };
 
-/// What a method goes on from: the gap at a time, less half of what counts as contact, its normal in the world, and how
-/// fast it can close along that.
+/// State from which a method continues: the gap at a time, less half of the contact band, its normal in the world, and
+/// how fast the gap can close along the normal.
 template <int D>
 struct GapSeen {
   Real gap, band;  // m
@@ -105,8 +106,8 @@ struct GapSeen {
   Real speed;  // m/s
 };
 
-/// Asks for the gap at out.t, and writes what that makes of the answer. False when there is no way to go on: contact,
-/// the query's failure, or a gap without a number, a direction or a speed.
+/// Queries the gap at out.t and writes the resulting state. Returns false if the method cannot continue: contact, a
+/// failed query, or a gap without a number, a direction or a speed.
 template <int D>
 bool look(PairQuery<D>& query, const MovingPair<D>& pair, const Closing<D>& closing, Real tolerance, PairMemory& memory,
           TimeOfImpactAnswer<D>& out, GapSeen<D>& seen, WorkDone& work) {
@@ -123,7 +124,7 @@ bool look(PairQuery<D>& query, const MovingPair<D>& pair, const Closing<D>& clos
     ask(QueryNeed::witnesses);
     return false;
   }
-  seen.gap = out.there.distance - seen.band / 2;  // so that contact is not crossed by rounding
+  seen.gap = out.there.distance - seen.band / 2;  // so that rounding does not cross contact
   seen.n = pair.A.bodyAt(out.t).q * (pair.A.X_CS.q * out.there.normal);
   seen.speed = closing.closing(seen.n);
   const bool directed = std::abs(seen.n.squaredNorm() - 1) < kUnitTolerance * 16;

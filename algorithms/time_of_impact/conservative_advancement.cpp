@@ -6,8 +6,9 @@ namespace {
 
 using namespace continuous;
 
-// Goes as far as the gap cannot have closed, asks for the gap, and goes on. Along the normal of the gap both bodies'
-// approach is bounded for the whole step, so no impact is jumped over; where they graze, steps grow short and many.
+// Advances by the time in which the gap cannot have closed, queries the gap, and repeats. The approach of both bodies
+// along the normal is bounded over the whole step, so no impact is skipped. Where bodies graze, steps become short and
+// many.
 template <int D>
 class ConservativeAdvancement final : public TimeOfImpact<D> {
  public:

@@ -10,15 +10,15 @@ using namespace solver;
 
 enum class Correction { deSaxce, none };
 
-// Proximal alternating directions of multipliers, island by island: x solves the linear system and nothing else, y
-// obeys the limits and nothing else, and a price z on their difference brings them together.
+// Alternating direction method of multipliers, island by island: x solves the linear system, y obeys the limits, and a
+// multiplier z on their difference brings them together.
 //
-//     x = (W + eta + rho)^-1 (-u(0) + eta x + rho y - z),  y = nearest allowed to x + z / rho,  z += rho (x - y)
+// x = (W + eta + rho)^-1 (-u(0) + eta x + rho y - z),  y = nearest allowed to x + z / rho,  z += rho (x - y)
 //
-// so that u = -z in the end. De Saxce's correction is added to u(0) in each iteration, from the sliding of the last.
-// Each row is scaled by its own mass, so that rho is a number; rows without limits have none. The system is solved over
-// the bodies, linear in a tower; of a matrix alone as a dense one. Islands that are too large go to projected
-// Gauss-Seidel, and are counted: WorkCount::fallbacks.
+// so that u = -z at convergence. De Saxce's correction is added to u(0) in each iteration, from the sliding of the
+// previous one. Each row is scaled by its own effective mass, so that rho is a pure number; rows without limits have
+// none. The system is solved over the bodies, linear for a tower, or as a dense matrix if only a matrix is given.
+// Projected Gauss-Seidel solves islands that are too large; they are counted: WorkCount::fallbacks.
 template <int D>
 class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
  public:
@@ -90,14 +90,15 @@ class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
 
  private:
   using WholeProblem<D>::m_problem, WholeProblem<D>::m_free, WholeProblem<D>::m_impulse;
-  static constexpr double kPower = 0.05, kRatio = 10;  // of the update of rho: how far, and when
+  static constexpr double kPower = 0.05,
+                          kRatio = 10;  // of the update of rho: its exponent, and the ratio that triggers it
   static constexpr int kFirstPower = 6, kLastPower = 12, kPatience = 5;
-  // Above this coefficient a cone is as good as a half-space, and the correction would overthrow the iteration.
+  // Above this coefficient a cone is as good as a half-space, and the correction would make the iteration diverge.
   static constexpr double kSteepest = 10;
-  static constexpr double kBetter = 0.9;    // of the least residual so far: less is rounding where nothing helps
-  static constexpr double kDiverged = 1e6;  // residual over the least so far, after which nothing will come
+  static constexpr double kBetter = 0.9;    // of the smallest residual so far: less gain is rounding
+  static constexpr double kDiverged = 1e6;  // residual over the smallest so far, above which the iteration has diverged
 
-  static constexpr std::uint64_t kOfRow = 12;  // multiply-adds of an iteration beside the system's
+  static constexpr std::uint64_t kOfRow = 12;  // multiply-adds per row of an iteration, without the system's
 
   const ProblemRow<D>& row(std::size_t i) const { return m_island.row(i); }
   bool bound(std::size_t i) const { return row(i).law != ProblemLaw::free; }
@@ -112,7 +113,7 @@ class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
     for (std::size_t i = 0; i < n; ++i) m_z[i] = bound(i) ? m_island.u[i] - m_slide[i] - m_lifted[i] : 0;
   }
 
-  /// W x and the velocities of it.
+  /// Computes W x and its velocities.
   void multiply() {
     m_island.multiply(m_x, m_product);
     for (std::size_t i = 0; i < m_x.size(); ++i) m_slide[i] = m_product[i] + m_island.u[i];
@@ -120,7 +121,7 @@ class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
 
   static double squared(double x) { return x * x; }
 
-  /// u(0) as a contact's law sees it, with the sliding of the last iterate. Answers the largest change, in m/s.
+  /// u(0) as a contact's law sees it, with the sliding of the last iterate. Returns the largest change, m/s.
   double lift() {
     double change = 0;
     for (std::size_t i = 0; i < m_island.size(); ++i) {
@@ -154,12 +155,12 @@ class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
     const std::size_t n = m_island.size();
     const double eta = double(m_params.proximal);
     int power = kFirstPower;
-    // From the geometric mean of the least and the largest eigenvalue, by the residuals.
+    // Starts from the geometric mean of the smallest and the largest eigenvalue, adapted by the residuals.
     const auto penalty = [&] { return std::sqrt(eta * m_largest) * std::pow(m_largest / eta, kPower * power); };
     double rho = penalty(), least = std::numeric_limits<double>::infinity();
     factor(rho);
     for (int it = 1; it <= m_params.iterations; ++it) {
-      // For the change of x, so that rounding is of that.
+      // Solves for the change of x, so that rounding is relative to the change.
       for (std::size_t i = 0; i < n; ++i) {
         m_change[i] = -m_product[i] - m_lifted[i] + (bound(i) ? rho * (m_y[i] - m_x[i]) - m_z[i] : 0);
       }
@@ -177,7 +178,7 @@ class Admm final : public VelocityResolver<D>, private WholeProblem<D> {
         apart += squared(difference / m_island.root[i]);
         moved += squared((weight * (m_yBefore[i] - m_y[i]) - eta * m_change[i]) / m_island.root[i]);
       }
-      apart = std::sqrt(apart), moved = std::sqrt(moved);  // norms that do not turn with the frame
+      apart = std::sqrt(apart), moved = std::sqrt(moved);  // norms that do not depend on the orientation of the frame
       const double residual = std::max({apart, moved, lift()});
       if (!(residual <= kDiverged * least) || !std::isfinite(sum)) break;
       if (residual < kBetter * least || residual <= double(m_params.tolerance)) least = residual, m_island.x = m_y;

@@ -13,7 +13,7 @@ enum class Sweep { forward, symmetric };
 enum class Friction { cone, pyramid, box };
 
 // Sequential impulses: projected Gauss-Seidel on velocities. The accumulated impulse is clamped, never the increment,
-// so that a later sweep can take back what an earlier one gave; and it is the next step's first guess.
+// so that a later sweep can reduce what an earlier one applied; and it warm starts the next step.
 template <int D>
 class Catto final : public VelocityResolver<D> {
  public:
@@ -117,7 +117,8 @@ class Catto final : public VelocityResolver<D> {
     }
   }
 
-  // What a box allows does not depend on what is solved: limits from the normal impulses of the last step.
+  // Friction limits of the box law from the normal impulses of the last step, so that they do not change during the
+  // solve.
   void prepareLimits(const VelocityInput<D>& in) {
     m_limits.resize(m_contacts.points.size());
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
@@ -142,7 +143,7 @@ class Catto final : public VelocityResolver<D> {
     } else {
       for (int i = 0; i < m.count; ++i) pushAt(m, points[place(i)], m_params.relaxation, a, b, rotation);
     }
-    // Friction last, with the normal impulse as it now is: Coulomb's law holds exactly at the end of the sweep.
+    // Friction last, with the updated normal impulse: Coulomb's law holds exactly at the end of the sweep.
     for (int i = 0; i < m.count && m.friction > 0; ++i) {
       PointRows<D>& row = points[place(i)];
       switch (m_params.friction) {

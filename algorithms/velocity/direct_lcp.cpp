@@ -9,15 +9,15 @@ namespace {
 
 using namespace solver;
 
-// Each island's complementarity problem to the end, with a pyramid of k facets for a cone (Stewart and Trinkle 1996).
-// First active sets: which contacts push, stick and slide is guessed from the last step, the linear system is solved,
-// and rows that break their law change sides. Most steps need one or two solves. Where sets repeat, a path is followed:
-// it leads from a problem that the last impulses solve to the given one, and one contact changes at a time. Where the
-// path does not end, Lemke's method solves a dense matrix. Systems are solved over the bodies, linear in a tower.
-// Islands that none of these solves, or that are too large, are left to projected Gauss-Seidel and counted:
+// Solves each island's complementarity problem exactly, with a friction pyramid of k facets (Stewart and Trinkle 1996).
+// First active sets: the last step's impulses predict which contacts press, stick and slide, the linear system is
+// solved, and rows that violate their law change state. Most steps need one or two solves. If sets repeat, a homotopy
+// path is followed from a problem that the last impulses solve to the given one; one contact changes at a time. If the
+// path does not end, Lemke's method solves a dense matrix. Systems are solved over the bodies, linear for a tower.
+// Projected Gauss-Seidel takes islands that none of these solves or that are too large; they are counted:
 // WorkCount::fallbacks.
 //
-// A pyramid has corners: the first is laid where the contact slides, so that it turns with the scene.
+// The first corner of a pyramid lies in the sliding direction, so that the pyramid turns with the scene.
 template <int D>
 class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, private PyramidLcp<D> {
  public:
@@ -87,11 +87,11 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
       Lcp::toward, Lcp::dot, Lcp::best, Lcp::guess, Lcp::activeSets, Lcp::factored, Lcp::settle, Lcp::soften,
       Lcp::effect, Lcp::kTolerance;
   using typename Lcp::Part, typename Lcp::State, typename Lcp::Tangent;
-  static constexpr int kPasses = 3;  // each leaves cfm / (W_ii + cfm) of what was left
+  static constexpr int kPasses = 3;  // each pass leaves cfm / (W_ii + cfm) of the residual
   static constexpr int kFewTurns = 100;
-  static constexpr double kContradiction = 1e-6, kContradicted = 1e-4;  // of the speed; what rows give way then
+  static constexpr double kContradiction = 1e-6, kContradicted = 1e-4;  // of the speed; the compliance of rows then
   static constexpr double kSoftest = 1e-1, kHarder = 0.1;
-  static constexpr double kApart = 1e-3, kWithin = 0.9;  // of a path's start: of the speed, and of a cone
+  static constexpr double kApart = 1e-3, kWithin = 0.9;  // of the start of a path: of the speed, and of a cone
 
   bool direct(std::span<const std::int32_t> rows) {
     const std::size_t n = rows.size();
@@ -99,8 +99,8 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     for (std::size_t i = 0; i < n; ++i) speed = std::max({speed, std::abs(m_island.u[i]), std::abs(m_island.x[i])});
     m_tolerance = kTolerance * speed;
     layPyramids();
-    // Proximal steps from nothing: compliance makes the answer of each one and steady, and holds to where the last has
-    // come. From the last impulses they would go on, where bodies are wedged, and push harder in each step.
+    // Proximal steps from zero impulses: compliance makes the solution unique and continuous, and pulls towards the
+    // previous solution. Starting from the last impulses would press wedged bodies harder in each step.
     const double cfm = double(m_params.cfm);
     m_cfm = 0;
     if (!m_island.dense && !(cfm > 0) && !assemble()) return false;
@@ -121,12 +121,12 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
       return false;
     }
     m_island.store(m_impulse);
-    for (const std::int32_t i : rows) m_problem.project(i, m_impulse.data() + i);  // rounding
+    for (const std::int32_t i : rows) m_problem.project(i, m_impulse.data() + i);  // removes rounding
     return true;
   }
 
-  // Rows that contradict each other pull as hard as they are stiff, and would be all rounding; `left` is what the last
-  // pass still asked for.
+  // Rows that contradict each other pull as hard as they are stiff, so their result would be rounding; `left` is the
+  // residual of the last pass.
   bool passes(double& left) {
     const std::size_t n = m_island.size();
     m_island.u = m_start, m_last.assign(n, 0);
@@ -143,7 +143,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     }
     return true;
   }
-  /// False: it has too many rows.
+  /// Returns false if there are too many rows.
   bool assemble() {
     if (m_island.dense) return true;
     if (m_island.size() > static_cast<std::size_t>(m_params.maxRows)) return false;
@@ -153,12 +153,12 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
   }
 
   // Lemke's path from the last impulses. The problem is u(0) + t d, with d such that these impulses solve it at t = 1.
-  // Between two changes x is linear in t. Where a contact reaches a limit it changes sides, and t goes on, down or up,
-  // as the new side allows. The answer is at t = 0.
+  // Between two changes x is linear in t. Where a contact reaches a limit it changes its state, and t continues, down
+  // or up, as the new state allows. The solution is at t = 0.
   bool path(int turnsAllowed) {
     if (!startPath()) return false;
     double t = 1, sign = -1;
-    std::size_t fresh = m_island.size();  // the row that changed sides last, and the limit at which it is
+    std::size_t fresh = m_island.size();  // the row that changed last, and the limit at which it is
     int limit = 0;
     for (int turns = 0; turns < std::min(turnsAllowed, m_params.maxPivots); ++turns) {
       m_factored = false;
@@ -189,7 +189,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     }
     return false;
   }
-  // Through softer problems, on the paths of which less changes.
+  // Through softer problems, which have fewer changes along their paths.
   bool softly() {
     const double cfm = m_cfm;
     bool right = true;
@@ -205,14 +205,14 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
   bool startPath() {
     const std::size_t n = m_island.size();
     m_island.x = m_warm, m_factored = false;
-    m_way.assign(n, 0);  // first what u shall be
+    m_way.assign(n, 0);  // first the target of u
     double speed = m_tolerance / kTolerance;
     std::vector<double>& x = m_island.x;
     for (std::size_t i = 0; i < n; ++i) {
       const ProblemRow<D>& r = row(i);
       State& state = m_state[i];
       state = {};
-      const double some = kApart * speed * (1 + static_cast<double>((i * 7919 + 1) % 1024) / 1024);  // without ties
+      const double some = kApart * speed * (1 + static_cast<double>((i * 7919 + 1) % 1024) / 1024);  // breaks ties
       if (r.law == ProblemLaw::free) state.part = Part::inside;
       if (r.law == ProblemLaw::interval) {
         const double lo = r.lo / m_island.root[i], hi = r.hi / m_island.root[i];
@@ -238,7 +238,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     }
     return true;
   }
-  /// Of what a row or contact must obey where it is: so many.
+  /// Number of limits that a row or contact has in its present state.
   int limits(std::size_t i) const {
     const ProblemLaw law = row(i).law;
     const Part part = m_state[i].part;
@@ -247,7 +247,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     if (part == Part::none) return 1;
     return part == Part::stick ? facets() : part == Part::edge ? 4 : D;
   }
-  /// How far it is from the limit; or of changes, how this changes (`bounds` 0).
+  /// Distance from the limit; for changes (`bounds` 0), how fast it changes.
   double room(std::size_t i, int limit, const std::vector<double>& x, const std::vector<double>& u,
               double bounds) const {
     const State& state = m_state[i];
@@ -277,7 +277,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     }
     return 0;
   }
-  /// It is at the limit, and changes sides. Answers the limit of the new one at which it is.
+  /// Changes the state of a row at its limit. Returns the limit of the new state at which it is.
   int turn(std::size_t i, int limit) {
     State& state = m_state[i];
     const State before = state;
@@ -314,8 +314,8 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     return limit == 2 ? 2 : 1;
   }
 
-  // Rows without limits are eliminated, then for each contact (push, corners ..., slack of the cone) and for each
-  // interval (above its lower end, below its upper end).
+  // Eliminates rows without limits; then the unknowns are (press, corners ..., slack of the cone) for each contact and
+  // (above its lower end, below its upper end) for each interval.
   bool lemke() {
     const std::size_t n = m_island.size();
     m_freeRows.clear(), m_columns.clear();
@@ -341,7 +341,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
         addColumn(i, 0, Column::slack);
       }
     }
-    // In rows without limits W is inverted, once.
+    // Inverts W once over the rows without limits.
     const std::size_t e = m_freeRows.size(), c = m_columns.size();
     m_matrix.assign(e * e, 0);
     for (std::size_t i = 0; i < e; ++i) {
@@ -349,7 +349,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     }
     m_factor.factor(e, m_matrix);
     m_island.velocities(m_velocity);
-    // Of each column: what it does to all rows, and what the free rows answer.
+    // Per column: its effect on all rows, and the response of the free rows.
     m_answer.assign((c + 1) * e, 0);
     m_lcp.assign(c * c, 0), m_q.assign(c, 0);
     for (std::size_t q = 0; q <= c; ++q) {
@@ -389,14 +389,14 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
     std::size_t first = 0;
     IndexedArray<double, D> impulse{};
     std::size_t rows = 0;
-    double room = 0;  // of the slack of an interval
+    double room = 0;  // limit of the slack of an interval
   };
   Column& addColumn(std::size_t first, std::size_t rows, typename Column::Kind kind) {
     Column& c = m_columns.emplace_back();
     c.kind = kind, c.first = first, c.rows = rows;
     return c;
   }
-  // The slack's row is what is left of the limit; its variable is the sliding speed.
+  // The row of the slack is the remaining friction limit; its variable is the sliding speed.
   void coneRows() {
     const std::size_t c = m_columns.size();
     std::size_t push = 0;

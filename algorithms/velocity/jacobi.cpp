@@ -10,10 +10,10 @@ using namespace solver;
 
 enum class Splitting { none, averaged, mass };
 
-// All pairs at once, each from the velocities of the last sweep; within a pair one after the other. What n pairs do to
-// one body is then n times too much, unless the body is shared out: by mass (Tonge 2012) each pair has an n-th of it,
-// and the body takes the mean velocity of its parts, which is the sum of what was pushed; averaged, each pair gets only
-// a part of what it asks for, one over the larger n of its two bodies, so that both still get the same impulse.
+// All pairs at once, each from the velocities of the last sweep; within a pair, rows one after the other. n pairs
+// together would change a body n times too much. With mass splitting (Tonge 2012) each pair gets an n-th of the body's
+// mass, and the body takes the mean velocity of its parts, which is the sum of their impulses. With averaging each pair
+// applies one over the larger n of its two bodies, so that both bodies still get the same impulse.
 template <int D>
 class Jacobi final : public VelocityResolver<D> {
  public:
@@ -73,7 +73,7 @@ class Jacobi final : public VelocityResolver<D> {
   }
 
  private:
-  // Rows are those of the bodies' parts.
+  // Rows are those of the bodies' mass shares.
   void prepare(const VelocityInput<D>& in) {
     Bodies<D>& bodies = in.bodies;
     m_pairs.assign(bodies.pose.size(), 0);
@@ -101,7 +101,7 @@ class Jacobi final : public VelocityResolver<D> {
     if (m_params.splitting == Splitting::mass) bodies.invMass = m_invMass, bodies.invInertia = m_invInertia;
   }
 
-  // An impulse is a force times dt: when dt changes, the force is the better guess.
+  // An impulse is a force times dt: if dt changes, the force is the better guess.
   void warmStart(const VelocityInput<D>& in) {
     const Real factor = lastImpulseScale(in);
     m_change.assign(m_pairs.size(), {});
@@ -148,7 +148,7 @@ class Jacobi final : public VelocityResolver<D> {
     move(in);
   }
 
-  // Answers which share of it counts.
+  // Returns the averaging factor.
   template <class Body>
   Real push(const VelocityInput<D>& in, std::int32_t bodyA, std::int32_t bodyB, const Body& body) {
     const auto at = [&](std::int32_t i) { return i < 0 ? Motion<D>{} : in.bodies.motion[i]; };
@@ -162,7 +162,7 @@ class Jacobi final : public VelocityResolver<D> {
     change(bodyB).v += share * (b.v - fromB.v), change(bodyB).w += share * (b.w - fromB.w);
     return share;
   }
-  // That push a body which can move.
+  // Number of pairs that push a movable body.
   Real pairs(const VelocityInput<D>& in, std::int32_t body) const {
     return body >= 0 && (in.bodies.invMass[body] > 0 || in.bodies.invInertia[body].trace() > 0) ? m_pairs[body]
                                                                                                 : Real(0);

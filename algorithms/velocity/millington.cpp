@@ -11,8 +11,8 @@ using namespace solver;
 
 enum class ImpulseOrder { worstFirst, given };
 
-// Always the contact whose velocity is most wrong, then look again; or one after the other, in the order given. One
-// contact is solved with friction as a block, and for good: its impulse is not accumulated and cannot be taken back.
+// Solves the contact with the largest velocity error first, and repeats; or contacts in the given order. One contact is
+// solved with friction as a block, and finally: its impulse is not accumulated and cannot be taken back.
 template <int D>
 class Millington final : public VelocityResolver<D> {
  public:
@@ -103,7 +103,7 @@ class Millington final : public VelocityResolver<D> {
     }
   }
 
-  // The limit is one of visits here. Over when a whole sweep has found nothing to do.
+  // The limit counts visits. Ends when a whole sweep finds no error.
   void solveInTurn(const VelocityInput<D>& in, long limit) {
     const auto n = static_cast<long>(m_points.size());
     long quiet = 0;
@@ -136,7 +136,8 @@ class Millington final : public VelocityResolver<D> {
     if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
   }
 
-  // Joints have no place in the order by error: as often as a contact is solved on average, before and after them.
+  // Joints have no place in the order by error: they are solved as often as an average contact, before and after the
+  // contacts.
   void solveJoints(const VelocityInput<D>& in) {
     const Feedback feedback{.rate = in.position.jointBias(in.dt)};
     for (int i = 0; i < static_cast<int>(m_params.iterationFactor) + 1 && !m_joints.rows.empty(); ++i) {
@@ -151,15 +152,15 @@ class Millington final : public VelocityResolver<D> {
     return b.v + cross(b.w, p.rB) - a.v - cross(a.w, p.rA);
   }
 
-  // The change of normal velocity that the contact asks for, m/s.
+  // The change of normal velocity that the contact demands, m/s.
   static Real error(const VelocityInput<D>& in, const Point& p) {
     const Real v = velocity(in.bodies.motion, p).dot(p.manifold->normal);
     const Real e = in.features.restitution ? p.manifold->restitution : Real(0);
     return contactTarget<D>(p.contact->separation, v, v - p.kick, e, in.restitutionThreshold, in.dt, in.position) - v;
   }
 
-  // The impulse that gives the wanted normal velocity and stops sliding; if friction is too weak for that, the one on
-  // the edge of the cone against the direction of the sticking impulse.
+  // The impulse that gives the wanted normal velocity and stops sliding. If friction is too weak for that: the impulse
+  // on the edge of the cone against the direction of the sticking impulse.
   void resolve(const VelocityInput<D>& in, Point& p) const {
     const auto a = p.a, b = p.b;
     Bodies<D>& bodies = in.bodies;

@@ -8,8 +8,8 @@ namespace {
 
 using namespace solver;
 
-// The 2009 engine's first resolver: contacts in stored order, each made right on its own. Nothing is accumulated, so an
-// impulse that turns out too large is never taken back, and no step learns from the last.
+// The first resolver of the 2009 engine: contacts in stored order, each solved alone. Nothing is accumulated, so an
+// impulse that turns out too large is never reduced, and no step is warm started.
 template <int D>
 class NaiveVelocity final : public VelocityResolver<D> {
  public:
@@ -66,7 +66,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
       Motion<D>&a = motion[m.a], &b = motion[m.b];
       for (int i = 0; i < m.count; ++i) {
         PointRows<D>& row = m_contacts.points[m.first + i];
-        // The velocity of now, not of the start of the step: contacts before this one have changed it.
+        // The present velocity, not that at the start of the step: earlier contacts have changed it.
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
         const Manifold<D>& manifold = in.manifolds[m.manifold];
         const Real target = contactTarget<D>(manifold.points[i].separation, v, v - row.kick,
@@ -78,7 +78,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, impulse, a, b, rotation);
         row.impulse[0] += impulse;
         if (!(m.friction > 0)) continue;
-        // Friction of this pass alone: rubAt sees only what the pass has pushed so far.
+        // Friction of this pass alone, limited by the normal impulse that the pass has applied so far.
         const IndexedArray<Real, D> total = row.impulse;
         row.impulse.fill(0);
         row.impulse[0] = impulse;

@@ -7,9 +7,9 @@ namespace {
 
 using namespace solver;
 
-// Nonsmooth nonlinear conjugate gradients: what a sweep of projected Gauss-Seidel changes is taken for the negative
-// gradient of some function, and the next step goes on along a conjugate direction (Fletcher and Reeves). A direction
-// that makes sweeps change more than before is dropped.
+// Nonsmooth nonlinear conjugate gradients: the change of a projected Gauss-Seidel sweep serves as the negative gradient
+// of some function, and the next step follows a conjugate direction (Fletcher and Reeves). A direction after which
+// sweeps change more than before is dropped.
 template <int D>
 class Nncg final : public VelocityResolver<D>, private WholeProblem<D> {
  public:
@@ -64,7 +64,7 @@ class Nncg final : public VelocityResolver<D>, private WholeProblem<D> {
 
  private:
   using WholeProblem<D>::m_problem, WholeProblem<D>::m_sweep, WholeProblem<D>::m_free, WholeProblem<D>::m_impulse;
-  // Multiply-adds of a row beside the sweep: of what it has changed, and of the way on.
+  // Multiply-adds per row besides the sweep: of its change, and of the conjugate step.
   static constexpr std::uint64_t kOfRow = 4 + 2 * D + D * (D - 1);
 
   void iterate(std::span<const std::int32_t> rows, WorkDone& work) {
@@ -73,8 +73,8 @@ class Nncg final : public VelocityResolver<D>, private WholeProblem<D> {
       for (const std::int32_t i : rows) m_before[i] = m_impulse[i];
       m_sweep.sweep(m_problem, rows, m_free, m_impulse);
       countRows<D>(work, rows.size());
-      if (n + 1 == m_params.iterations) return;  // ends with a sweep: all limits hold
-      double change = 0;                         // in J, so that N s and N m s may be added
+      if (n + 1 == m_params.iterations) return;  // ends with a sweep, so that all limits hold
+      double change = 0;                         // in J, so that N s and N m s can be added
       for (const std::int32_t i : rows) {
         const double by = m_impulse[i] - m_before[i];
         change += by * by / m_problem.row(i).unit;

@@ -9,12 +9,12 @@ namespace {
 
 using namespace solver;
 
-// Each row is a spring: a convex problem, which Newton's method solves with a factorisation that is linear in a tower.
-// From where it comes the springs begin anew (the method of multipliers, Rockafellar 1976), so that nothing gives way.
-// De Saxce's correction, from the sliding so far, makes Coulomb's law of the convex one, a fixed point (Acary et al.
-// 2011), and where it goes is foreseen (Walker and Ni 2011), or bodies that are nearly wedged would take hundreds of
-// passes. A tower needs springs as stiff as double can bear, and then two passes; where contacts are many more than
-// bodies need, softer ones from the last impulses are at the end at once when nothing moves.
+// Each row is a spring: a convex problem, which Newton's method solves with a factorisation that is linear for a tower.
+// The springs restart from each solution (method of multipliers, Rockafellar 1976), so that the limit is rigid. De
+// Saxce's correction, from the sliding so far, turns the convex law into Coulomb's as a fixed point (Acary et al.
+// 2011). Its limit is extrapolated (Walker and Ni 2011); otherwise nearly wedged bodies would take hundreds of passes.
+// A tower needs springs as stiff as double permits, and then two passes. Where redundant contacts are many, softer
+// springs from the last impulses converge at once when nothing moves.
 template <int D>
 class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D> {
  public:
@@ -72,27 +72,28 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
  private:
   using WholeProblem<D>::m_problem, WholeProblem<D>::m_free, WholeProblem<D>::m_impulse;
   using Group = typename SpringIsland<D>::Group;
-  static constexpr double kBetter = 0.9;  // of the least residual so far: less is rounding, or rows that contradict
+  static constexpr double kBetter =
+      0.9;  // of the smallest residual so far: less gain is rounding, or contradicting rows
   static constexpr double kSlow = 0.5;
   static constexpr std::uint64_t kOfRow = 8;  // multiply-adds of a residual
-  static constexpr int kPatience = 3;         // passes that are no better
+  static constexpr int kPatience = 3;         // passes without improvement
   static constexpr double kMoves = 1e-6, kContradiction = 1e-6;
-  static constexpr double kUseful = 1e-3;            // of the scale: a residual that sweeps would not better
-  static constexpr int kTrials = 2, kFewPasses = 3;  // of who pushes, by full steps
-  static constexpr int kTries = 8;                   // and with a line search
-  // What rows give way, of W_ii: on the way, where these fail, and in the end, where they contradict each other.
+  static constexpr double kUseful = 1e-3;            // of the scale: a residual that sweeps would not improve
+  static constexpr int kTrials = 2, kFewPasses = 3;  // for the pressing rows, by full steps
+  static constexpr int kTries = 8;                   // the same with a line search
+  // Compliance of rows, relative to W_ii: on the way, if that fails, and finally for rows that contradict each other.
   static constexpr double kSoftest = 1e-2, kHarder = 10, kSofter = 1e-3;
   static constexpr double kEven = 0.1;  // where redundant contacts slide
   static constexpr int kEvenPasses = 30;
-  static constexpr int kSoftPasses = 3, kLast = 30;  // iterations that are kept for them
+  static constexpr int kSoftPasses = 3, kLast = 30;  // iterations reserved for them
 
-  // False: Newton's method has not come to an end.
+  // Returns false if Newton's method has not converged.
   bool descend() {
     const int kept = std::min(kLast, m_params.iterations / 3);
     m_island.budget = m_params.iterations - kept;
     m_least = std::numeric_limits<double>::infinity(), m_best = m_island.last;
-    // As stiff as can be, from nothing. Who pushes, by the last impulses and what they leave: a guess that holds for
-    // most steps of a tower.
+    // Starts as stiff as possible, from zero. The last impulses predict which rows press: a guess that holds for most
+    // steps of a tower.
     begin(double(m_params.cfm));
     for (std::size_t i = 0; i < m_island.size(); ++i) {
       m_guess[i] = m_island.last[i] - m_island.row(i).unit * (m_island.u[i] + m_island.shift[i]);
@@ -101,11 +102,12 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
     bool right = !moves && m_island.tryFrom(m_guess, kTrials);
     if (right) right = refine(right, kFewPasses);
     if (moves) right = slide();
-    if (!(m_least <= double(m_params.tolerance) * m_island.scale)) {  // from the last impulses: what stays is there
+    if (!(m_least <=
+          double(m_params.tolerance) * m_island.scale)) {  // from the last impulses, which a resting island keeps
       begin(kSofter);
       m_island.centre = m_island.last;
       right = m_island.newton(kTries);
-      if (!right) {  // through softer problems, which tell each other who pushes
+      if (!right) {  // through softer problems, each of which predicts the pressing rows of the next
         begin(kSoftest);
         right = m_island.newton(m_island.budget);
       }
@@ -116,8 +118,9 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
     return std::isfinite(m_least) && (right || m_least <= kUseful * m_island.scale);
   }
 
-  // Rows that contradict each other pull as hard as they are stiff, and would be all rounding: a few passes of softer
-  // ones instead, whatever they leave. Where Newton's method was only too slow, if they leave less.
+  // Rows that contradict each other pull as hard as they are stiff, so their result would be rounding: a few passes of
+  // softer rows replace it, whatever residual they leave. If Newton's method was only too slow, they replace it only
+  // with a smaller residual.
   void contradicted(bool right) {
     m_island.budget = std::min(m_island.budget, kLast);
     begin(kSofter);
@@ -132,7 +135,7 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
     if (left < m_least || (right && soft)) m_least = left, m_best = m_island.x;
   }
 
-  // Is De Saxce's correction more than nothing?
+  // Whether De Saxce's correction is nonzero.
   bool slides() const {
     for (const Group& g : m_island.groups()) {
       if (m_island.shift[g.first] * std::sqrt(m_island.row(g.first).unit) > kMoves * m_island.scale) return true;
@@ -140,8 +143,8 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
     return false;
   }
 
-  // Where redundant contacts slide, any of many shares of the load is an answer. The least impulses lead to that of
-  // soft springs: from these on.
+  // Where redundant contacts slide, many distributions of the load are solutions. The smallest impulses lead to that of
+  // soft springs: start from them.
   bool slide() {
     begin(kEven);
     m_anderson.begin();
@@ -154,8 +157,9 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
     return refine(right, m_params.passes);
   }
 
-  // Passes from where the last has come, stiffer where they gain little; or, while De Saxce's correction moves, from
-  // nothing: what a wrong correction has clamped would stay. Leaves the best impulses so far. Was the last pass right?
+  // Repeats passes from the last solution, stiffer where they gain little; or from zero while De Saxce's correction
+  // changes, since a wrong correction would leave its clamped rows. Leaves the best impulses so far. Returns whether
+  // the last pass converged.
   bool refine(bool right, int passes) {
     double before = std::numeric_limits<double>::infinity();
     bool moves = true;
@@ -179,7 +183,7 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
     }
   }
 
-  // Of the natural map, with De Saxce's correction.
+  // Residual of the natural map, with De Saxce's correction.
   double residual() {
     const std::vector<double>& x = m_island.x;
     m_island.multiplyAdds += kOfRow * x.size();
@@ -208,7 +212,7 @@ class ProximalNewton final : public VelocityResolver<D>, private WholeProblem<D>
     m_island.soften(m_cfm);
   }
 
-  // De Saxce's correction of where the rows are, or where those so far lead to; answers its largest change.
+  // De Saxce's correction at the present rows, or extrapolated (`ahead`); returns its largest change.
   double lift(bool ahead) {
     m_from.clear(), m_to.clear();
     double change = 0;

@@ -8,10 +8,10 @@ namespace {
 
 using namespace solver;
 
-// Sequential impulses, and then the contacts once more from the ground upwards, level by level, with all bodies of
-// lower levels infinitely heavy: what stands on them comes to rest however many or heavy they are. Each step starts
-// without impulses, as published. With warm_start=true the next step gives the lower bodies the push of this pass,
-// which they have not felt.
+// Sequential impulses, followed by one pass over the contacts from the ground upwards, level by level, with infinite
+// mass for all bodies of lower levels: bodies come to rest on them however many or heavy they are. Each step starts
+// without impulses, as published. With warm_start=true the next step applies to the lower bodies the impulses of this
+// pass, which they have not felt.
 template <int D>
 class ShockPropagation final : public VelocityResolver<D> {
  public:
@@ -100,7 +100,8 @@ class ShockPropagation final : public VelocityResolver<D> {
     m_graph.reset(in.bodies, in.manifolds, in.joints, in.work);
     const IndexedSpan<const std::int32_t> levels = m_graph.supportLevels();
     const auto level = [&](int body) { return levels[body]; };
-    // By the level of the upper body, counted, in the given order within each. What hangs in the air (-1) has none.
+    // Counting sort by the level of the upper body, in the given order within each. Bodies in the air (-1) have no
+    // level.
     m_start.assign(2, 0);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const auto upper = static_cast<std::size_t>(std::max(level(m.a), level(m.b)) + 1);
@@ -120,10 +121,10 @@ class ShockPropagation final : public VelocityResolver<D> {
         for (std::size_t k = m_start[l]; k < m_start[l + 1]; ++k) sweep(m_contacts.manifolds[m_upwards[k]], in);
       }
     }
-    if (!m_joints.rows.empty()) sweepJoints(in);  // that the levels have pulled at
+    if (!m_joints.rows.empty()) sweepJoints(in);  // joints that the level passes have violated
   }
 
-  // Makes A or B of a contact infinitely heavy.
+  // Gives A or B of a contact infinite mass.
   void freeze(ManifoldRows<D>& m, bool isA, bool rotation) {
     (isA ? m.invMassA : m.invMassB) = 0;
     const auto freezeRow = [&](Row<D>& row) {

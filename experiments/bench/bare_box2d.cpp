@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// The pyramid in Box2D, as its Hello World has it. What is set otherwise than Box2D does by itself, and why:
-//   sleeping            off: every step is to have its work
-//   continuous          off: the scene asks for none
-//   iterations          10 and 4, as the adapter has them; the manual suggests 8 and 3
-//   friction            that of the scene, for 0.2
+// The pyramid in Box2D, written as its Hello World. Settings that differ from Box2D's defaults, and why:
+// sleeping            off: every step shall do its full work
+// continuous          off: the scene needs none
+// iterations          10 and 4, as in the adapter; the manual suggests 8 and 3
+// friction            that of the scene; Box2D's default is 0.2
 // The slop is Box2D's own, 5 mm, which is compiled in.
 #include <box2d/box2d.h>
 
@@ -58,7 +58,7 @@ class Box2dPyramid final : public Pyramid {
 
   Settings m_settings;
   b2World m_world{{0, scalar(-kGravity)}};
-  std::vector<b2Body*> m_boxes;  // the world's
+  std::vector<b2Body*> m_boxes;  // owned by the world
 };
 
 }  // namespace

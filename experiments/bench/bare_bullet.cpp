@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// The pyramid in Bullet, as its Hello World has it. What is set otherwise than Bullet does by itself, and why:
-//   sleeping           off: every step is to have its work
-//   linear slop        5 mm for 0, as the adapter has it and as Box2D has it by itself
-//   friction           Bullet multiplies that of the bodies, so each has the root of the pair's
-//   sub-steps          none: stepSimulation(dt, 0) is one step of dt
-// Gravity, 10 iterations, split impulse, warm start and margins are Bullet's own. Boxes that meet boxes use no margin.
+// The pyramid in Bullet, written as its Hello World. Settings that differ from Bullet's defaults, and why:
+// sleeping           off: every step shall do its full work
+// linear slop        5 mm in place of 0, as in the adapter and in Box2D
+// friction           Bullet multiplies the bodies' coefficients, so each has the square root of the pair's
+// sub-steps          none: stepSimulation(dt, 0) is one step of dt
+// Gravity, 10 iterations, split impulse, warm starting and margins are Bullet's own. Pairs of boxes use no margin.
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>

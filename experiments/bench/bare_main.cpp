@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A bare program of one engine, LPC_BARE, in one precision, LPC_BARE_PRECISION: the median processor time of a step.
+// A program of one engine alone, LPC_BARE, in one precision, LPC_BARE_PRECISION: prints the median processor time of a
+// step.
 #include <time.h>
 
 #include <algorithm>

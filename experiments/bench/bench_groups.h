@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The groups of benchmarks that lpc-bench is made of, each generated from the registry at run time. Names are
-// stage/dimension/algorithm/input/..., and every one reports work per operation and whether its answers were right.
+// The groups of benchmarks of lpc-bench, generated from the registry at run time. Names are
+// stage/dimension/algorithm/input/...; every benchmark reports work per operation and whether its answers were right.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -20,10 +20,10 @@ void addManifolds();
 void addStreams();
 void addSolvers();
 
-/// The default, and each other value of each choice: the modes of an algorithm are competitors, too.
+/// The default, and each other value of each choice: the modes of an algorithm compete, too.
 std::vector<std::string> specsOf(const Registered& algorithm);
 
-/// Counters of the work, per operation.
+/// Counters of work, per operation.
 void report(benchmark::State& state, const WorkDone& work, double operations);
 
 }}}  // namespace lpc::LPC_PRECISION::bench

@@ -10,7 +10,7 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 namespace {
 
-// Of unit variance, without libm, whose last bits differ between machines.
+// Of unit variance, without libm, which has other last bits on other machines.
 double normal(Random& random) {
   double sum = 0;
   for (int k = 0; k < 12; ++k) sum += random.uniform();
@@ -57,7 +57,7 @@ Proxies<D> uniformBoxes(int count) {
   return proxies;
 }
 
-// The same boxes about the same places, all places scaled by `spread`.
+// The same boxes at the same positions, scaled by `spread`.
 template <int D>
 Proxies<D> clusteredBoxes(int count, double spread) {
   Random random(2);

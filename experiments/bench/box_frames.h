@@ -8,10 +8,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
-/// The inputs that broadphases are compared on.
-///   uniform  unit boxes in a square or cube, about 5 overlaps per box
-///   cluster  max(8, n/200) round clusters, sizes from 0.1 to 10 m with uniform logarithm, 2.5 pairs per box
-/// In each frame every box moves by 2 % of its mean size in a direction of its own, ten frames to and ten fro.
+/// Inputs of the broadphase comparison.
+/// uniform  unit boxes in a square or cube, about 5 overlaps per box
+/// cluster  max(8, n/200) round clusters, sizes from 0.1 to 10 m, uniform in the logarithm, 2.5 pairs per box
+/// In each frame every box moves by 2 % of its mean size in its own direction, ten frames forward and ten back.
 enum class BoxLayout { uniform, cluster };
 inline constexpr std::string_view kBoxLayouts[] = {"uniform", "cluster"};
 
@@ -23,7 +23,7 @@ class BoxFrames {
   const Proxies<D>& proxies() const { return m_proxies; }
   const std::vector<ProxyId>& all() const { return m_all; }
   void advance();
-  /// All pairs of the present frame by a sweep of its own, sorted.
+  /// All pairs of the present frame, sorted, by a sweep that uses no registered algorithm.
   std::vector<ProxyPair> pairs() const;
 
  private:
@@ -33,7 +33,7 @@ class BoxFrames {
   int m_frame = 0;
 };
 
-/// A fresh copy of the frames; the layout itself is made once per size.
+/// A new copy of the frames; the layout itself is made once per size.
 template <int D>
 BoxFrames<D> boxFrames(BoxLayout layout, int count);
 

@@ -18,14 +18,14 @@ class BoxPeer {
     std::array<double, 3> lo, hi;
   };
   virtual void build(const std::vector<Box>& boxes) = 0;
-  /// Moves all boxes and appends all pairs that overlap now, a < b: also those that were known before.
+  /// Moves all boxes and appends all pairs that overlap now, a < b, old and new.
   virtual void frame(const std::vector<Box>& boxes, std::vector<ProxyPair>& out) = 0;
 };
 
-/// What is linked in files itself here, as algorithms do in the registry.
+/// Linked peers register here, like algorithms in the registry.
 struct BoxPeerEntry {
   std::string name;
-  int most;  // boxes; beyond that, building it takes minutes
+  int most;  // largest number of boxes; beyond it, building takes minutes
   std::function<std::unique_ptr<BoxPeer>()> create;
 };
 std::vector<BoxPeerEntry>& boxPeers();

@@ -18,11 +18,11 @@ namespace {
 
 constexpr int kSizes[] = {30, 100, 300, 1000, 3000, 10000, 100000};
 
-// Frame: every box has moved, the method has its structure from the frame before. Scratch: a new one each time.
+// Frame: every box has moved, and the method keeps its structure. Scratch: a new structure each time.
 enum class Mode { frame, scratch };
 
-/// Times of single operations, for what a mean hides: methods with fat boxes work in bursts. The time of this thread,
-/// so that other programs take less part in it.
+/// Times of single operations, which a mean hides: methods with fat boxes work in bursts. Thread time, so that other
+/// programs disturb it less.
 class Timer {
  public:
   void start() { m_start = now(); }
@@ -48,7 +48,7 @@ class Timer {
   std::vector<double> m_seconds;
 };
 
-// Pairs that are wanted and not there, and the reverse; `pairs` arrives unsorted.
+// Missing pairs and false ones; `pairs` arrives unsorted.
 template <int D>
 void judge(benchmark::State& state, const BoxFrames<D>& frames, std::vector<ProxyPair> pairs) {
   const std::vector<ProxyPair> truth = frames.pairs();
@@ -126,7 +126,7 @@ void runPeer(benchmark::State& state, const BoxPeerEntry& entry, BoxLayout layou
   judge(state, frames, std::move(pairs));
 }
 
-// A method that tests a good part of all pairs of a small crowd is not asked to do so with a large one.
+// A method that tests a large share of all pairs of a small set is not run on a large set.
 template <int D>
 int mostBoxes(const std::string& spec) {
   constexpr int kProbe = 1000;

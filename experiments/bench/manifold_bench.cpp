@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Contacts of boxes and octagons that touch, in 2D: ours and the peers' on the same pairs, one after the other in one
-// run. The group contacts/ has all kinds, of which half are far from each other; a step spends its time on these.
-// Shapes, poses and pairs are made before, of ours and of the peers'. Ours writes whole
-// manifolds, with bodies, mixed friction, the normal in the world, points on both bodies and their separations.
+// Contacts of touching boxes and octagons in 2D: ours and the peers' on the same pairs, one after the other in one run.
+// The group contacts/ has all kinds, half of them far apart; a step spends its time on touching pairs. Shapes, poses
+// and pairs are prepared before, ours and the peers'. Ours writes whole manifolds: bodies, mixed friction, the normal
+// in the world, points on both bodies and separations.
 #include <cmath>
 
 #include "experiments/bench/bench_groups.h"
@@ -23,11 +23,11 @@ namespace {
 constexpr int kPairs = 512;
 constexpr double kTurn = 6.283185307179586;
 
-/// Resting: an edge lies on an edge, all but parallel, a little less than the slop deep. Turned: at any angle, the
-/// centres a length apart at which most overlap a little.
+/// Resting: an edge on an almost parallel edge, slightly less deep than the slop. Turned: at any angle, with centres at
+/// a distance at which most overlap slightly.
 enum class Touch { resting, turned };
 
-/// Regular, with the inner radius 1/2 m. Two entries are a pair.
+/// Regular polygons with the inner radius 1/2 m. Two consecutive entries are a pair.
 struct TouchingPairs {
   std::vector<Shape<2>> shapes;
   std::vector<Pose<2>> poses;

@@ -10,16 +10,17 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
-/// Another library's contacts of our polygons, boxes and hulls of up to eight corners, in 2D. Two entries are a pair.
+/// Another library's contacts of our polygons, boxes and hulls of up to eight corners, in 2D. Two consecutive entries
+/// are a pair.
 class ManifoldPeer {
  public:
   virtual ~ManifoldPeer() = default;
   virtual void build(const std::vector<Shape<2>>& shapes, const std::vector<Pose<2>>& poses) = 0;
-  /// All pairs; the manifolds stay with the peer. Returns the number of points.
+  /// Collides all pairs; the peer keeps the manifolds. Returns the number of points.
   virtual int collide() = 0;
 };
 
-/// What is linked in files itself here, as algorithms do in the registry.
+/// Linked peers register here, like algorithms in the registry.
 struct ManifoldPeerEntry {
   std::string name;
   std::function<std::unique_ptr<ManifoldPeer>()> create;

@@ -100,7 +100,7 @@ std::string kindText(ShapeKind a, ShapeKind b) {
 }
 
 void addSizes(benchmark::internal::Benchmark* bench, AlgorithmRole role, int dimension, ShapeKind a, ShapeKind b) {
-  // Witnesses work in a process of their own, where they take their time themselves.
+  // Witnesses run in a process of their own, where they measure their time.
   if (role == AlgorithmRole::witness) bench->UseManualTime();
   if (a != ShapeKind::polytope && b != ShapeKind::polytope) {
     bench->Arg(0);
@@ -143,7 +143,7 @@ void addQueries() {
                                         {QueryNeed::witnesses, "/witnesses_one_by_one", true}};
         for (const Ask& ask : kAsks) {
           if (ask.oneByOne && role == AlgorithmRole::witness)
-            continue;  // its time would be that of the way to its process
+            continue;  // its time would be that of the communication with its process
           const std::string name = "pair_query/" + dimension + spec + "/" + kindText(a, b) + ask.text;
           const auto run = [=](benchmark::State& state) { runQuery<D>(state, spec, a, b, ask.need, ask.oneByOne); };
           addSizes(benchmark::RegisterBenchmark(name.c_str(), run), role, D, a, b);
@@ -151,8 +151,8 @@ void addQueries() {
       });
 }
 
-// Other people's functions called as a user calls them, with the shapes made beforehand: the witnesses' times have two
-// readings of the clock in each pair.
+// Functions of other libraries called as their users call them, with prepared shapes. The witnesses' own times include
+// two reads of the clock per pair.
 void addPairPeers() {
   for (const PairPeerEntry& entry : pairPeers()) {
     for (const ShapeKind kind : entry.kinds) {

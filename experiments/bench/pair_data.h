@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Pairs drawn at random for benchmarks, the same in each run.
+// Randomly drawn pairs for benchmarks, the same in each run.
 #pragma once
 
 #include <span>
@@ -57,8 +57,8 @@ Shape<D> drawShape(Random& random, ShapeKind kind, int hullPoints) {
   return Shape<D>::ofCorners(kind, points);
 }
 
-/// Half of the pairs overlap, more or less: centres are up to 1.2 times the sum of the mean sizes apart. Thousands of
-/// them; of hulls, which take long to make, hundreds.
+/// About half of the pairs overlap: centres are up to 1.2 times the sum of the mean sizes apart. There are thousands of
+/// them, but only hundreds with hulls, which take long to make.
 template <int D>
 struct PairData {
   std::vector<Shape<D>> a, b;
@@ -67,7 +67,7 @@ struct PairData {
   PairData(ShapeKind kindA, ShapeKind kindB, int hullPoints) {
     Random random(7);
     const auto radiusOf = [](const ShapeView<D>& v) {
-      return v.core() == CoreClass::plane ? Real(4) : boundingRadius(v);  // a plane's own is infinite
+      return v.core() == CoreClass::plane ? Real(4) : boundingRadius(v);  // a plane is unbounded
     };
     const bool hulls = kindA == ShapeKind::polytope || kindB == ShapeKind::polytope;
     for (int k = 0; k < (hulls ? 512 : 4096); ++k) {

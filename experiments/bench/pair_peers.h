@@ -10,11 +10,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 
-/// Another library's contacts of our pairs, with all that can be prepared done before.
+/// Another library's contacts of our pairs, with all possible preparation done before.
 class PairPeer {
  public:
   virtual ~PairPeer() = default;
-  /// Asks all pairs; how many overlap.
+  /// Queries all pairs; returns how many overlap.
   virtual int run() = 0;
 };
 

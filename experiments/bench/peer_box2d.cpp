@@ -8,11 +8,11 @@ namespace lpc { inline namespace LPC_PRECISION { namespace bench { namespace {
 
 b2Vec2 vector(const Vec<2>& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1])}; }
 
-// b2CollidePolygons, in float: every edge of both polygons against every vertex, then one clip. It stops where the
+// b2CollidePolygons, in float: every edge of both polygons against every vertex, then one clip. It stops if the
 // polygons, each with its skin of a centimetre, are apart, as ours do at the margin. Its manifold is a reference edge
-// and points of the other polygon; `inWorld`: with the normal in the world, the points there and their separations,
-// which Box2D's solver asks for in each step and which ours have from the start. Neither mixes friction nor names the
-// bodies, as ours does.
+// and points of the other polygon. `inWorld` adds the normal, the points and their separations in the world, which
+// Box2D's solver computes in each step and ours has from the start. Unlike ours, neither variant mixes friction or
+// names the bodies.
 class Box2dPolygons final : public ManifoldPeer {
  public:
   explicit Box2dPolygons(bool inWorld) : m_inWorld(inWorld) {}

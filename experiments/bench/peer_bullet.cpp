@@ -18,8 +18,8 @@ int index(const btBroadphaseProxy* proxy) {
   return static_cast<int>(reinterpret_cast<std::size_t>(proxy->m_clientObject));
 }
 
-// Bullet keeps fat pairs from frame to frame; the tight ones are filtered out of them, inside the timing, as a user who
-// wants what we return must do.
+// Bullet keeps fat pairs from frame to frame; the timed code filters the tight ones, as a user who wants our output
+// must do.
 class Bullet : public BoxPeer {
  public:
   void build(const std::vector<Box>& boxes) override {
@@ -53,7 +53,7 @@ class Bullet : public BoxPeer {
   std::vector<btBroadphaseProxy*> m_proxies;
 };
 
-// As the witness bullet_dbvt, but it looks for pairs once per frame, not at each move.
+// Like the witness bullet_dbvt, but it finds pairs once per frame, not at each move.
 class BulletDeferredTree final : public Bullet {
   std::unique_ptr<btBroadphaseInterface> create(const std::vector<Box>&) override {
     auto tree = std::make_unique<btDbvtBroadphase>();

@@ -10,7 +10,7 @@ namespace {
 constexpr int kSettle = 30, kSteps = 60;
 constexpr Real kDt = Real(1) / 60;
 
-// The pyramid of the field: unit boxes, gaps of 0.1 m beside and none above each other, friction 0.6.
+// The field's standard pyramid: unit boxes, gaps of 0.1 m between neighbours and none between rows, friction 0.6.
 template <int D>
 void buildPyramid(World<D>& world, int base) {
   const auto add = [&](BodyType type, const Vec<D>& at, const Vec<D>& half) {
@@ -76,7 +76,8 @@ void runSolver(benchmark::State& state, const std::string& solver) {
     report(state, work, steps);
     state.counters["points"] = points / steps;
     state.counters["whole_step_us"] = 1e6 * whole / steps;
-    state.counters["moved_m"] = moved;  // the most that any body has moved within the second: right is next to nothing
+    state.counters["moved_m"] =
+        moved;  // largest motion of a body within the second: almost nothing if the method is right
   } catch (const UserError& error) {
     state.SkipWithError(error.what());
   }
@@ -87,7 +88,7 @@ void addSolvers() {
   std::vector<std::string> specs;
   for (const Registered* solver : Registry::instance().list(StageKind::solver, D)) {
     for (const std::string& spec : specsOf(*solver)) specs.push_back(spec);
-    for (const ParamInfo& p : solver->params) {  // a solver made of stages runs with each of them
+    for (const ParamInfo& p : solver->params) {  // a solver with stages of its own runs with each of their methods
       if (!p.stage) continue;
       for (const Registered* part : Registry::instance().list(p.stage->kind, D)) {
         specs.push_back(solver->info.name + "{" + p.name + "=" + part->info.name + "}");

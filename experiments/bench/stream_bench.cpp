@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Pair queries on the pairs that a world asks about, in the order in which it does: what rests, comes and goes, and is
-// nearly where it was in the step before. The group pair_query/ has random pairs, each by itself.
+// Pair queries on the recorded pairs of a world, in its order: resting pairs, new and ended ones, nearly at their poses
+// of the step before. The group pair_query/ has random pairs, each alone.
 #include <map>
 #include <memory>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostMeetings = 300000;
 
-/// Small enough to be recorded in seconds. The first steps, in which bodies fall freely, are left out.
+/// Small enough to be recorded in seconds. Skips the first steps, in which bodies fall freely.
 struct StreamScene {
   const char* name;
   ParameterValues params;
@@ -79,7 +79,7 @@ void runStream(benchmark::State& state, const std::string& spec, const StreamSce
       benchmark::Counter(asked * 1e-9, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-/// Whether it takes every two kinds that may meet in the scene.
+/// Whether it supports every two kinds that may meet in the scene.
 template <int D>
 bool supportsAll(const PairQuery<D>& method, const SceneSpec<D>& spec) {
   std::array<bool, kShapeKinds> all{}, moving{};
@@ -113,7 +113,7 @@ void addStreamsOf(const StreamScene& scene) {
         auto* bench = benchmark::RegisterBenchmark(
             (name + (warm ? "/warm" : "/cold")).c_str(),
             [=, &scene](benchmark::State& state) { runStream<D>(state, text, scene, warm); });
-        // Witnesses work in a process of their own, where they take their time themselves.
+        // Witnesses run in a process of their own, where they measure their time.
         if (algorithm->info.role == AlgorithmRole::witness) bench->UseManualTime();
       }
     }

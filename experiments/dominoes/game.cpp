@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A game of dominoes, as the first users of the 2009 engine wrote one: a broadphase of its own, listeners that count
-// points. Who rolls the ball says how fast: just fast enough earns the most.
+// A game of dominoes, like those of the first users of the 2009 engine: it has its own broadphase, and listeners that
+// count points. The player chooses the speed of the ball: just fast enough earns the most.
 #include <lpc/shape_between.h>
 #include <lpc/world.h>
 
@@ -20,7 +20,7 @@ std::uint64_t numberOf(const World<3>& world, std::int32_t body) {
   return world.bodies().userData[static_cast<std::size_t>(body)];
 }
 
-// A point for each domino that its neighbour reaches. What the ball hits does not count, and it hits without friction.
+// A point for each domino that its neighbour hits. The ball's own hit does not count, and is frictionless.
 class Score final : public ContactListener<3> {
  public:
   std::set<std::uint64_t> fallen;
@@ -34,7 +34,7 @@ class Score final : public ContactListener<3> {
   }
 };
 
-// Hears of the bell alone.
+// Listens to the bell only.
 class Bell final : public ContactListener<3> {
  public:
   bool rung = false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The game's own broadphase: dominoes stand in a row, so that the order along it hardly changes from step to step, and
-// sorting it by insertion is one walk. The game links this file; with plugin.cpp it is a library that `lpc` can judge.
+// The game's own broadphase: dominoes stand in a row, so the order along it hardly changes from step to step, and
+// insertion sort takes one pass. The game links this file; with plugin.cpp it is a library that `lpc` can test.
 #include <lpc/stage_broadphase.h>
 
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A camera that never moves: the plane itself in 2D, a view from the right and above without perspective in 3D.
+// A fixed camera: the plane itself in 2D; in 3D an orthographic view from the right and above.
 #pragma once
 
 #include <cmath>
@@ -14,18 +14,18 @@ struct Camera {
   Vec<2> middle = Vec<2>::Zero();
   double scale = 1;  // pixels per metre
   double width = 0, height = 0;
-  static constexpr double kBand = 22;  // px at the top, for words
+  static constexpr double kBand = 22;  // px at the top, for text
 
   Camera();
-  /// In metres, on the plane that the camera looks at.
+  /// In metres, on the image plane.
   Vec<2> flat(const Vec<D>& p) const { return {p.dot(right), p.dot(up)}; }
-  /// What flew away, far beyond any picture, is held where numbers are still written and counted in whole pixels.
+  /// Far positions are clamped to a range in which numbers can still be written, and counted in whole pixels.
   Vec<2> pixel(const Vec<D>& p) const {
     constexpr double kFar = 1e8;  // px
     const Vec<2> at = (scale * (flat(p) - middle)).cwiseMin(kFar).cwiseMax(-kFar);
     return {width / 2 + at[0], (height + kBand) / 2 - at[1]};
   }
-  /// What of the plane is seen there.
+  /// The point of the image plane at this pixel.
   Vec<2> flatOf(const Vec<2>& pixel) const {
     return middle + Vec<2>(pixel[0] - width / 2, (height + kBand) / 2 - pixel[1]) / scale;
   }

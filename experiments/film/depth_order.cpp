@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The painter's algorithm for convex parts: compared two by two, then put in an order that agrees with all of it.
+// The painter's algorithm for convex parts: compares them pair by pair, then finds an order that agrees with all
+// comparisons.
 #include "experiments/film/depth_order.h"
 
 #include <algorithm>
@@ -14,8 +15,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr std::size_t kCorners = 16;  // of an outline as it is compared
-constexpr double kLeastShared = 0.5;  // px^2: less is the seam between neighbours, and rounding
+constexpr std::size_t kCorners = 16;  // of an outline in comparisons
+constexpr double kLeastShared = 0.5;  // px^2: smaller overlaps are seams between neighbours, and rounding
 
 double signedArea(const std::vector<Vec<2>>& p) {
   double twice = 0;
@@ -26,7 +27,7 @@ double signedArea(const std::vector<Vec<2>>& p) {
   return twice / 2;
 }
 
-// The same with few corners, within it, and turning to the left.
+// The same outline with few corners, inside it, counter-clockwise.
 std::vector<Vec<2>> plainer(const std::vector<Vec<2>>& outline) {
   std::vector<Vec<2>> out;
   const std::size_t stride = (outline.size() + kCorners - 1) / kCorners;
@@ -67,7 +68,7 @@ std::function<double(const Vec<2>&)> nearnessOf(const ShapeView<3>& shape, const
       return start + t * climb + std::sqrt(std::max(0.0, radius * radius - (way - t * along).squaredNorm()));
     };
   }
-  // Nearness is linear on each plane; the surface is the farthest of those that look at the viewer.
+  // Nearness is linear on each plane; the surface is the farthest of the planes that face the viewer.
   std::vector<Vec<3>> planes;  // (at the origin of the flat coordinates, per m to the right, per m up)
   const auto add = [&](const Vec<3>& normal_S, double offset) {
     const Vec<3> n_W = X_WS.q * normal_S;
@@ -108,7 +109,7 @@ DepthOrder depthOrder(const std::vector<SeenPart>& seen) {
 
   DepthOrder out;
   std::vector<std::vector<std::size_t>> coveredBy(count);
-  std::vector<std::size_t> covers(count, 0);  // of those that are not yet in the order
+  std::vector<std::size_t> covers(count, 0);  // among parts that are not yet in the order
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t a = byLeft[i];
     for (std::size_t k = i + 1; k < count && spans[byLeft[k]].lo[0] < spans[a].hi[0]; ++k) {
@@ -128,7 +129,7 @@ DepthOrder depthOrder(const std::vector<SeenPart>& seen) {
   std::set<std::size_t> waiting, ready;
   for (std::size_t i = 0; i < count; ++i) (covers[i] == 0 ? ready : waiting).insert(i);
   while (out.backToFront.size() < count) {
-    std::set<std::size_t>& from = ready.empty() ? waiting : ready;  // a ring is cut at its first
+    std::set<std::size_t>& from = ready.empty() ? waiting : ready;  // a cycle is cut at its first part
     const std::size_t next = *from.begin();
     from.erase(from.begin());
     out.backToFront.push_back(next);

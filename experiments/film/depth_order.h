@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Who covers whom, of what a camera of 3D sees.
+// Which part covers which, as a 3D camera sees them.
 #pragma once
 
 #include <functional>
@@ -17,18 +17,18 @@ struct SeenPart {
   std::function<double(const Vec<2>&)> nearness;  // m along `towards`, of its surface at a point (px) of the outline
 };
 
-/// How near the surface of a convex shape, not a plane, is at a point of the picture. Exact for flat faces and balls;
-/// of a curved core 26 tangent planes stand for it.
+/// Nearness of the surface of a convex shape other than a plane, at a point of the picture. Exact for flat faces and
+/// balls; 26 tangent planes approximate a curved core.
 std::function<double(const Vec<2>&)> nearnessOf(const ShapeView<3>& shape, const Pose<3>& X_WS,
                                                 const Camera<3>& camera);
 
 struct DepthOrder {
   std::vector<std::size_t> backToFront;                      // all parts
-  std::vector<std::pair<std::size_t, std::size_t>> covered;  // who is covered, even in part, and by whom
+  std::vector<std::pair<std::size_t, std::size_t>> covered;  // (covered part, covering part), also if covered partly
 };
-/// Two parts are compared where both are seen, in the middle of what their outlines share: the middles of bodies say
-/// nothing of a floor or a wall, whose own is far from whoever stands beside it. What covers nobody comes as in `seen`.
-/// Parts that cover each other in a ring have no order; it is cut at the first of them.
+/// Compares two parts where both are visible, in the middle of the overlap of their outlines: the centre of a floor or
+/// a wall is far from a body beside it. Parts that cover nothing come in the order of `seen`. Parts that cover each
+/// other in a cycle have no order; it is cut at the first of them.
 DepthOrder depthOrder(const std::vector<SeenPart>& seen);
 
 }}  // namespace lpc::LPC_PRECISION

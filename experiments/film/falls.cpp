@@ -21,7 +21,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMostFalls = 6, kMomentsOfFall = 5;
-// What a page can hold of one strip, and a disk of one recording.
+// Limits of a page for one strip, and of a disk for one recording.
 constexpr double kMostBodies = 300, kMostPoses = 1e6;
 constexpr double kWidth = 320;  // px, of one picture
 
@@ -42,7 +42,7 @@ std::vector<Fall> lastFalls(const PlannedSweep& sweep, Store& store) {
     if (!row || !kFalls.contains(row->outcome)) continue;
     const auto steps = row->metrics.find("steps_done"), bodies = row->metrics.find("bodies");
     if (steps == row->metrics.end() || bodies == row->metrics.end()) continue;
-    // What was judged at its last step, since it creeps, stands there.
+    // A run that failed at its last step because of creep looks unchanged there.
     if (row->outcome == "collapsed" && steps->second >= static_cast<double>(t.world().steps)) continue;
     if (bodies->second > kMostBodies || bodies->second * steps->second > kMostPoses) continue;
     const auto [place, isNew] = at.try_emplace({t.world().scene, t.asked().dimension, row->outcome}, out.size());
@@ -59,7 +59,7 @@ std::vector<Fall> lastFalls(const PlannedSweep& sweep, Store& store) {
 template <int D>
 using Places = std::map<std::pair<std::int32_t, std::uint32_t>, Vec<D>>;  // slot, generation
 
-// What is nowhere has no place.
+// A body with a pose that is not finite has no position.
 template <int D>
 Places<D> placesOf(const typename Recording<D>::Frame& frame) {
   Places<D> out;
@@ -69,7 +69,7 @@ Places<D> placesOf(const typename Recording<D>::Frame& frame) {
   return out;
 }
 
-// m, of the body that is farthest from its place in the other frame.
+// m, of the body that is farthest from its position in the other frame.
 template <int D>
 double apart(const Places<D>& a, const Places<D>& b) {
   double out = 0;
@@ -79,10 +79,10 @@ double apart(const Places<D>& a, const Places<D>& b) {
   return out;
 }
 
-// Frames that show a fall: the start, the fall, and in between the last ones in which a body was still 60, 30 and 10 %
-// as far from where it fell to as any ever was, so that a tower which stood for long is drawn as it leans. Where the
-// end is out of sight (a body gone by more than the size of the scene, or nowhere), what counts is the last frame in
-// sight, which is drawn as well.
+// Frames that show a fall: the start, the fall, and in between the last frames in which a body was still 60, 30 and 10
+// % of the largest distance from its final position. A tower that stood for long is thus drawn while it leans. If the
+// end is out of sight (a body moved by more than the size of the scene, or is not finite), the last frame in sight
+// counts instead, and is drawn, too.
 template <int D>
 std::set<std::size_t> momentsOf(const std::vector<typename Recording<D>::Frame>& frames) {
   std::vector<Places<D>> places;
@@ -104,7 +104,7 @@ std::set<std::size_t> momentsOf(const std::vector<typename Recording<D>::Frame>&
     while (i > 0 && ways[i] < share * farthest) --i;
     if (out.size() < kMomentsOfFall) out.insert(i);
   }
-  while (out.size() < std::min(kMomentsOfFall, frames.size())) {  // two at once: half way in the longest gap instead
+  while (out.size() < std::min(kMomentsOfFall, frames.size())) {  // two are equal: half way in the longest gap instead
     std::size_t longest = 0, middle = 0;
     for (auto a = out.begin(), b = std::next(a); b != out.end(); ++a, ++b) {
       if (*b - *a > longest) longest = *b - *a, middle = (*a + *b) / 2;
@@ -114,7 +114,7 @@ std::set<std::size_t> momentsOf(const std::vector<typename Recording<D>::Frame>&
   return out;
 }
 
-// As [x, y, x, y, ...] in tenths of a pixel; nothing where it is out of the picture, which is most of what exploded.
+// As [x, y, x, y, ...] in tenths of a pixel; empty outside the picture, as most bodies of an explosion are.
 template <int D>
 json cornersOf(const Patch& patch, const Camera<D>& camera) {
   Vec<2> lo = patch.corners[0], hi = lo;
@@ -144,7 +144,7 @@ json stripOf(const std::string& recording) {
   return {{"width", camera.width}, {"top", camera.kBand}, {"height", camera.height}, {"pictures", pictures}};
 }
 
-// Why the run that was recorded is not the one that fell; empty where it is.
+// Why the recorded run is not the one that fell; empty if it is.
 std::string otherwise(const WorkerEnd& end, const Fall& fall) {
   if (end.outcome != "ok") return end.outcome + ", " + end.reason;
   try {

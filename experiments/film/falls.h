@@ -5,10 +5,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Draws how runs of a sweep fell (diverged, exploded, collapsed): of each scene, dimension and kind of fall the run
-/// that fell last, six runs of a sweep at most, of at most 300 bodies. Only those are run again, with a recording, so
-/// that no other trial pays for pictures; what is drawn already is not. The strip goes into the store, for reports
-/// without this program. False when Ctrl-C stopped it.
+/// Draws how runs of a sweep failed (diverged, exploded, collapsed): for each scene, dimension and kind of failure the
+/// run that failed last; at most six runs of a sweep, with at most 300 bodies. Only these are run again with a
+/// recording, so that other trials do not pay for pictures; existing pictures are kept. The strip goes into the store,
+/// for reports without this program. Returns false if Ctrl-C stopped it.
 bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& options);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -20,7 +20,7 @@ constexpr double kStripWidth = 320, kFilmWidth = 720;  // px, of one picture
 constexpr DrawColour kDivider{120, 120, 115};
 
 int dimensionOf(const std::string& path) {
-  std::error_code absent;  // a pipe would wait for somebody who writes, and be empty when it is read again
+  std::error_code absent;  // a pipe would block, and be empty when it is read again
   if (std::filesystem::exists(path, absent) && !std::filesystem::is_regular_file(path, absent)) {
     throw UserError(path + ": this is not a recording of a world: it is no file");
   }
@@ -35,7 +35,7 @@ int dimensionOf(const std::string& path) {
 
 double widthOf(FilmKind kind) { return kind == FilmKind::strip ? kStripWidth : kFilmWidth; }
 
-// `count` of the frames from `first` on, evenly, with both ends.
+// `count` evenly spaced frames from `first` on, with both ends.
 std::vector<std::size_t> moments(std::size_t first, std::size_t frames, std::size_t count) {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < count; ++i) {
@@ -44,7 +44,7 @@ std::vector<std::size_t> moments(std::size_t first, std::size_t frames, std::siz
   return out;
 }
 
-// Films frames `first` to `frames` and says how many of them are seen: a film may leave some out.
+// Films frames `first` to `frames` and says how many of them are shown: a film may omit some.
 std::string filmed(const std::string& out, std::size_t first, std::size_t frames, double seconds, FilmKind kind,
                    const std::function<Picture(std::size_t)>& picture) {
   const std::vector<std::size_t> shown = moments(first, frames, filmLength(kind, frames - first));
@@ -56,7 +56,7 @@ std::string filmed(const std::string& out, std::size_t first, std::size_t frames
          " frames" + (kind == FilmKind::frames ? ", without their steps and times" : "");
 }
 
-// Of frames `first` and on (s). A world that was cleared begins at 0 again.
+// Duration from frame `first` on (s). A cleared world starts at 0 again.
 double secondsOf(const auto& frames, std::size_t first) {
   double seconds = frames.back().time - frames[first].time;
   for (std::size_t i = first + 1; i < frames.size(); ++i) {
@@ -75,7 +75,7 @@ std::string film(const std::string& path, const std::string& out) {
                 [&](std::size_t i) { return reel.picture(i, camera); });
 }
 
-// Seen by one camera, which has both in sight: what differs is the runs. The one that ends first stays as it ended.
+// One camera sees both runs, so only the runs differ. The run that ends first keeps its last frame.
 template <int D>
 std::string filmBoth(const Reel<D>& a, const Reel<D>& b, std::size_t first, FilmKind kind, const std::string& out) {
   const auto& longer = (a.frames().size() < b.frames().size() ? b : a).frames();

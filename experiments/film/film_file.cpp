@@ -40,8 +40,7 @@ void putHead(std::ostream& out, double width, double height) {
       << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
 }
 
-// As many in a row as a screen is wide; each picture is an <svg> of its own, so that nothing of it covers its
-// neighbour.
+// As many in a row as fit on a screen; each picture is an <svg> of its own, which clips it.
 void putStrip(std::ostream& out, const Film& film) {
   constexpr double kScreen = 1280, kGap = 6;  // px
   for (std::size_t i = 0; i < film.length; ++i) {
@@ -59,7 +58,7 @@ void putStrip(std::ostream& out, const Film& film) {
   out << "</svg>\n";
 }
 
-// Every picture is there and hidden but for its turn.
+// Contains every picture; each is visible only at its time.
 void putAnimated(std::ostream& out, const Film& film) {
   const double seconds = std::max(0.1, film.seconds), length = static_cast<double>(film.length);
   for (std::size_t i = 0; i < film.length; ++i) {
@@ -77,7 +76,7 @@ void putAnimated(std::ostream& out, const Film& film) {
   out << "</svg>\n";
 }
 
-// A folder that is there whole or not at all: made beside its place under a name that nobody has, and renamed.
+// A folder that exists whole or not at all: made under an unused name beside its place, then renamed.
 class OutputFolder {
  public:
   explicit OutputFolder(const std::string& path) : m_path(path) {
@@ -107,7 +106,7 @@ class OutputFolder {
   }
 
  private:
-  std::string m_path;  // as the user named it
+  std::string m_path;  // as given by the user
   fs::path m_folder, m_partial;
 };
 
@@ -129,7 +128,7 @@ FilmKind filmKind(const std::string& path) {
     if (fs::exists(path, ignored) && !fs::is_empty(path, ignored)) {
       throw UserError(path + ": is there and not empty; valid: a new or an empty folder");
     }
-    const OutputFolder probe(path);  // throws what is wrong with the place
+    const OutputFolder probe(path);  // throws if the place cannot be written
     return FilmKind::frames;
   }
   if (!path.ends_with(".svg")) {

@@ -8,25 +8,25 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What a film is written as; its name tells.
+/// Kinds of films, decided by the file name.
 enum class FilmKind {
   strip,     // NAME.strip.svg: some moments side by side
-  animated,  // NAME.svg: a picture that moves
+  animated,  // NAME.svg: an animated picture
   frames     // NAME/: a folder of numbered PNG files
 };
 
-/// Throws UserError for a name that tells no kind, and where it could not be written.
+/// Throws UserError for a name of no kind, and if it cannot be written.
 FilmKind filmKind(const std::string& path);
-/// How many pictures such a film is made of, of a run with `frames` of them.
+/// Number of pictures of such a film, for a run with `frames` frames.
 std::size_t filmLength(FilmKind kind, std::size_t frames);
 
-/// Pictures are made one by one as they are written: those of a long run of many bodies are gigabytes.
+/// Pictures are made one by one during writing: those of a long run of many bodies are gigabytes.
 struct Film {
   std::size_t length = 0;
-  double seconds = 0;  // of what is shown, for a film that moves
+  double seconds = 0;  // duration shown, for an animated film
   std::function<Picture(std::size_t)> picture;
 };
-/// Writes the whole film or none.
+/// Writes the whole film or nothing.
 void writeFilm(const std::string& path, FilmKind kind, const Film& film);
 
 }}  // namespace lpc::LPC_PRECISION

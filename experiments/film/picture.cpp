@@ -3,7 +3,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-// Sutherland and Hodgman.
+// Sutherland-Hodgman clipping.
 std::vector<Vec<2>> cutPolygon(const std::vector<Vec<2>>& corners, const Vec<2>& inward, double least) {
   std::vector<Vec<2>> out;
   for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is drawn, before it is known into what: coloured convex patches in pixels, x to the right and y down.
+// A drawing independent of its file format: coloured convex patches in pixels, x to the right and y down.
 #pragma once
 
 #include <cstdio>
@@ -10,7 +10,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// As #rrggbb, or #rrggbbaa where something shines through.
+/// As #rrggbb, or #rrggbbaa if transparent.
 inline std::string colourText(const DrawColour& c) {
   char text[10];
   const int end = std::snprintf(text, sizeof text, "#%02x%02x%02x", c.red, c.green, c.blue);
@@ -19,11 +19,11 @@ inline std::string colourText(const DrawColour& c) {
 }
 
 struct Patch {
-  std::vector<Vec<2>> corners;  // convex, in order; two are a line
+  std::vector<Vec<2>> corners;  // convex, in order; two corners are a line
   DrawColour fill, edge;
 };
 
-/// What of a convex polygon lies where inward . p >= least.
+/// The part of a convex polygon where inward . p >= least.
 std::vector<Vec<2>> cutPolygon(const std::vector<Vec<2>>& corners, const Vec<2>& inward, double least);
 
 struct Label {
@@ -37,7 +37,7 @@ struct Picture {
   std::vector<Patch> patches;  // later ones cover earlier ones
   std::vector<Label> labels;
 
-  /// Without what of `other` is beyond its own frame: a floor has no end, and would cover whoever stands beside it.
+  /// Adds `other`, clipped to its own frame: a floor is unbounded and would cover the picture beside it.
   void add(const Picture& other, const Vec<2>& offset);
 };
 

@@ -10,7 +10,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Its edges alone.
+// The edges only.
 std::vector<Patch> ofGlass(const std::vector<Patch>& patches) {
   std::vector<Patch> out;
   for (const Patch& p : patches) {
@@ -65,9 +65,9 @@ void PictureDraw<D>::text(const Vec<D>& p, std::string_view text, const DrawColo
   m_labels.push_back({m_camera.pixel(p), std::string(text), colour});
 }
 
-// From back to front. In the plane nobody is behind another, and what moves is drawn last. In space what never moves
-// may stand in front of what does, a wall or the ground of what fell through it: there it is of glass, since the bodies
-// are what a picture is about.
+// Draws from back to front. In 2D nothing is behind another body, and moving bodies are drawn last. In 3D a fixed body
+// may be in front of a moving one, such as a wall, or the ground above a body that fell through it. Such a fixed body
+// is drawn transparent, since the picture is about the moving bodies.
 template <int D>
 auto PictureDraw<D>::partsInOrder() -> std::vector<Part> {
   std::vector<Part> parts = std::exchange(m_parts, {});

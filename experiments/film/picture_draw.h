@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A drawing as a picture. Films draw by it what a recording says, `pictureOf` a simulation under way.
+// Makes a picture of a drawing. Films use it for recordings, `pictureOf` for a running simulation.
 #pragma once
 
 #include <string_view>
@@ -22,8 +22,8 @@ class PictureDraw final : public DebugDraw<D> {
   void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;
   void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) override;
 
-  /// All that was drawn; the next picture begins anew. Planes are behind: one that stands in front would hide the
-  /// others. Points and lines are over all shapes: contacts are within.
+  /// Returns everything drawn since the last call. Planes are in the back: one in front would hide the rest. Points and
+  /// lines are in front of all shapes: contacts are inside.
   Picture picture();
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Convex patches into pixels. All that is drawn is convex, so that a row of pixels has one span of each patch: a
-// library for drawing would be more than these lines.
+// Rasterises convex patches. Each row of pixels has one span of a convex patch, so a drawing library would be more code
+// than this.
 #include "experiments/film/raster.h"
 
 #include <algorithm>
@@ -51,7 +51,7 @@ class Raster {
   }
 
  private:
-  // Samples whose middle is within; the span of a row lies between the edges that cross it.
+  // Fills samples with the centre inside; the span of a row lies between the edges that cross it.
   void fill(const std::vector<Vec<2>>& corners, const DrawColour& colour) {
     double top = m_height, bottom = 0;
     for (const Vec<2>& c : corners) top = std::min(top, kSamples * c[1]), bottom = std::max(bottom, kSamples * c[1]);
@@ -75,7 +75,7 @@ class Raster {
   void line(const Vec<2>& a, const Vec<2>& b, const DrawColour& colour) {
     const Vec<2> along = b - a;
     if (along.norm() < 1e-9) return;
-    const Vec<2> aside = 0.5 * Vec<2>(-along[1], along[0]) / along.norm();  // a pixel wide
+    const Vec<2> aside = 0.5 * Vec<2>(-along[1], along[0]) / along.norm();  // half a pixel to each side
     fill({a - aside, b - aside, b + aside, a + aside}, colour);
   }
 

@@ -7,7 +7,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The picture as a PNG file, without its labels. Throws CannotWrite.
+/// Writes the picture as a PNG file, without its labels. Throws CannotWrite.
 void writePng(const std::string& path, const Picture& picture);
 
 }}  // namespace lpc::LPC_PRECISION

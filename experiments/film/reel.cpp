@@ -16,10 +16,10 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr double kFarthest = 1e100;  // m: of what is larger or farther no picture has a size
+constexpr double kFarthest = 1e100;  // m: no picture shows larger sizes or distances
 
-// The recording has of each part what its factory takes; of a curved kind the half extents, whose first ones are its
-// sizes. A plugin's kind is drawn as its box: its sizes may be anything.
+// For each part the recording has the arguments of its factory; for a curved kind the half extents, the first of which
+// are its sizes. A plugin's kind is drawn as its box, since its sizes may mean anything.
 template <int D>
 Shape<D> shapeOf(const typename Recording<D>::Arrival::Part& p) {
   switch (coreClass(p.kind)) {
@@ -147,7 +147,7 @@ std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tole
       const double way = (ours[k].X_WC.p - theirs[k].X_WC.p).norm();
       const double turn = angleOf(ours[k].X_WC.q.inverse() * theirs[k].X_WC.q);
       char text[80];
-      // Written so that NaN is apart.
+      // Written so that NaN counts as apart.
       if (!(way <= tolerance)) {
         std::snprintf(text, sizeof text, " is %.3g m apart", way);
         return Parting{i, step, who + text};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A recording with the shapes that play in it, and its frames as pictures.
+// A recording with the shapes of its bodies, and its frames as pictures.
 #pragma once
 
 #include <limits>
@@ -15,7 +15,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A part of the plane that cameras look at (m).
+/// A rectangle of the image plane (m).
 struct Sight {
   Vec<2> lo = Vec<2>::Constant(std::numeric_limits<double>::infinity());
   Vec<2> hi = Vec<2>::Constant(-std::numeric_limits<double>::infinity());
@@ -24,20 +24,21 @@ struct Sight {
   bool empty() const { return !(lo[0] <= hi[0]); }
 };
 
-/// Sees the whole of it, and a little around.
+/// A camera that sees all of it, with a small border.
 template <int D>
 Camera<D> cameraOf(const Sight& sight, double width);
 
 template <int D>
 class Reel {
  public:
-  /// Throws UserError, with the path, for what is no recording of this dimension or has no frame.
+  /// Throws UserError, with the path, if the file is not a recording of this dimension or has no frame.
   explicit Reel(const std::string& path);
 
   const std::vector<typename Recording<D>::Frame>& frames() const { return m_recording.frames; }
   bool torn() const { return m_recording.torn; }
-  /// Where the bodies that move ever are, most of them; one that flies off does not shrink the others to dots: nobody
-  /// is followed farther than the size of the first picture, or `follow` (m). Where nothing moves, what never does.
+  /// The region in which most moving bodies ever are. A body that flies off does not shrink the others to dots: no body
+  /// is followed farther than the size of the first picture, or `follow` (m). If nothing moves, the region of the fixed
+  /// bodies.
   Sight sight(double follow = 10) const;
   /// One frame, with its time.
   Picture picture(std::size_t frame, const Camera<D>& camera) const;
@@ -49,21 +50,21 @@ class Reel {
   };
   using Key = std::pair<std::int32_t, std::uint32_t>;  // slot, generation
 
-  /// Without planes, which have no end.
+  /// Without planes, which are unbounded.
   Sight sightOf(const typename Recording<D>::Frame& frame, bool fixedOnes) const;
 
   Recording<D> m_recording;
   std::map<Key, Actor> m_cast;
 };
 
-/// Where two runs are no longer the same.
+/// The point at which two runs diverge.
 struct Parting {
   std::size_t frame = 0;
   std::int64_t step = 0;
   std::string how;  // "body 3 is 0.0012 m apart"
 };
-/// The first frame in which a body is farther from its twin (slot and generation) than `tolerance` (m, and rad of its
-/// turn), or has none.
+/// The first frame in which a body is farther from its counterpart (slot and generation) than `tolerance` (m, and rad
+/// of rotation), or has none.
 template <int D>
 std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tolerance);
 

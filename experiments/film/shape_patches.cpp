@@ -14,11 +14,12 @@ constexpr double kPi = 3.14159265358979323846;
 void drawFaces(const ShapeView<2>& shape, const Pose<2>& X_WS, const Camera<2>& camera, const DrawColour&,
                const DrawColour& edge, std::vector<Patch>& out) {
   if (shape.core() != CoreClass::point) return;
-  out.push_back(
-      {{camera.pixel(X_WS.p), camera.pixel(X_WS * Vec<2>(shape.radius, 0))}, edge, edge});  // how it is turned
+  out.push_back({{camera.pixel(X_WS.p), camera.pixel(X_WS * Vec<2>(shape.radius, 0))},
+                 edge,
+                 edge});  // a radius that shows the rotation
 }
 
-// The flat faces that look at the viewer, the brighter the more they look up.
+// The flat faces towards the viewer, brighter the more they face up.
 void drawFaces(const ShapeView<3>& shape, const Pose<3>& X_WS, const Camera<3>& camera, const DrawColour& fill,
                const DrawColour& edge, std::vector<Patch>& out) {
   const auto face = [&](const Vec<3>& normal_S, const std::vector<Vec<3>>& corners_S) {
@@ -52,8 +53,8 @@ void drawFaces(const ShapeView<3>& shape, const Pose<3>& X_WS, const Camera<3>& 
   }
 }
 
-// Arcs are drawn to a twentieth of a pixel: of many small balls a film would else be large. What has corners would lose
-// some of them.
+// Arcs are accurate to a twentieth of a pixel: films of many small balls would otherwise be large. Shapes with corners
+// would lose some of them.
 template <int D>
 int directionsOf(const ShapeView<D>& shape, const Camera<D>& camera) {
   constexpr int kMost = 48;
@@ -69,7 +70,7 @@ std::vector<Vec<2>> outlineOf(const ShapeView<D>& shape, const Pose<D>& X_WS, co
   const int directions = directionsOf(shape, camera);
   std::vector<Vec<2>> corners;
   for (int i = 0; i < directions; ++i) {
-    const double angle = 2 * kPi * (i + 0.37) / directions;  // along no axis, where two corners of a box tie
+    const double angle = 2 * kPi * (i + 0.37) / directions;  // not along an axis, where two corners of a box tie
     const Vec<D> d_W = std::cos(angle) * camera.right + std::sin(angle) * camera.up;
     const Vec<2> at = camera.pixel(X_WS * coreSupport(shape, X_WS.q.inverse() * d_W) + shape.radius * d_W);
     if (corners.empty() || (corners.back() - at).norm() > 0.01) corners.push_back(at);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a camera sees of a shape, as patches: whose shape it is, and in what order it is drawn, is told elsewhere.
+// A shape as patches for a camera. The caller decides colours and the order of shapes.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,15 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The outline (px) of a bounded shape: what lies farthest in each direction of the camera's plane.
+/// The outline (px) of a bounded shape: its support points in the directions of the image plane.
 template <int D>
 std::vector<Vec<2>> outlineOf(const ShapeView<D>& shape, const Pose<D>& X_WS, const Camera<D>& camera);
 
-/// What of a plane is near the middle of the view (px).
+/// The part of a plane near the middle of the view (px).
 template <int D>
 std::vector<Vec<2>> planePatch(const Pose<D>& X_WS, const Camera<D>& camera);
 
-/// A bounded shape, in the order in which its patches cover each other.
+/// A bounded shape, with its patches from back to front.
 template <int D>
 std::vector<Patch> patchesOf(const ShapeView<D>& shape, const Pose<D>& X_WS, const Camera<D>& camera,
                              const DrawColour& fill, const DrawColour& edge);

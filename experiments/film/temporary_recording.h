@@ -8,11 +8,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A place for a recording that only a film is made of, in a folder of its own, which goes with all that is in it: a
-/// worker that was stopped leaves what it had not finished.
+/// A path for a temporary recording that only a film needs, in a folder of its own. The folder is removed with its
+/// content, which includes unfinished files of a stopped worker.
 class TemporaryRecording {
  public:
-  /// Throws UserError where temporary files cannot be.
+  /// Throws UserError if temporary files cannot be made.
   TemporaryRecording();
   ~TemporaryRecording();
   TemporaryRecording(const TemporaryRecording&) = delete;

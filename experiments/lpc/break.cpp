@@ -28,10 +28,10 @@ struct BreakOptions {
   bool quiet = false, timed = false;
 };
 
-constexpr const char* kSetting = "iterations";  // the axis of what methods get at equal cost
+constexpr const char* kSetting = "iterations";  // the axis of the setting at equal cost
 constexpr int kTimedRepeats = 5;
 
-// The range of a scene's parameter is known.
+// Fills in the known range of a scene's parameter.
 void setEnds(BreakOptions& o, const SceneFile& file) {
   BreakQuestion& q = o.question;
   const SceneParameter* p = file.parameter(q.parameter);
@@ -68,7 +68,7 @@ std::vector<std::string> commandOf(const BreakOptions& o) {
   return out;
 }
 
-// At equal cost a pipeline says with $iterations where they go, or they are the effort of its solver.
+// At equal cost a pipeline marks the setting with $iterations; without a mark it is the effort of its solver.
 std::string searched(const std::string& pipeline, int dimension) {
   if (pipeline.find(std::string("$") + kSetting) != pipeline.npos) return pipeline;
   std::optional<Spec> engine = engineOf(pipeline);
@@ -152,7 +152,7 @@ std::string number(double value) {
   return text;
 }
 
-// Where half of the seeds fail.
+// The value at which half of the seeds fail, with its interval.
 std::string interval(const BreakQuestion& q, const Broken& b) {
   if (q.seeds < kFewestSeeds) return "fewer than " + std::to_string(kFewestSeeds) + " seeds tell no interval";
   return "half of the seeds fail " + (b.half ? "at " + number(*b.half) + ", " : "") + "between " +

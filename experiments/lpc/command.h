@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Subcommands of `lpc`: one file each, which registers itself at its foot. main.cpp knows none of them.
+// Subcommands of `lpc`: one file each, which registers itself at its end. main.cpp knows none of them.
 #pragma once
 
 #include <cstdint>
@@ -16,24 +16,24 @@ class Option;
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The command line, in front of CLI11: main.cpp alone compiles it.
+/// A wrapper around CLI11, which only main.cpp compiles.
 class Option {
  public:
   explicit Option(CLI::Option* option) : m_option(option) {}
   Option& required();
-  /// In the help, what it is when nothing is said.
+  /// Shows the default in the help.
   Option& showDefault();
   Option& commaSeparated();
-  /// FILE in the help.
+  /// Shows FILE in the help.
   Option& file();
-  /// May stand alone; then `given` tells that it does.
+  /// Makes the value optional; `given` tells whether the option was used.
   Option& valueOptional();
   Option& range(long lo, long hi);
   Option& range(double lo, double hi);
-  /// Stands only beside, or never beside, the other: what an option would not do is not given in vain.
+  /// Requires, or excludes, another option, so that no option is ignored silently.
   Option& with(const Option& other);
   Option& without(const Option& other);
-  /// Once the command line is known.
+  /// Valid once the command line is parsed.
   bool given() const;
 
  private:
@@ -44,33 +44,33 @@ class CommandLine {
  public:
   explicit CommandLine(CLI::App* app) : m_app(app) {}
   CommandLine subcommand(const char* name, const char* summary);
-  /// "--name", or a name without dashes for what stands at a place. `value` outlives the command line; its types are
+  /// "--name", or a name without dashes for a positional argument. `value` must outlive the command line; its types are
   /// listed in main.cpp.
   template <class T>
   Option option(const char* name, T& value, const char* meaning);
   Option flag(const char* name, bool& value, const char* meaning);
   void footer(const char* text);
-  /// Run when this subcommand was given.
+  /// Runs if this subcommand was given.
   void callback(std::function<void()> body);
 
  private:
   CLI::App* m_app;
 };
 
-/// What all subcommands share.
+/// State shared by all subcommands.
 struct Session {
   std::vector<std::string> plugins;  // --plugin, loaded before any subcommand runs
-  int exitCode = 0;                  // 1: it ran, and found something wrong
+  int exitCode = 0;                  // 1: it ran, and found an error
 };
 
-/// Before what a store keeps of a command: without its plugins it would mean something else.
+/// Adds the plugins to a command that a store keeps; without them the command would mean something else.
 inline void addPlugins(std::vector<std::string>& command, const Session& session) {
   for (auto it = session.plugins.rbegin(); it != session.plugins.rend(); ++it) {
     command.insert(command.begin(), {"--plugin", *it});
   }
 }
 
-/// Adds the subcommand to `app`. Its callback throws UserError for what the user got wrong (exit code 2).
+/// Adds the subcommand to `app`. Its callback throws UserError for mistakes of the user (exit code 2).
 using AddCommand = void (*)(CommandLine& app, Session& session);
 
 struct CommandRegistrar {

@@ -37,7 +37,7 @@ void exportCorpus(CorpusArguments& a) {
   fs::create_directories(a.folder, error);
   if (error) throw UserError(a.folder + ": cannot be made: " + error.message());
   writeWhole(pairs, made.text);
-  const bool theirs = fs::exists(runner, error);  // they may have filled it in
+  const bool theirs = fs::exists(runner, error);  // the file may contain the user's changes
   if (!theirs) writeWhole(runner, pairCorpusRunner());
   std::printf("%s: %ld pairs, %ld of them kept cases; %ld left out, of which the referee cannot tell\n",
               pairs.string().c_str(), made.kept + made.drawn, made.kept, made.undecided);

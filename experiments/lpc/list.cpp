@@ -54,7 +54,7 @@ json describeSweeps() {
   return out;
 }
 
-// Its parameters as those of an algorithm, since that is how they are printed.
+// Parameters are described like those of an algorithm, so that they are printed alike.
 json describeScripts() {
   json out = json::array();
   for (const std::string& path : listToml("scripts")) {
@@ -79,7 +79,7 @@ json describeScripts() {
   return out;
 }
 
-// Every kind, and what a scene must say of the sizes of those that are curved.
+// Every kind, and the size parameters of curved kinds in a scene.
 json describeShapes() {
   json out = json::array();
   for (int k = 0; k < kShapeKinds; ++k) {
@@ -98,7 +98,7 @@ json describeShapes() {
   return out;
 }
 
-// Ways to lay out boxes and to draw pairs, for sweeps of the kinds `boxes` and `pairs`.
+// Layouts of boxes and ways of drawing pairs, for sweeps of the kinds `boxes` and `pairs`.
 template <class Entry>
 json describeEntries(const std::vector<Entry>& table) {
   json out = json::array();
@@ -156,7 +156,7 @@ void printAlgorithms(const json& algorithms) {
   }
 }
 
-// The kinds of things beside algorithms that have a name: their key in the JSON, and their heading.
+// Named things besides algorithms: their key in the JSON, and their heading.
 constexpr std::pair<const char*, const char*> kKinds[] = {{"distributions", "distributions of boxes"},
                                                           {"drawings", "drawings of pairs"},
                                                           {"events", "events of scenes"},
@@ -228,7 +228,7 @@ void printWhole(const json& all) {
   }
 }
 
-// A heading and names behind it, over as many lines as they need.
+// A heading followed by names, over as many lines as needed.
 void printNames(const std::string& heading, const std::vector<std::string>& names) {
   constexpr std::size_t kIndent = 24, kColumns = 140;
   std::string line = heading;
@@ -245,7 +245,7 @@ void printNames(const std::string& heading, const std::vector<std::string>& name
 
 std::vector<std::string> namesOf(const json& entries) {
   std::vector<std::string> out;
-  for (const json& e : entries) {  // a metric and a series may share theirs
+  for (const json& e : entries) {  // a metric and a series may have the same name
     if (const std::string name = textOf(e, "name"); std::find(out.begin(), out.end(), name) == out.end()) {
       out.push_back(name);
     }
@@ -253,7 +253,7 @@ std::vector<std::string> namesOf(const json& entries) {
   return out;
 }
 
-// The algorithms of one stage alone.
+// The algorithms of one stage.
 json ofStage(const json& algorithms, const std::string& stage) {
   json out = json::array();
   for (const json& a : algorithms) {
@@ -277,7 +277,7 @@ void requireStage(const std::string& stage) {
   throw UserError("there is no stage '" + stage + "'" + validNames(names, stage));
 }
 
-// Of every kind what has this name: `naive` is a broadphase and a velocity resolver.
+// All entries with this name, of every kind: `naive` is a broadphase and a velocity resolver.
 json ofName(const json& all, const std::string& name) {
   json out;
   std::vector<std::string> names;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The `lpc` program. Exit codes: 0 fine, 1 it ran and something is not right, 2 the user's mistake, one clear line.
+// The `lpc` program. Exit codes: 0 success, 1 it ran and something is wrong, 2 mistake of the user, reported in one
+// line.
 #include <fcntl.h>
 
 #include <CLI/CLI.hpp>
@@ -33,7 +34,7 @@ std::map<std::string, AddCommand>& commands() {
   return all;
 }
 
-// As CLI::Range, which lets pass what is not a number.
+// Like CLI::Range, which accepts NaN.
 template <class T>
 CLI::Validator within(T lo, T hi) {
   std::ostringstream range;
@@ -46,7 +47,7 @@ CLI::Validator within(T lo, T hi) {
   return CLI::Validator(check, "in [" + range.str() + "]");
 }
 
-// The number that a type holds, itself or some of them; void: a text.
+// The number type of a value or of its elements; void: text.
 template <class T>
 struct NumberIn : std::conditional<std::is_arithmetic_v<T>, T, void> {};
 template <class T>
@@ -54,7 +55,7 @@ struct NumberIn<std::optional<T>> : NumberIn<T> {};
 template <class T>
 struct NumberIn<std::vector<T>> : NumberIn<T> {};
 
-// CLI11 by itself takes nan, hexadecimal, 010 as 8, blanks, nothing at all, and what is too large as the largest.
+// CLI11 accepts nan, hexadecimal numbers, 010 as 8, blanks and empty text, and clamps numbers that are too large.
 template <class T>
 CLI::Validator wholeNumberOnly() {
   using Read = std::conditional_t<std::is_signed_v<T>, T, long>;
@@ -83,7 +84,7 @@ CLI::Validator finiteNumberOnly() {
   return CLI::Validator(check, "");
 }
 
-// Names and texts go into stores and into what workers are told, which are UTF-8.
+// Names and texts go into stores and requests, which are UTF-8.
 void requireUtf8(const char* argument) {
   try {
     static_cast<void>(nlohmann::json(argument).dump());
@@ -92,8 +93,8 @@ void requireUtf8(const char* argument) {
   }
 }
 
-// Those that are closed are taken: the next file or socket that is opened would lie there, be written over, or be lost
-// by the worker whose input it is. Nothing can be read there, and an answer that nobody gets is told as one.
+// Opens closed standard streams. Otherwise the next opened file or socket would get their number, and be overwritten,
+// or lost by a worker as its input. Reading such a stream fails, and writing reports an error.
 void takeStandardStreams() {
   for (const int stream : {0, 1, 2}) {
     if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == 1 ? O_RDONLY : O_WRONLY);
@@ -116,7 +117,7 @@ int run(int argc, char** argv) {
   Session session;
   app.add_option("--plugin", session.plugins, "shared library with algorithms of your own (may be repeated)")
       ->type_name("FILE");
-  // Once the command line is known and before the subcommand runs.
+  // Once the command line is parsed and before the subcommand runs.
   app.parse_complete_callback([&] {
     for (const std::string& path : session.plugins) adoptPlugin(path);
   });
@@ -144,7 +145,7 @@ int run(int argc, char** argv) {
     return 130;
   } catch (const std::exception& e) {
     const auto* ofJson = dynamic_cast<const nlohmann::json::type_error*>(&e);
-    const bool notUtf8 = ofJson && ofJson->id == 316;  // the name of the folder that is worked in, TMPDIR
+    const bool notUtf8 = ofJson && ofJson->id == 316;  // the working directory's name, TMPDIR
     std::cerr << "lpc: " << (notUtf8 ? "a name or text is not UTF-8: " : "") << oneLine(e.what()) << "\n";
     return notUtf8 ? 2 : 1;
   }

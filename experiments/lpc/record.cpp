@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Velocity problems out of a running scene, and the pairs of shapes that came near each other in it.
+// Records velocity problems of a running scene, and pairs of shapes that came near each other.
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -23,7 +23,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
-/// Both ends count.
+/// Both ends are included.
 struct StepRange {
   long from, to;
 };
@@ -35,7 +35,7 @@ struct RecordOptions {
   std::optional<double> dt;
   std::optional<long> last;
   std::optional<std::uint64_t> seed;
-  std::vector<StepRange> steps;  // what stepTexts say
+  std::vector<StepRange> steps;  // parsed from stepTexts
 
   bool asks(long step) const {
     return std::any_of(steps.begin(), steps.end(), [&](const StepRange& r) { return r.from <= step && step <= r.to; });
@@ -47,7 +47,7 @@ struct RecordOptions {
   }
 };
 
-/// What a file of pairs holds at most: 60 MB in space.
+/// Largest number of pairs in a file: 60 MB in 3D.
 constexpr std::size_t kMostMeetings = 1000000;
 
 /// "100" or "100:200".
@@ -71,7 +71,7 @@ StepRange stepRange(const std::string& text) {
 
 bool isFclib(const std::string& path) { return path.ends_with(".hdf5"); }
 
-// Keeps the problem of a step until it is known what its answer leaves of it. The last of those that a step shows.
+// Keeps the problem of a step, the last one if the step has several, until the residual of its solution is known.
 template <int D>
 class ProblemWatcher final : public VelocityWatcher<D> {
  public:
@@ -82,7 +82,7 @@ class ProblemWatcher final : public VelocityWatcher<D> {
   }
   explicit ProblemWatcher(const Vec<D>& gravity) : m_gravity(gravity) {}
   std::optional<FrozenProblem<D>> take() { return std::exchange(m_frozen, std::nullopt); }
-  /// Of the step just done, m/s. Precondition: it has shown a problem.
+  /// Residual of the last step, m/s. Precondition: the step had a problem.
   double residual() {
     m_rows.impulses(m_manifolds, m_joints, m_impulse);
     return m_rows.naturalMap(m_impulse, m_free).natural;
@@ -97,7 +97,7 @@ class ProblemWatcher final : public VelocityWatcher<D> {
   std::optional<FrozenProblem<D>> m_frozen;
 };
 
-/// The world of a trial, and who plays its script.
+/// The world of a trial with its script.
 template <int D>
 struct RecordedRun {
   explicit RecordedRun(const PlannedTrial& trial)
@@ -147,7 +147,7 @@ void recordProblems(const RecordOptions& o, const PlannedTrial& trial) {
     ++shown;
     if (!o.hardest && !o.asks(step)) continue;
     const double residual = watcher.residual();
-    if (!std::isfinite(residual)) break;  // from now on nobody could solve it
+    if (!std::isfinite(residual)) break;  // no method could solve later problems
     kept.push_back({residual, {run.scene, step, std::move(*problem)}});
     if (!o.hardest || kept.size() <= static_cast<std::size_t>(*o.hardest)) continue;
     kept.erase(std::min_element(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) {

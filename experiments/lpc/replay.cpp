@@ -17,7 +17,7 @@ struct ReplayOptions {
 
 void replay(const ReplayOptions& o) {
   keepApart({{"the recording", o.recording}, {"the recording", o.beside}}, {{"--film", o.film}});
-  std::optional<InterruptGuard> interrupts;  // a film leaves nothing half-written
+  std::optional<InterruptGuard> interrupts;  // an interrupted film leaves nothing half-written
   if (!o.film.empty()) interrupts.emplace();
   if (!o.beside.empty()) {
     std::printf("%s\n", compareRecordings(o.recording, o.beside, o.tolerance, o.film).c_str());

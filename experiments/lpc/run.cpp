@@ -61,7 +61,7 @@ std::vector<SaveRequest> readSaves(const std::vector<std::string>& texts) {
   return out;
 }
 
-// Of the entry itself, or of the one that stands for several ("us_*").
+// Of the entry itself, or of the one with a star for several ("us_*").
 const MetricInfo* infoOf(const std::vector<DescribedMetric>& known, const char* what, const std::string& name) {
   const MetricInfo* starred = nullptr;
   for (const DescribedMetric& m : known) {
@@ -89,7 +89,7 @@ void requireSeries(const std::string& name) {
   throw UserError("--plot: there is no series '" + name + "'" + validNames(names, name));
 }
 
-// The phases and all series in a line each, or what was asked for.
+// The phases and all series in a line each, or the requested ones.
 void printPlots(const RunSceneOptions& o, const TrialResult& result) {
   const std::vector<DescribedMetric> known = describeMetrics();
   std::printf("\n");
@@ -127,7 +127,7 @@ void print(const WorldRequest& asked, const TrialResult& result) {
   }
 }
 
-// Each stage with its phases below it, in the order in which a step first asked them.
+// Each stage with its phases below it, in the order of their first use in a step.
 void printMemory(std::vector<ScopeMemory> memory, long steps) {
   const auto stageOf = [](const std::string& scope) { return scope.substr(0, scope.find('.')); };
   std::vector<std::string> stages;
@@ -154,7 +154,7 @@ void printMemory(std::vector<ScopeMemory> memory, long steps) {
   row("together", together, "");
 }
 
-// None when the worker has refused, and said why.
+// Empty if the worker reported an error.
 std::optional<std::string> answerOf(const std::string& program, const json& request) {
   Child worker(program, request.dump(), -1, true);
   if (!worker.wait(&InterruptGuard::interrupted)) throw Interrupted();
@@ -205,12 +205,12 @@ void runScene(const RunSceneOptions& o, Session& session) {
     }
   }
   const InterruptGuard interrupts;
-  // A film is made of a recording, which goes again where nobody has asked for it.
+  // A film needs a recording, which is temporary unless the user asked for it.
   std::optional<TemporaryRecording> temporary;
   if (o.record.empty() && !o.film.empty()) temporary.emplace();
   const std::string recording = temporary ? temporary->path() : o.record;
   request.record = recording;
-  std::vector<std::string> partial;  // what a worker that is killed leaves
+  std::vector<std::string> partial;  // left over by a killed worker
   std::vector<std::string> written = {o.record, o.profile};
   for (const SaveRequest& s : saves) written.push_back(s.scene), written.push_back(SavedScene::worldPath(s.scene));
   for (const std::string& path : written) {
@@ -248,8 +248,8 @@ void runScene(const RunSceneOptions& o, Session& session) {
                   s.step, s.scene.c_str());
     }
   }
-  if (!o.film.empty() && result.outcome != "unsupported") {  // then nothing has moved
-    // Before the film, which may yet fail.
+  if (!o.film.empty() && result.outcome != "unsupported") {  // otherwise nothing has moved
+    // Before the film, which may still fail.
     if (std::fflush(stdout) != 0)
       throw UserError(std::string("standard output cannot be written: ") + std::strerror(errno));
     const std::string told = filmRecording(recording, o.film);

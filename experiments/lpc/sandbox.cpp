@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Starts the window, which is a program of its own: all else works without its libraries.
+// Starts the window, which is a separate program: everything else works without its libraries.
 #include <unistd.h>
 
 #include <cstdio>
@@ -28,7 +28,7 @@ struct SandboxOptions {
   bool unseen = false, profiled = false, plots = false, noSleeping = false;
 };
 
-// `2d`, `3d` and what to open, in any order, as the sandbox of 2009 took them.
+// `2d`, `3d` and what to open, in any order, as in the sandbox of 2009.
 struct Asked {
   std::optional<int> dimension;
   std::string scene;
@@ -62,7 +62,7 @@ Asked readWhat(const SandboxOptions& o) {
 
 std::filesystem::path programFolder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
 
-// One for each precision, as of workers.
+// One program for each precision, like workers.
 std::string programOf(const std::string& precision) {
   const std::string name = precision == "f64" ? "lpc-sandbox" : "lpc-sandbox-" + precision;
   const std::filesystem::path program = programFolder() / name;
@@ -72,7 +72,7 @@ std::string programOf(const std::string& precision) {
                   " && cmake --build " + build + " --target " + name);
 }
 
-// Without a window it is what `lpc run` does.
+// Without a window, behaves like `lpc run`.
 [[noreturn]] void runUnseen(const SandboxOptions& o, const Asked& asked) {
   if (o.pipelines.size() > 1)
     throw UserError("-i with several pipelines; valid: one, since nobody would see them together");
@@ -91,7 +91,7 @@ std::string programOf(const std::string& precision) {
   become((programFolder() / "lpc").string(), words);
 }
 
-// The cell of a sweep, a step before it fell.
+// The cell of a sweep, one step before its failure.
 json trialOpening(const std::string& store, const std::string& key) {
   const StoredTrial found = Store(store, false).find(key);
   const json& t = found.canonical;
@@ -189,7 +189,7 @@ void addSandbox(CommandLine& app, Session& session) {
   Option trial = command.option("--trial", o->trial,
                                 "a cell of a store, by the first digits of its key: opens it a step before it fell");
   trial.without(unseen);
-  for (const Option& other : ofScene) trial.without(other);  // all that is the cell's
+  for (const Option& other : ofScene) trial.without(other);  // options that the cell already decides
   command.option("--input", o->input, "plays keys and mouse from a file").file().without(unseen);
   command.footer(
       "Example: lpc sandbox\n"

@@ -38,7 +38,7 @@ std::string pipelineOf(const std::string& given, int dimension, bool noSleeping)
     pipeline.replace(text.substr(4));
     text = pipeline.text();
   }
-  if (!noSleeping || engineOf(text)) return text;  // whole engines never sleep here
+  if (!noSleeping || engineOf(text)) return text;  // engines never sleep here
   Pipeline pipeline = Pipeline::parse(text);
   pipeline.replace("sleep=none");
   return pipeline.text();

@@ -9,10 +9,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Of a text that is a finite decimal number and nothing beside it: not of `nan`, `0x10`, `5x`, ` 5` or nothing at all.
+/// Parses a finite decimal number and nothing else: rejects `nan`, `0x10`, `5x`, ` 5` and the empty text.
 std::optional<double> finiteNumber(const std::string& text);
 
-/// The value of --pipeline. `2009` in front stands for the pipeline of that report, which what follows changes.
+/// The value of --pipeline. A leading `2009` stands for the pipeline of that report; the rest changes it.
 std::string pipelineOf(const std::string& given, int dimension, bool noSleeping);
 
 /// The values of --param: NAME=NUMBER, or joint=KIND. Throws UserError.

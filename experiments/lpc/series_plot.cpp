@@ -13,7 +13,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 struct Range {
-  double lo = kNan, hi = kNan;  // of what is finite; fmin and fmax skip NaN
+  double lo = kNan, hi = kNan;  // of finite values; fmin and fmax skip NaN
 };
 
 Range rangeOf(const std::vector<double>& values) {
@@ -24,7 +24,7 @@ Range rangeOf(const std::vector<double>& values) {
   return r;
 }
 
-// Of each of at most `width` equal parts: a peak of one step is not lost, nor a dip.
+// Ranges of at most `width` equal parts, so that peaks and dips of one step are kept.
 std::vector<Range> partsOf(const std::vector<double>& series, std::size_t width) {
   const std::size_t count = std::min(width, series.size());
   std::vector<std::vector<double>> parts(count);
@@ -48,7 +48,7 @@ std::vector<std::string> barRows(const std::vector<double>& series, std::size_t 
   static constexpr std::array<const char*, 9> kEighths = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   const Range range = rangeOf(series);
   const double low = std::fmin(0, range.lo), span = range.hi - low;
-  // At least one eighth, so that what is there is seen to be there.
+  // At least one eighth, so that every value is visible.
   const auto eighthsOf = [&](double value) {
     const double full = 8 * static_cast<double>(height);
     return std::isnan(value) ? 0 : span > 0 ? std::max(1L, std::lround((value - low) / span * full)) : 1;

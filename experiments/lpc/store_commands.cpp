@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What works on stores that exist: merge, import-benchmark, report.
+// Commands on existing stores: merge, import-benchmark, report.
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -37,7 +37,7 @@ void addMerge(CommandLine& app, Session&) {
       for (const std::string& path : *from) {
         std::printf("%s: %ld trials taken over\n", path.c_str(), store.merge(path));
       }
-    } catch (const UserError&) {  // of a damaged store: what was made for it goes again
+    } catch (const UserError&) {  // of a damaged store: removes the new one
       std::error_code ignored;
       if (fresh) std::filesystem::remove(*into, ignored);
       throw;
@@ -62,7 +62,7 @@ void addImport(CommandLine& app, Session&) {
   });
 }
 
-// A Python that has what the report needs: LPC_PYTHON, else the system's, else the first in PATH.
+// A Python with the packages of the report: LPC_PYTHON, else the system's, else the first in PATH.
 std::string findPython() {
   const char* given = std::getenv("LPC_PYTHON");
   std::vector<std::string> candidates = {"/usr/bin/python3", "python3"};
@@ -84,8 +84,8 @@ int runProgram(const std::vector<std::string>& arguments) {
   std::fflush(nullptr);
   const pid_t parent = getpid(), pid = fork();
   if (pid == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGTERM);     // it does not go on alone
-    if (getppid() != parent) _exit(127);  // it died before the line above
+    prctl(PR_SET_PDEATHSIG, SIGTERM);     // it ends with this process
+    if (getppid() != parent) _exit(127);  // the parent died before the line above
     execvp(argv[0], argv.data());
     _exit(127);
   }

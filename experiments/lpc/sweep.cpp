@@ -19,7 +19,7 @@ struct SweepOptions {
   RunOptions run;
 };
 
-// Drops the trials of the other precision, and sweeps that have no other.
+// Drops the trials of the other precision, and sweeps without others.
 void keepPrecision(std::vector<PlannedSweep>& sweeps, const std::string& precision) {
   if (precision != "f64" && precision != "f32") {
     throw UserError("--precision " + precision + "; valid: f64, f32");
@@ -36,7 +36,7 @@ void keepPrecision(std::vector<PlannedSweep>& sweeps, const std::string& precisi
                 [](const PlannedSweep& s) { return s.trials.empty() && s.calibrated.empty() && s.ladders.empty(); });
 }
 
-// What will run. The cells of a search are known, but for their setting.
+// Prints the plan. The cells of a search are known except for their setting.
 void printPlan(const PlannedSweep& s) {
   std::size_t trials = 0, timed = 0, unsupported = 0, searches = 0;
   const auto count = [&](const PlannedTrial& t, std::size_t times) {
@@ -54,7 +54,7 @@ void printPlan(const PlannedSweep& s) {
                 s.calibrated.size() == 1 ? "cell" : "cells", s.calibration->mostTried());
   }
   if (!s.ladders.empty()) {
-    // At each value its seeds and, of a calibrated sweep, the search of its setting; what holds is timed.
+    // Each value needs its seeds and, in a calibrated sweep, the search of its setting; values that hold are timed.
     std::size_t most = 0;
     for (const Ladder& ladder : s.ladders) {
       const BreakQuestion& q = ladder.question;

@@ -23,8 +23,8 @@ struct Phase {
   Series seconds;
 };
 
-// The report's phases by scopes of ours, as in the chart `script_profile`; and what no phase of its tells. A solver
-// that has no phase of velocities does all that it does beside integrating, moving and positions there.
+// The report's phases from our profiler scopes, as in the chart `script_profile`, and the remaining time. For a solver
+// without a phase of velocities, that phase contains all its work except integrating, moving and positions.
 std::vector<Phase> phasesOf(const std::map<std::string, Series>& series, const Series& whole) {
   const auto of = [&](const char* scope) {
     const auto it = series.find(scope);
@@ -45,7 +45,7 @@ std::vector<Phase> phasesOf(const std::map<std::string, Series>& series, const S
   for (std::size_t i = 0; i < whole.size(); ++i) {
     double& other = out.back().seconds[i];
     for (std::size_t k = 0; k + 1 < out.size(); ++k) other -= out[k].seconds[i];
-    other = std::max(0.0, other);  // a step has processor time, what is in it the clock's
+    other = std::max(0.0, other);  // a step has processor time, its scopes have wall time
   }
   return out;
 }
@@ -58,7 +58,7 @@ Series sumOf(const std::vector<Phase>& phases) {
   return out;
 }
 
-// The median of each of `count` equal parts: a step that waited for another process does not tower over its neighbours.
+// The median of each of `count` equal parts: a step that waited for another process does not stand out.
 Series mediansOf(const Series& series, std::size_t count) {
   Series out;
   for (std::size_t k = 0; k < count; ++k) {
@@ -84,7 +84,7 @@ std::string timeline(const std::map<std::string, Series>& series) {
   const std::vector<Phase> phases = phasesOf(series, it->second);
   const Series whole = sumOf(phases);
   const std::size_t columns = std::min(kWidth, whole.size());
-  std::vector<Series> tops;  // of each phase on those below it, in each column
+  std::vector<Series> tops;  // of each phase on top of those below it, per column
   for (const Phase& phase : phases) {
     Series top = mediansOf(phase.seconds, columns);
     for (std::size_t k = 0; k < columns && !tops.empty(); ++k) top[k] += tops.back()[k];

@@ -71,12 +71,12 @@ std::vector<CaseResult> runCaseFile(const std::string& path, const std::vector<s
   return rows;
 }
 
-// The table goes into a CSV file, and into a store for its report, where one is named.
+// Writes the table into a CSV file, and into a store for its report, if one is named.
 int verifyCaseFile(const Arguments& a) {
   keepApart({{"the cases", a.cases}}, {{"--csv", a.csv}, {"--store", a.storeNamed ? a.store : ""}});
   std::error_code none;
-  const bool isPipe = std::filesystem::is_fifo(a.csv, none);        // whose reader would see its end
-  if (!a.csv.empty() && !isPipe) const OutputFile possible(a.csv);  // and gone: nothing lies there when this is stopped
+  const bool isPipe = std::filesystem::is_fifo(a.csv, none);        // its reader would see the end of the pipe
+  if (!a.csv.empty() && !isPipe) const OutputFile possible(a.csv);  // and closes it: an interrupted run leaves no file
   std::ostringstream table;
   const int exitCode = printCases(runCaseFile(a.cases, a.options.plugins), std::cout, &table);
   if (!a.csv.empty()) {
@@ -93,7 +93,7 @@ int verifyCaseFile(const Arguments& a) {
   return exitCode;
 }
 
-// The program goes into a file, and what is told of it to the answer; or the program is the answer.
+// Writes the program to a file and the description to the output; or the program to the output.
 void writeProgram(const Arguments& a) {
   const std::string cases = a.cases.empty() ? keptCases() : a.cases;
   keepApart({{"the cases", cases}}, {{"--out", a.out}});
@@ -123,7 +123,7 @@ void verify(Arguments& a, Session& session) {
   const VerificationSummary done = runVerification(a.options, store);
   const Ledger ledger = ledgerOf(a.options, store);
   const int faults = printLedger(ledger, std::cout);
-  long notOwed = 0;  // wrong answers of ours that are no fault
+  long notOwed = 0;  // wrong answers of ours that are not faults
   for (const auto& [key, entry] : ledger) {
     if (key.axis == "all" && entry.role == AlgorithmRole::competitor)
       notOwed += entry.faults() - faultsOfOurs(key, entry);

@@ -15,17 +15,17 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// muParser's callbacks are plain functions; the stream that `rand` draws from is that of the evaluation under way.
+// muParser's callbacks are plain functions; this is the random stream of the running evaluation.
 thread_local Random* drawing = nullptr;
 thread_local bool decided = false;
-thread_local bool noNumber = false;  // a function gave none; min, max and comparisons would swallow it
+thread_local bool noNumber = false;  // a function had no value; min, max and comparisons would hide a NaN
 
 double told(double value) {
   noNumber = noNumber || std::isnan(value);
   return value;
 }
 
-// Beyond it, sinCos is no sine.
+// Beyond this, sinCos is not a sine.
 double withinTurns(double angle) { return std::abs(angle) <= kLargestAngle ? angle : std::nan(""); }
 
 double sine(double x) {
@@ -62,15 +62,15 @@ constexpr const char* kFunctions = "sin cos sqrt abs floor ceil min max mod rand
 
 bool inName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
-// What muParser takes in silence and nobody means: an assignment, which would change a variable for whatever is read
-// later; a comma that is no function's, of which only the last number counts; two comparisons in a row, whose second
-// compares a 0 or 1. Why it is refused, or an empty text.
+// Finds mistakes that muParser accepts silently: an assignment, which would change a variable for later expressions; a
+// comma outside a function, after which only the last number counts; two comparisons in a row, the second of which
+// compares a 0 or 1. Returns the reason, or an empty text.
 std::string slipIn(const std::string& text) {
   struct Level {
     bool function = false, compared = false;
   };
-  std::vector<Level> levels(1);  // of parentheses
-  char last = ' ';               // but for spaces
+  std::vector<Level> levels(1);  // one per open parenthesis
+  char last = ' ';               // ignoring spaces
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     const bool equals = i + 1 < text.size() && text[i + 1] == '=';
@@ -94,7 +94,7 @@ std::string slipIn(const std::string& text) {
     }
     const bool space = std::isspace(static_cast<unsigned char>(c));
     if (!space && std::iscntrl(static_cast<unsigned char>(c)))
-      return "a control character";  // a zero ends what is read
+      return "a control character";  // parsing stops at a zero byte
     if (!space) last = c;
   }
   return "";
@@ -152,11 +152,11 @@ double Expressions::valueOf(const std::string& text) {
       if (const std::string slip = slipIn(text); !slip.empty()) throw UserError("'" + oneLine(text) + "': " + slip);
       compiled = std::make_unique<Compiled>();
       mu::Parser& p = compiled->parser;
-      p.ClearFun();  // libm's functions end in other digits on other machines: only ours are left
+      p.ClearFun();  // libm's functions have other last digits on other machines: only ours remain
       p.ClearConst();
       p.DefineConst("pi", 3.14159265358979323846);
-      // false: never folded into a number. Two calls of rand are two, and what gives none is to be told whenever it is
-      // asked, and not in a branch that is not taken.
+      // false: never folded into a constant. Two calls of rand must be two calls, and a call without a value must be
+      // reported at each evaluation, but not in a branch that is not taken.
       p.DefineFun("sin", sine, false);
       p.DefineFun("cos", cosine, false);
       p.DefineFun("sqrt", root, false);

@@ -12,14 +12,14 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// rad: the largest angle either way that a scene may name. Beyond it, sinCos is no sine.
+/// rad: the largest angle, of either sign, in a scene. Beyond it, sinCos is not a sine.
 inline constexpr double kLargestAngle = 1e5;
 
 /// Arithmetic in scene files: `base - i`, `sin(angle) * k`, `rand(-1, 1)`, `i < 3 ? 0 : 1`. Computed in double in both
-/// precisions, and with the project's own sine, so that a scene is the same on every machine.
+/// precisions, with the project's own sine, so that a scene is the same on every machine.
 ///
 /// Functions: sin cos sqrt abs floor ceil min max mod rand(lo, hi) harmonic(n); constant pi. rand draws from one stream
-/// that the seed starts: the order in which expressions are evaluated is part of a scene.
+/// started by the seed, so the order of evaluation is part of a scene.
 class Expressions {
  public:
   explicit Expressions(std::uint64_t seed);
@@ -32,17 +32,17 @@ class Expressions {
   void setLocal(const std::string& name, double value);
   void forgetLocals();
   bool knows(const std::string& name) const;
-  /// Throws UserError for what is no name, and for that of a function or constant.
+  /// Throws UserError if the text is not a name, or is the name of a function or constant.
   static void checkName(const std::string& name);
-  /// Whether `rand` gave a number that the seed decided.
+  /// Whether `rand` was called with a result that depends on the seed.
   bool drew() const { return m_drew; }
 
-  /// Throws UserError that quotes the text and names what is known.
+  /// Throws UserError that quotes the text and lists the known names.
   double evaluate(const std::string& text);
-  /// Throws UserError where `evaluate` would whatever the values are. Draws nothing.
+  /// Throws UserError if `evaluate` would for any values. Draws no random number.
   void check(const std::string& text);
 
-  /// What `read` draws is drawn again by whoever comes next.
+  /// Restores the random stream after `read`.
   template <class Read>
   void aside(const Read& read) {
     const Random random = m_random;

@@ -14,7 +14,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 namespace {
 
-// One past the string that begins at `at`. Where it does not end, the parser says so.
+// One past the string that begins at `at`. The parser reports an unterminated string.
 std::size_t endOfString(std::string_view text, std::size_t at) {
   const char quote = text[at];
   const bool escapes = quote == '"';
@@ -33,11 +33,11 @@ std::size_t endOfString(std::string_view text, std::size_t at) {
   return text.size();
 }
 
-// The parser goes as deep as dotted keys do, and what it makes of them ends by recursion. So this comes before it. What
-// stands behind a syntax error may be misread here, but then the parser says that one.
+// The parser nests as deeply as dotted keys and brackets do, and destroys its result recursively, so the depth is
+// checked first. Text after a syntax error may be misread here, but then the parser reports that error.
 void checkNesting(std::string_view text, const std::string& file) {
-  std::vector<int> dots = {0};  // in the key under way, of the file and of every bracket that is open
-  int depth = 0;                // all of these and the brackets
+  std::vector<int> dots = {0};  // in the current key: of the file, and of every open bracket
+  int depth = 0;                // the sum of these and of the brackets
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '#') i = std::min(text.find('\n', i), text.size()) - 1;
@@ -57,13 +57,13 @@ void checkNesting(std::string_view text, const std::string& file) {
 }  // namespace
 
 std::string placeOf(std::string_view file, const toml::node& node) {
-  // A scene's script is a file of its own, and a node knows which it came from.
+  // A scene's script is a separate file, and a node knows its file.
   const std::string from = node.source().path ? *node.source().path : std::string(file);
   return from + ":" + std::to_string(node.source().begin.line);
 }
 
 void failAt(std::string_view file, const toml::node& node, const std::string& what) {
-  // As one line at once: what() of an error ends where a quoted text holds a zero.
+  // Made one line at once: what() of an error ends at a zero byte in a quoted text.
   throw PlacedError(oneLine(placeOf(file, node) + ": " + what));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Reading TOML so that every mistake is one line: file:line, what was found, what is valid.
+// Reads TOML and reports every mistake in one line: file:line, what was found, what is valid.
 #pragma once
 
 #include <set>
@@ -16,7 +16,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A mistake that is told with its place.
+/// An error with its position.
 struct PlacedError : UserError {
   using UserError::UserError;
 };
@@ -28,14 +28,14 @@ std::string placeOf(std::string_view file, const toml::node& node);
 std::string describe(const toml::node& node);
 /// The shortest text that reads back as this number.
 std::string asText(double number);
-/// Throws UserError with the place of a syntax error.
+/// Throws UserError with the position of a syntax error.
 toml::table parseToml(std::string_view text, const std::string& file);
-/// The bytes of a file; throws UserError when it cannot be read.
+/// The bytes of a file; throws UserError if it cannot be read.
 std::string readFile(const std::string& path);
-/// A table's entries in the order of the file, which TOML itself does not keep.
+/// A table's entries in file order, which TOML itself does not keep.
 std::vector<std::pair<std::string, const toml::node*>> inFileOrder(const toml::table& table);
 
-/// A table whose keys are asked for by name; `finish` refuses the keys that nobody asked for.
+/// A table read by key; `finish` rejects the keys that were not read.
 class TableReader {
  public:
   TableReader(const toml::table& table, std::string file, std::string what)

@@ -15,18 +15,18 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr double kWidest = 2;       // step of a grid: a method may fail between two values and hold at both
+constexpr double kWidest = 2;  // step of a grid: with wider steps a method may fail between two values and hold at both
 constexpr double kSure = 1.959964;  // standard deviations of 95 %
 constexpr double kHalf = 0.5;       // of the seeds
 constexpr long kMostSeeds = 1000;
 constexpr double kNarrowest = 1.001;
 constexpr double kMostValues = 100;  // of a grid
-constexpr int kMostMoves = 8;        // values more that are tried where many seeds say other than few
-constexpr int kMostEdges = 6;        // values that are tried with all seeds
-// A number is none of these, or another value is another question.
+constexpr int kMostMoves = 8;        // further values tried where all seeds disagree with the few
+constexpr int kMostEdges = 6;        // values tried with all seeds
+// These are not parameters to search: another value asks another question.
 constexpr std::array kNoParameters = {"dimension", "model", "precision", "scene", "script", "seed"};
 
-// Five digits: what a label shows is what was run.
+// Five digits, so that a label shows the value that was run.
 double tidy(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 4);
   return std::stod(asText(std::round(value / unit) * unit));
@@ -186,7 +186,7 @@ std::vector<WantedRung> nextRungs(const BreakQuestion& q, bool whole, const std:
     if (!has && r.of < q.seeds && !r.refused && edges-- > 0) missing.push_back({r.value, q.seeds});
   };
   for (const std::optional<Rung>& end : {found.held, found.fell}) {
-    if (end) more(*end);  // also where nothing fails, or nothing holds
+    if (end) more(*end);  // also if nothing fails, or nothing holds
   }
   if (!missing.empty() || !found.fell) return missing;  // they may move the bracket
   for (const Rung& r : found.rungs) {
@@ -211,7 +211,7 @@ void addLadder(PlannedSweep& sweep, Ladder ladder) {
     for (const PlannedTrial& t : ladder.plan({end, 1, setting, false})) ladder.keys += t.key;
   }
   if (sweep.calibration) ladder.plan({q.from, 1, sweep.calibration->most, false});
-  // `repeat = { i = "n" }` and iterations take whole numbers only.
+  // `repeat = { i = "n" }` and iterations take integers only.
   if (q.from == std::floor(q.from) && q.to == std::floor(q.to)) {
     try {
       ladder.plan({q.from + 0.5, 1, setting, false});

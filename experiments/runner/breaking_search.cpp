@@ -19,10 +19,10 @@ namespace {
 using nlohmann::json;
 using RunRound = std::function<bool(const PlannedSweep&)>;
 
-// One value of a ladder on its way to a rung.
+// A value of a ladder before it becomes a rung.
 struct Tried {
-  std::optional<long> setting;       // where the sweep is calibrated; 0: none meets the budget
-  std::optional<PlannedTrial> none;  // then: why
+  std::optional<long> setting;       // if the sweep is calibrated; 0: none meets the budget
+  std::optional<PlannedTrial> none;  // the reason in that case
   std::vector<PlannedTrial> trials;
   std::optional<Rung> rung;
 };
@@ -62,7 +62,7 @@ class Breaker {
       round.trials.clear(), round.calibrated.clear(), round.ladders.clear();
       std::vector<std::pair<Climb*, double>> unset;
       for (Climb& climb : m_climbs) {
-        if (InterruptGuard::interrupted()) return;  // planning a round takes its time
+        if (InterruptGuard::interrupted()) return;  // planning a round takes time
         if (climb.unsupported.empty() && !climb.found) advance(climb, round.trials, unset);
       }
       if (!unset.empty()) {
@@ -85,7 +85,7 @@ class Breaker {
       if (calibrated()) broken.axes["budget"] = ladder.budget;
       if (climb.tried.empty()) climb.tried[ladder.question.from];
       for (auto& [value, tried] : climb.tried) {
-        // Of a search that was stopped before it had its setting: a row without a result.
+        // For a search that was stopped before it had its setting: a row without a result.
         if (tried.trials.empty()) tried.trials = ladder.plan({value, 1, calibrated() ? 1 : 0, false});
         for (const PlannedTrial& t : tried.trials) add(t, ladder, planned);
       }
@@ -102,7 +102,7 @@ class Breaker {
  private:
   bool calibrated() const { return m_sweep.calibration.has_value(); }
 
-  // As far as the store knows. What it lacks goes to `trials`; values without a setting to `unset`.
+  // Advances as far as the store's results allow. Missing trials go to `trials`, values without a setting to `unset`.
   void advance(Climb& climb, std::vector<PlannedTrial>& trials, std::vector<std::pair<Climb*, double>>& unset) {
     for (bool known = true; known;) {
       const std::vector<WantedRung> wanted = nextRungs(climb.ladder->question, climb.ladder->whole, climb.rungs());
@@ -154,13 +154,13 @@ class Breaker {
     for (std::size_t i = 0; i < unset.size(); ++i) {
       const PlannedTrial& t = round.trials.at(i);
       Tried& tried = unset[i].first->tried[unset[i].second];
-      tried.setting = t.axes.value(m_sweep.calibration->setting, 1L);  // a method without the setting has one
+      tried.setting = t.axes.value(m_sweep.calibration->setting, 1L);  // a method without the setting has one value
       if (!t.unsupported.empty()) tried.setting = 0, tried.none = t;
     }
     return true;
   }
 
-  // None while a trial is not in the store.
+  // Empty while a trial is not in the store.
   std::optional<Rung> measure(const BreakQuestion& q, double value, const std::vector<PlannedTrial>& trials) {
     Rung rung;
     rung.value = value, rung.of = static_cast<long>(trials.size());
@@ -198,7 +198,7 @@ class Breaker {
     return q.limit->holds(it->second) ? "" : fmt::format("{} is {:.4g}", q.limit->metric, it->second);
   }
 
-  // A scene that has not what is limited would fail everywhere.
+  // A scene without the limited quantity would fail everywhere.
   void refuseUnknown() const {
     for (const auto& [place, metric] : m_without) {
       if (m_with.count({place, metric})) continue;
@@ -222,7 +222,7 @@ class Breaker {
   Store& m_store;
   const std::function<bool(const std::string&)>& m_done;
   std::vector<Climb> m_climbs;
-  std::set<std::pair<std::string, std::string>> m_with, m_without;  // place and metric of a limit
+  std::set<std::pair<std::string, std::string>> m_with, m_without;  // position and metric of a limit
 };
 
 }  // namespace

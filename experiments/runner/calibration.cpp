@@ -23,7 +23,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// Seeds that are timed to find a setting. One disturbed run does not decide a median of five.
+// Number of seeds that are timed to find a setting. One disturbed run does not decide a median of five.
 constexpr std::size_t kSeedsTimed = 5;
 
 // The entry of a metric of world trials.
@@ -36,8 +36,8 @@ std::optional<MetricInfo> infoOf(const std::string& name) {
 
 bool isCost(const MetricInfo& info) { return info.smaller == "cheaper"; }
 
-/// The boundary between the settings that a budget allows (cost) or that do not meet it yet (error) and the larger
-/// ones.
+/// Searches the boundary: settings within the budget (cost), or too inaccurate for it (error), below; larger ones
+/// above.
 class Search {
  public:
   Search(const Calibration& what, double budget, long most) : m_what(what), m_budget(budget), m_most(most) {}
@@ -59,7 +59,7 @@ class Search {
   /// Why nothing was found.
   std::string reason(const std::string& failure) const {
     const bool cost = m_what.equal == "cost";
-    const bool has = m_what.most == 1 || m_most > 1;  // the setting
+    const bool has = m_what.most == 1 || m_most > 1;  // whether the method has the setting
     const std::string at = !has ? "it" : m_what.setting + "=" + std::to_string(cost ? 1 : m_most);
     const std::string does =
         !failure.empty() ? " ends in " + failure : (cost ? " costs " : ", the most, errs by ") + asText(m_last);
@@ -73,10 +73,10 @@ class Search {
   double m_last = 0;
 };
 
-/// What a cell measured at one setting.
+/// The measurement of a cell at one setting.
 struct Measured {
   double value = kNever;
-  std::string failure;  // outcome and reason where that makes the value
+  std::string failure;  // outcome and reason if these decide the value
 };
 
 class Calibrator {
@@ -85,7 +85,7 @@ class Calibrator {
       : m_sweep(sweep), m_what(*sweep.calibration), m_info(*infoOf(m_what.metric)), m_store(store), m_done(done) {
     for (std::size_t c = 0; c < sweep.calibrated.size(); ++c) {
       const CalibratedCell& cell = sweep.calibrated[c];
-      // A method that does not use the setting has one.
+      // A method without the setting has one value.
       const long most = at(c, 1).trials[0].key == at(c, std::min(2L, m_what.most)).trials[0].key ? 1 : m_what.most;
       for (const double budget : cell.budgets) m_asked.push_back({c, budget, Search(m_what, budget, most)});
     }
@@ -97,8 +97,8 @@ class Calibrator {
       round.trials.clear(), round.calibrated.clear();
       bool any = false;
       for (Asked& a : m_asked) {
-        if (InterruptGuard::interrupted()) return;  // planning a round takes its time
-        while (a.search.open() && canRun(a)) {      // as far as the store knows
+        if (InterruptGuard::interrupted()) return;  // planning a round takes time
+        while (a.search.open() && canRun(a)) {      // as far as the store's results allow
           At& here = at(a.cell, a.search.next());
           if (!here.measured && !(here.measured = measure(here.trials))) break;
           a.search.tell(here.measured->value), a.failure = here.measured->failure;
@@ -152,7 +152,7 @@ class Calibrator {
     }
     return it->second;
   }
-  // Which parts of a step are timed is known once one has run.
+  // The timed phases of a step are known once one has run.
   void refuseUnknown() const {
     if (m_known || m_others.empty()) return;
     throw UserError(m_what.place + ": no trial of the sweep has the metric '" + m_what.metric + "'" +
@@ -160,7 +160,7 @@ class Calibrator {
   }
   bool canRun(const Asked& a) { return at(a.cell, 1).trials[0].unsupported.empty(); }
 
-  // The trials that have the metric: times are measured in all repeats of the first seeds, everything else once.
+  // The trials with the metric: times are measured in all repeats of the first seeds, everything else once.
   std::vector<const PlannedTrial*> measuring(const std::vector<PlannedTrial>& trials) const {
     std::vector<const PlannedTrial*> out;
     std::set<json> seeds;
@@ -174,7 +174,7 @@ class Calibrator {
     return out;
   }
 
-  // None while a trial is not in the store.
+  // Empty while a trial is not in the store.
   std::optional<Measured> measure(const std::vector<PlannedTrial>& trials) {
     std::vector<double> values;
     for (const PlannedTrial* t : measuring(trials)) {
@@ -186,7 +186,7 @@ class Calibrator {
       for (const auto& [name, value] : row->metrics) {
         if (m_info.name.ends_with('*') && isMetric(m_info, name)) m_others.insert(name);
       }
-      // A tower that fell has cost what it cost; its error says nothing of the method.
+      // A fallen tower still has a valid cost, but its error says nothing about the method.
       if (!has || (m_what.equal == "error" && row->outcome != "ok")) {
         return Measured{kNever,
                         row->outcome == "ok" ? "a trial without the metric" : row->outcome + ": " + row->reason};
@@ -203,8 +203,8 @@ class Calibrator {
   const std::function<bool(const std::string&)>& m_done;
   std::map<std::pair<std::size_t, long>, At> m_at;
   std::vector<Asked> m_asked;
-  bool m_known = false;            // some trial has the metric
-  std::set<std::string> m_others;  // that its star stands for
+  bool m_known = false;            // whether some trial has the metric
+  std::set<std::string> m_others;  // names for which its star stands
 };
 
 }  // namespace

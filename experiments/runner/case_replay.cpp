@@ -28,7 +28,7 @@ class Replay {
   Replay(const std::string& path, const std::vector<Case>& cases, const std::vector<std::string>& plugins)
       : m_file(path), m_path(std::filesystem::absolute(path).string()), m_cases(cases), m_pool(plugins) {}
 
-  // One worker for all; where it does not come back, one for each half.
+  // Asks one worker for all; if it does not return, one worker for each half.
   void ask(const AllAsked& questions, std::vector<CaseResult>& rows) {
     WorkerEnd end = run(questions);
     if (end.outcome == "unsupported") throw UserError(m_file + ": " + std::string(toldBy(end.reason)));
@@ -50,7 +50,7 @@ class Replay {
   }
 
  private:
-  // A worker's message without what ours begins with, too.
+  // Strips the prefix of a worker's message.
   std::string_view toldBy(std::string_view reason) const {
     for (const std::string& start : {std::string("lpc: "), m_path + ": "}) {
       if (reason.starts_with(start)) reason.remove_prefix(start.size());
@@ -61,7 +61,7 @@ class Replay {
   WorkerEnd run(const AllAsked& questions) {
     json task = {{"file", m_path}, {"questions", json::array()}};
     for (const Asked& q : questions) task["questions"].push_back({q.number, q.method});
-    // A witness is given half a second for a pair that it hangs on.
+    // Half a second is allowed for a witness that hangs on a pair.
     const WorkerLimits limits{.seconds = 20 + 0.6 * static_cast<double>(questions.size())};
     m_pool.start(0, m_cases[questions.front().number].finding->precision, {{"cases", task}}, limits, -1);
     for (;;) {
@@ -70,7 +70,7 @@ class Replay {
     }
   }
 
-  // Only a signal and a hang tell of the method, and SIGKILL of the machine's memory.
+  // Only a signal or a hang is a fault of the method; SIGKILL comes from the machine's memory limit.
   CaseResult lost(const Asked& q, const WorkerEnd& end) const {
     const Case& c = m_cases[q.number];
     const bool hung = end.outcome == "timeout", crashed = end.signal != 0 && end.signal != SIGKILL;
@@ -83,7 +83,7 @@ class Replay {
     return row;
   }
 
-  std::string m_file, m_path;  // as it was named, and absolute
+  std::string m_file, m_path;  // as given, and absolute
   const std::vector<Case>& m_cases;
   WorkerPool m_pool;
 };

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 namespace {
 
-// Two numbers, whole ones where the parameter is; null where it has no range.
+// Two numbers, integers for an integer parameter; null if it has no range.
 json rangeOf(const ParamInfo& p) {
   if (!p.range) return nullptr;
   if (p.type != "integer") return {p.range->lo, p.range->hi};
@@ -31,7 +31,7 @@ const char* guaranteeName(Guarantee g) {
   return g == Guarantee::exact ? "exact" : (g == Guarantee::conservative ? "conservative" : "approximate");
 }
 
-// Is it a library in float, whatever it is asked in?
+// Whether it is a library in float, whatever the precision of the query.
 bool isInFloat(const Registered& entry) {
   if (entry.stage != StageKind::pairQuery || entry.info.role != AlgorithmRole::witness) return false;
   const auto made = entry.create(Spec{entry.info.name, {}});
@@ -62,7 +62,7 @@ json describeParams(const std::vector<ParamInfo>& params) {
   return out;
 }
 
-/// What a method says that it fails, each with the dimensions in which it does.
+/// The declared failures of a method, each with its dimensions.
 void declare(json& failures, const Registered& entry) {
   for (const FailureMode& f : entry.info.failures) {
     const auto same = [&](const json& known) { return known["when"] == f.when && known["test"] == f.test; };
@@ -76,7 +76,7 @@ void declare(json& failures, const Registered& entry) {
   }
 }
 
-/// What a method can be told in this dimension alone.
+/// The parameters of a method in this dimension.
 void addParams(json& params, const Registered& entry) {
   for (json& p : describeParams(entry.params)) {
     const auto same = [&](const json& known) { return known["name"] == p["name"]; };

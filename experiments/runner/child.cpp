@@ -19,7 +19,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-// What is read of a child at once: one that writes without end is looked after all the same.
+// Bytes read from a child process at a time: one that writes without end must not block the others.
 constexpr std::size_t kAtOnce = 16 << 20;
 
 Child::Child(const std::string& program, std::string input, int core, bool showErrors)
@@ -37,7 +37,7 @@ void Child::start(const std::string& program, int core, bool showErrors) {
     }
     throw UserError(program + ": cannot be started: " + why + "; valid: " + valid);
   };
-  // A socket, since it can be told not to raise SIGPIPE. `fault` is closed by exec, and tells why there was none.
+  // A socket, because it can be used without SIGPIPE. exec closes `fault`, which otherwise reports why it failed.
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in) || pipe2(out, O_CLOEXEC) || pipe2(err, O_CLOEXEC) ||
       pipe2(fault, O_CLOEXEC)) {
     refuse("fewer --jobs, or more open files (ulimit -n)");
@@ -49,7 +49,7 @@ void Child::start(const std::string& program, int core, bool showErrors) {
   if (m_pid == 0) {
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(127);  // it died before the line above
+    if (getppid() != parent) _exit(127);  // the parent died before the line above
     if (core >= 0) {
       cpu_set_t set;
       CPU_ZERO(&set);
@@ -58,7 +58,7 @@ void Child::start(const std::string& program, int core, bool showErrors) {
     }
     dup2(in[0], 0), dup2(out[1], 1);
     if (!showErrors) dup2(err[1], 2);
-    for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) ::signal(signal, SIG_DFL);  // exec keeps what is ignored
+    for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) ::signal(signal, SIG_DFL);  // exec keeps ignored signals
     execl(program.c_str(), program.c_str(), static_cast<char*>(nullptr));
     const int why = errno;
     while (write(fault[1], &why, sizeof why) < 0 && errno == EINTR) continue;
@@ -95,7 +95,7 @@ void Child::feed() {
     if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return;
     if (n > 0) m_given += static_cast<std::size_t>(n);
     if (n > 0 && m_given < m_input.size()) continue;
-    close(m_in);  // all is given, or it reads no more; poll() will say how it ended
+    close(m_in);  // all input is written, or it reads no more; poll() will report how it ended
     m_in = -1, m_input = {};
   }
 }
@@ -153,7 +153,7 @@ bool Child::wait(bool (*stop)()) {
   return true;
 }
 
-// With what it has started itself: it leads a group.
+// With all processes that it has started: it leads a group.
 void Child::kill() { ::kill(-m_pid, SIGKILL); }
 
 double Child::seconds() const {

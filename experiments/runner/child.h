@@ -13,14 +13,14 @@ struct pollfd;
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A program that reads all its input, writes all its output and ends. It dies with this process, and a Ctrl-C on the
+/// A program that reads all its input, writes all its output and ends. It dies with this process, and Ctrl-C on the
 /// terminal does not reach it: the parent decides.
 class Child {
  public:
-  /// `core` >= 0 pins it to that processor. `showErrors`: its stderr goes to this program's. Throws UserError where
-  /// it cannot be started. The input is given as the child takes it, by `poll`.
+  /// `core` >= 0 pins it to that processor. `showErrors` forwards its stderr to this program's. Throws UserError if it
+  /// cannot be started. `poll` writes the input as the child reads it.
   Child(const std::string& program, std::string input, int core, bool showErrors);
-  ~Child();  // kills it when it still runs
+  ~Child();  // kills it if it still runs
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 

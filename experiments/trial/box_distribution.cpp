@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kHalf = 0.5;  // half side of a box (m)
 
-// Side of a room in which n unit boxes overlap about one other each: 2^D * n / side^D.
+// Side of a room in which each of n unit boxes overlaps about one other: 2^D * n / side^D.
 template <int D>
 double sideFor(int n) {
   const double volume = static_cast<double>(n) * (D == 2 ? 4 : 8);
@@ -18,7 +18,7 @@ double sideFor(int n) {
   return side;
 }
 
-// Drawn by all, also where nobody is put there: stored results hang on the numbers that follow.
+// Always drawn, also if unused: stored results depend on the random numbers that follow.
 template <int D>
 std::vector<Vec<D>> drawCenters(Random& random, double side) {
   std::vector<Vec<D>> centers(8);
@@ -28,7 +28,7 @@ std::vector<Vec<D>> drawCenters(Random& random, double side) {
   return centers;
 }
 
-// A place within `part` of a room of that side, and a velocity.
+// A position within `part` of a room of that side, and a velocity.
 template <int D>
 void drawOne(Flock<D>& flock, Random& random, double side, double part) {
   Vec<D> p, v;
@@ -95,7 +95,7 @@ struct Director2 {
   }
 };
 
-// Below: layouts against one kind of method each.
+// Below: layouts that are each the worst case of one kind of method.
 
 struct CentreLine {
   static constexpr const char* kName = "centre_line";
@@ -104,7 +104,7 @@ struct CentreLine {
   void visit(ParamVisitor&) {}
   template <int D>
   Flock<D> make(int n, Random& random) const {
-    // Of what is left of the room, so large that a box overlaps about one other.
+    // The rest of the room, sized so that a box overlaps about one other.
     Flock<D> flock = everywhere<D>(n, D == 2 ? 2.0 * n : std::sqrt(4.0 * n), random);
     for (std::size_t i = 0; i < flock.place.size(); ++i) {
       flock.place[i][0] = static_cast<Real>(random.uniform(-0.8, 0.8) * kHalf);

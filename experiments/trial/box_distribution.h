@@ -27,7 +27,7 @@ struct Flock {
   }
 };
 
-/// A way to lay out n boxes for a broadphase alone; the same seed, the same boxes.
+/// A layout of n boxes for a broadphase alone; the same seed gives the same boxes.
 struct BoxDistribution {
   EntryInfo info;
   std::function<Flock<2>(const Spec&, int n, std::uint64_t seed)> make2;
@@ -35,7 +35,7 @@ struct BoxDistribution {
 };
 const std::vector<BoxDistribution>& boxDistributions();
 
-/// Throws UserError for a name or parameter that is not there.
+/// Throws UserError for an unknown name or parameter.
 template <int D>
 Flock<D> makeFlock(const Spec& distribution, int n, std::uint64_t seed) {
   const BoxDistribution& entry = findEntry(boxDistributions(), "distribution", distribution.name);

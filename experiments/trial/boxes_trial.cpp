@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A broadphase alone, on a frozen stream of boxes: every method sees the same bits, and each frame's pairs are compared
-// with those of all pairs tested here, without any algorithm of the registry.
+// A broadphase alone, on a recorded stream of boxes: every method gets the same bits, and each frame's pairs are
+// compared with the result of a sweep in this file that uses no registered algorithm.
 #include <xxhash.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 constexpr int kWarmUpFrames = 10;  // frames that are not timed
 constexpr double kFrameDt = 1.0 / 60;
 
-/// What is counted and timed, per frame.
+/// Counts and times per frame.
 struct BoxesSeen {
   bool timed = false;
   std::vector<double> nanoseconds, found, tests, visits;
@@ -57,7 +57,7 @@ const Measure<BoxesSeen> kMetrics[] = {
 template <int D>
 std::vector<ProxyPair> allPairs(const Proxies<D>& proxies) {
   std::vector<ProxyPair> out;
-  // Sorted by the first axis: a sweep over all would be n^2 for ten thousand boxes in every frame.
+  // Sorted by the first axis: brute force would take n^2 for ten thousand boxes in every frame.
   std::vector<ProxyId> order(static_cast<std::size_t>(proxies.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<ProxyId>(i);
   const auto& lo = proxies.lo[0];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Rows of tables that name a way to do something: a distribution of boxes, a way of drawing pairs. One entry is a
-// struct with a name, a meaning, parameters and what it does; the table holds one of each, and everything that knows
-// the names (plans, errors, `lpc list`) reads the table.
+// Table entries for layouts of boxes and ways of drawing pairs. One entry is a struct with a name, a meaning,
+// parameters and its function. Plans, errors and `lpc list` read the table.
 #pragma once
 
 #include <algorithm>
@@ -15,10 +14,10 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 struct EntryInfo {
-  std::string name;  // stable for ever: it stands in result files
+  std::string name;  // never changes: result files contain it
   std::string meaning;
   std::vector<ParamInfo> params;
-  std::function<Spec(const Spec&)> canonical;  // every parameter written out; throws UserError on a wrong one
+  std::function<Spec(const Spec&)> canonical;  // with every parameter written out; throws UserError for a wrong one
 };
 
 /// E has kName, kMeaning and visit(ParamVisitor&).
@@ -38,7 +37,7 @@ EntryInfo entryInfo() {
           }};
 }
 
-/// Throws UserError with the valid names. `what`: what kind of entry it is, for the message.
+/// Throws UserError with the valid names. `what`: the kind of entry, for the message.
 template <class Entry>
 const Entry& findEntry(const std::vector<Entry>& table, const std::string& what, const std::string& name) {
   const auto it = std::find_if(table.begin(), table.end(), [&](const Entry& e) { return e.info.name == name; });

@@ -10,7 +10,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Of a circle each in its own part, of a sphere anywhere: no two so near that a hull would take them for one.
+// On a circle each point in its own sector, on a sphere anywhere: no two so near that a hull would merge them.
 Vec<2> onBall2(int i, int of, Random& random) {
   const Rot<2> turn = Rot<2>::angle(static_cast<Real>(6.283185307179586 * (i + random.uniform(0, 0.8)) / of));
   return {turn.c, turn.s};
@@ -23,7 +23,7 @@ Vec<3> onBall3(Random& random) {
   }
 }
 
-// Nothing on an ellipsoid lies within the hull of others, so that the number of vertices is that of the points.
+// No point on an ellipsoid lies within the hull of others, so the number of vertices is that of the points.
 template <int D>
 Shape<D> drawHull(int vertices, double size, Random& random) {
   Vec<D> half;
@@ -80,11 +80,12 @@ Rot<3> drawRotation3(Random& random) {
   return Rot<3>::vector(Vec<3>(Real(random.uniform(-3, 3)), Real(random.uniform(-3, 3)), Real(random.uniform(-3, 3))));
 }
 
-// Where B stands: so many times the sum of both radii from A, along a direction.
-enum class Along { anything, anAxis };  // an axis: the shapes are not turned either, so that faces are parallel
+// Position of B: a multiple of the sum of both radii from A, along a direction.
+enum class Along { anything, anAxis };  // an axis: the shapes are not rotated either, so that faces are parallel
 enum class Then { stays, touches };     // touches: moved along that direction until the distance is 0 to 1e-9 m
 
-// One family. All draw the same numbers, also those that only others use: stored results hang on what follows.
+// One family of pairs. All families draw the same random numbers, also unused ones: stored results depend on the
+// numbers that follow.
 template <int D>
 DrawnPair<D> drawFrom(const PairRequest<D>& request, Random& random, Along along, Then then,
                       const std::function<double(const std::array<double, 3>&)>& place) {
@@ -164,7 +165,7 @@ struct ParallelFaces : NoParams {
   }
 };
 
-// They are where methods differ. A new family does not join: stored results are those of these six.
+// Families in which methods differ. A new family does not join: stored results use these six.
 struct InTurn : NoParams {
   static constexpr const char* kName = "in_turn";
   static constexpr const char* kMeaning = "apart, near, touching, overlapping, centred, parallel_faces, and again";

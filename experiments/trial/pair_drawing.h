@@ -16,16 +16,16 @@ struct DrawnPair {
   Pose<D> X_AB;
 };
 
-/// What every way of drawing is given.
+/// The input of every way of drawing.
 template <int D>
 struct PairRequest {
   ShapeKind kindA, kindB;
-  int index;                                                // of the pair among those of the trial
+  int index;                                                // index of the pair in the trial
   std::function<double(const DrawnPair<D>&)> trueDistance;  // the referee's, m; negative when they overlap
-  int vertices = 0;  // of hulls, all on an ellipsoid; 0: those of twelve points anywhere in a cube
+  int vertices = 0;  // of hulls, all on an ellipsoid; 0: hulls of twelve points anywhere in a cube
 };
 
-/// A way of drawing pairs of two kinds for a pair query alone; the same seed, the same pairs.
+/// A way of drawing pairs of two kinds for a pair query alone; the same seed gives the same pairs.
 struct PairDrawing {
   EntryInfo info;
   std::function<DrawnPair<2>(const Spec&, const PairRequest<2>&, Random&)> draw2;
@@ -33,7 +33,7 @@ struct PairDrawing {
 };
 const std::vector<PairDrawing>& pairDrawings();
 
-/// Throws UserError for a name that is not there.
+/// Throws UserError for an unknown name.
 template <int D>
 DrawnPair<D> drawPair(const Spec& drawing, const PairRequest<D>& request, Random& random) {
   const PairDrawing& entry = findEntry(pairDrawings(), "drawing", drawing.name);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A pair query alone: the same pairs for every method, drawn or those of a world, its time per query, and its error
-// before the referee.
+// A pair query alone: every method gets the same pairs, drawn or recorded from a world; measures time per query, and
+// the error against the referee.
 #include <xxhash.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ bool endedWithoutAnswer(Tally end) {
   return end == Tally::notFinite || end == Tally::threw || end == Tally::crashed || end == Tally::hung;
 }
 
-/// A method, and what is seen of its answers.
+/// A method and the observations of its answers.
 template <int D>
 class Examination {
  public:
@@ -43,21 +43,21 @@ class Examination {
 
   PairQuery<D>& method() { return *m_method; }
   const Witness<D>* witness() const { return m_witness; }
-  int repeats() const { return seen.timed && !m_witness ? 8 : 1; }  // the first warms the caches
+  int repeats() const { return seen.timed && !m_witness ? 8 : 1; }  // the first one warms the caches
 
-  /// `ask()` asks `count` queries once; `told()`: nanoseconds that a witness has taken for them.
+  /// `ask()` runs `count` queries once; `told()` returns the nanoseconds that a witness needed.
   template <class Ask, class Told>
   void time(std::size_t count, const Ask& ask, const Told& told) {
     for (int r = 0; r < repeats(); ++r) {
       const double before = cpuSeconds();
       ask();
-      // A witness works in a process of its own, where this thread's clock does not see it: it tells the time itself.
+      // A witness runs in a process of its own, which this thread's clock does not see: it reports its own time.
       const double spent = m_witness ? told() : 1e9 * (cpuSeconds() - before);
       seen.queries += static_cast<double>(count);
       if (r > 0 || m_witness) seen.nanoseconds.push_back(spent / static_cast<double>(count));
     }
   }
-  /// A witness is asked so in any case.
+  /// A witness is always queried one by one.
   void timeSingles(std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers) {
     if (!seen.timed) return;
     const auto count = static_cast<double>(pairs.size());
@@ -110,10 +110,10 @@ bool sameKinds(const PairView<D>& p, const PairView<D>& q) {
   return p.a.kind == q.a.kind && p.b.kind == q.b.kind;
 }
 
-/// Pairs of the same kinds follow each other: a method is asked about one pair of kinds at a time.
+/// Pairs of the same kinds are consecutive: a method gets one pair of kinds at a time.
 template <int D>
 void examine(Examination<D>& of, const std::vector<DrawnPair<D>>& pairs) {
-  constexpr std::size_t kAtOnce = 1024;  // what is timed between two looks at the clock
+  constexpr std::size_t kAtOnce = 1024;  // between two reads of the clock
   std::vector<PairView<D>> views;
   std::vector<PairAnswer<D>> answers;
   for (std::size_t begin = 0; begin < pairs.size(); begin += views.size()) {
@@ -162,10 +162,10 @@ int verticesOf(const ShapeView<D>& shape) {
 }
 
 constexpr std::size_t kMostMeetings = 300000;
-constexpr std::size_t kJudged = 2000;  // at most, of a stream: the referee takes longer than all methods
+constexpr std::size_t kJudged = 2000;  // largest number, of a stream: the referee takes longer than all methods
 
-/// The pairs that a world asks about, or drawn ones of the same kinds, as many of each as are judged of these (one in
-/// `every`), each by itself.
+/// The pairs of a world, or drawn ones of the same kinds in the same numbers as the judged ones (one in `every`), each
+/// alone.
 template <int D>
 TrialResult runStream(const StreamRequest& asked, const SceneFile& file) {
   const StreamReplay<D> replay(

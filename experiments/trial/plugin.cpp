@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kMark = "LPC-ABI|";
 
 std::string abiOf(const std::string& path) {
-  std::error_code absent;  // a pipe may wait, and a device go on, for ever
+  std::error_code absent;  // a pipe may block, and a device may never end
   if (std::filesystem::exists(path, absent) && !std::filesystem::is_regular_file(path, absent)) {
     throw UserError("plugin " + path + ": it is no file");
   }

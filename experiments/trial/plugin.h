@@ -9,12 +9,12 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The precision that a plugin was built for ("f64"), read from its bytes without loading it. Throws UserError when the
-/// file is no plugin.
+/// The precision of a plugin ("f64"), read from its bytes without loading it. Throws UserError if the file is not a
+/// plugin.
 std::string pluginPrecision(const std::string& path);
 
-/// Loads the library, so that its algorithms are in the registry. Throws UserError when version, precision or compiler
-/// differ from this program's.
+/// Loads the library, which registers its algorithms. Throws UserError if version, precision or compiler differ from
+/// this program's.
 void loadPlugin(const std::string& path);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A velocity resolver alone, on a frozen problem: what is left after each number of iterations, and what it costs.
+// A velocity resolver alone, on a frozen problem: the residual after each number of iterations, and the cost.
 #include <xxhash.h>
 
 #include <algorithm>
@@ -20,9 +20,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr int kMostRows = 400;                                  // of a matrix whose eigenvalues are asked for
-constexpr int kSolves = 11;                                     // that are timed; the first warms the caches
-constexpr double kConverged = sizeof(Real) == 8 ? 1e-9 : 1e-4;  // of g dt: what may be left by a reference
+constexpr int kMostRows = 400;                                  // of a matrix for eigenvalues
+constexpr int kSolves = 11;                                     // timed solves; the first warms the caches
+constexpr double kConverged = sizeof(Real) == 8 ? 1e-9 : 1e-4;  // of g dt: residual of a reference
 constexpr int kReferenceTries = 20;
 
 template <int D>
@@ -35,7 +35,7 @@ class ProblemTrial {
         m_iterations(asked.iterations) {
     const Registered& entry = Registry::instance().find(StageKind::velocity, D, m_spec.name);
     m_law = frictionLaw(entry.info, m_spec);
-    // An effort that counts per contact, which is a real number, counts no iterations.
+    // A real-valued effort, counted per contact, does not count iterations.
     if (const ParamInfo* p = firstOf(ParamRole::effort, entry.params); p && p->type == "integer") {
       m_seen.counts = true, m_effort = p->name, m_least = static_cast<int>(p->range.value().lo);
     }
@@ -105,7 +105,7 @@ class ProblemTrial {
     return out;
   }
 
-  /// Before anything is done, for who does not begin at 0 iterations: the impulses of the last step, unless cold.
+  /// The initial state, for a method that does not start at 0 iterations: the impulses of the last step, unless cold.
   ProblemAnswer untouched() {
     FrozenProblem<D> copy = m_problem;
     WorkDone work;
@@ -119,7 +119,7 @@ class ProblemTrial {
     for (int i = 0; i < kSolves; ++i) {
       FrozenProblem<D> copy = m_problem;
       const auto method = createStage<VelocityResolver<D>>(m_spec);
-      const auto* witness = dynamic_cast<const WitnessResolver<D>*>(method.get());  // which tells its time itself
+      const auto* witness = dynamic_cast<const WitnessResolver<D>*>(method.get());  // which reports its own time
       WorkDone work;
       const VelocityInput<D> in = copy.input(work, m_profiler);
       const double before = cpuSeconds();
@@ -157,12 +157,12 @@ class ProblemTrial {
   }
 
   double ownResidual(double coulomb) {
-    const bool facets = m_law == FrictionLaw::facets;  // in the plane the two sides of Coulomb's cone
+    const bool facets = m_law == FrictionLaw::facets;  // in 2D, the two sides of Coulomb's cone
     if (m_law == FrictionLaw::coulomb || (facets && D == 2) || !m_problem.features.friction) return coulomb;
     if (m_law == FrictionLaw::convex) return m_rows.naturalMap(m_impulse, m_free, false).natural;
     const bool byTangents = m_law == FrictionLaw::pyramid || m_law == FrictionLaw::lagged;
-    if (!byTangents) return ProblemsSeen::kNan;  // where facets lie is known to the method alone
-    // Each row by itself: a tangent's limits are those of its contact's normal, now or in the last step.
+    if (!byTangents) return ProblemsSeen::kNan;  // only the method knows the directions of its facets
+    // Each row separately: a tangent's limits are those of its contact's normal, now or in the last step.
     double worst = 0, limit = 0, squared = 0;
     m_rows.multiply(m_impulse, m_velocity);
     for (int i = 0; i < m_rows.size(); ++i) {
@@ -183,8 +183,8 @@ class ProblemTrial {
     return worst;
   }
 
-  // Row velocities of a converged answer: one method goes on from the best of those before it. Impulses of redundant
-  // contacts are not unique, velocities are, but for friction's.
+  // Row velocities of a converged solution: each method continues from the best of the previous ones. Impulses of
+  // redundant contacts are not unique; velocities are, except those of friction.
   void findReference() {
     FrozenProblem<D> best = m_problem;
     best.lastDt = best.dt;
@@ -213,7 +213,7 @@ class ProblemTrial {
     if (least > kConverged) m_reference.clear();
   }
 
-  // Without friction and joints a sweep is linear on the rows that push.
+  // Without friction and joints a sweep is linear on the pressing rows.
   void predict() {
     std::vector<std::int32_t> active;
     const auto& rows = m_rows.rows();
@@ -249,7 +249,7 @@ TrialResult runProblem(const ProblemRequest& asked, const ProblemFile& file) {
   if (asked.problem >= list.size()) throw UserError("there is no problem " + std::to_string(asked.problem));
   try {
     return ProblemTrial<D>(asked, list[asked.problem].problem).run();
-  } catch (const UserError& e) {  // a witness that does not know such a problem, or is absent
+  } catch (const UserError& e) {  // a witness that does not support such a problem, or is absent
     TrialResult out;
     out.fail("unsupported", e.what(), 0);
     return out;

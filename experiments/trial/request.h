@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a worker is asked for: one trial, typed. request.cpp alone reads the document of a trial's key and knows how a
-// request looks on the way to its worker.
+// The typed request of a trial for a worker. Only request.cpp knows the JSON of a trial's key and of a request.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +23,7 @@ struct TrialBase {
 
 struct WorldRequest : TrialBase {
   static constexpr const char* kKind = "world";
-  std::string scene, script;  // names, without paths; the second empty: none
+  std::string scene, script;  // names, without paths; the second is empty if there is none
   ParameterValues params;
   std::string pipeline;  // stages, or "engine=NAME{...}"
   bool ofEngine() const { return pipeline.starts_with("engine="); }
@@ -32,7 +31,7 @@ struct WorldRequest : TrialBase {
   long steps = 0;
   std::string features;   // "cache,friction"
   double posesEvery = 0;  // s; 0: every 60 steps
-  bool series = true;     // one value per step is kept
+  bool series = true;     // whether to keep one value per step
 };
 
 struct BoxesRequest : TrialBase {
@@ -51,7 +50,7 @@ struct PairsRequest : TrialBase {
   int vertices = 0;  // of hulls; 0: those of twelve points
 };
 
-/// The pairs that a world asks about.
+/// The pairs that a world queries.
 struct StreamRequest : TrialBase {
   static constexpr const char* kKind = "pairs";
   std::string pairQuery, drawing;  // specs
@@ -68,7 +67,7 @@ struct ProblemRequest : TrialBase {
   bool cold = false, coloured = false, friction = true;
 };
 
-/// A world that is to be written as a scene after so many steps.
+/// A world to be saved as a scene after this number of steps.
 struct SaveRequest {
   long step = 0;
   std::string scene;  // path
@@ -79,26 +78,26 @@ struct TrialRequest {
   std::string sceneFile = {};   // path of the scene or the problems; empty: none
   std::string scriptFile = {};  // path; empty: none
   std::vector<std::string> plugins = {};
-  std::string profile = {}, record = {};  // paths of what is written; empty: nothing
+  std::string profile = {}, record = {};  // output paths; empty: none
   std::vector<SaveRequest> saves = {};
-  bool memory = false;    // allocations are counted
-  bool progress = false;  // told on standard error
+  bool memory = false;    // whether allocations are counted
+  bool progress = false;  // whether it is printed on standard error
 
   const TrialBase& base() const;
   TrialBase& base();
   bool ofEngine() const;
-  /// Precondition: it is one of a world.
+  /// Precondition: the trial is one of a world.
   const WorldRequest& world() const { return std::get<WorldRequest>(trial); }
   WorldRequest& world() { return std::get<WorldRequest>(trial); }
 };
 
 nlohmann::json toJson(const TrialRequest& request);
-/// Throws UserError for a kind of trial that is not there.
+/// Throws UserError for an unknown kind of trial.
 TrialRequest requestFromJson(const nlohmann::json& json);
 
-/// Of a world, as the document of a trial's key has it.
+/// The part of a world in the document of a trial's key.
 nlohmann::json toJson(const WorldRequest& world);
-/// What the document of a trial's key asks for, of any kind.
+/// The trial of a key's document, of any kind.
 decltype(TrialRequest::trial) trialFromJson(const nlohmann::json& document);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Apart from trial.cpp: a worker with engines takes in no judge of pairs.
+// Keeps the referee out of the engine worker.
 #include "experiments/trial/plugin.h"
 #include "experiments/trial/trial.h"
 

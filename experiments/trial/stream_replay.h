@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A stream of pairs as a pair query is asked about it in a world: in each step by pair of kinds, with what it remembers
-// of each pair.
+// Replays a stream of pairs as a world queries it: in each step by pair of kinds, with the cache of each pair.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +10,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The pairs of steps [from, from + steps) of a scene, in a world of the default pipeline; of less steps when there
-/// would be more than `most` meetings.
+/// The pairs of steps [from, from + steps) of a scene, in a world with the default pipeline; of fewer steps if there
+/// would be more than `most` entries.
 template <int D>
 PairStream<D> recordStream(const std::string& name, SceneSpec<D> scene, long from, long steps, std::size_t most) {
   Director<D> director(std::move(scene));
@@ -27,7 +26,7 @@ PairStream<D> recordStream(const std::string& name, SceneSpec<D> scene, long fro
   return collector.stream();
 }
 
-/// The views of a stream in the order in which a generator hands them over.
+/// The views of a stream in the order of a contact generator.
 template <int D>
 struct StreamReplay {
   struct Batch {
@@ -36,7 +35,7 @@ struct StreamReplay {
   };
   PairStream<D> stream;
   std::vector<PairView<D>> views;
-  std::vector<std::uint32_t> pairs;  // number of each view's
+  std::vector<std::uint32_t> pairs;  // index of each view's pair
   std::vector<Batch> batches;        // of one step and two kinds
 
   explicit StreamReplay(PairStream<D> recorded) : stream(std::move(recorded)) {
@@ -61,7 +60,7 @@ struct StreamReplay {
   StreamReplay& operator=(const StreamReplay&) = delete;
 };
 
-/// What is remembered of each pair, as long as it is there in every step; as World keeps its records.
+/// The cache of each pair, kept while the pair occurs in every step, like a World's records.
 class StreamMemories {
  public:
   explicit StreamMemories(std::size_t pairs) : m_of(pairs) {}
@@ -84,8 +83,8 @@ class StreamMemories {
   std::vector<PairMemory> m_batch;
 };
 
-/// Asks about the whole stream once, from the first step on; `warm`: with what the method remembers. After each batch
-/// `asked(batch)`.
+/// Queries the whole stream once, from the first step; `warm`: with the method's caches. Calls `asked(batch)` after
+/// each batch.
 template <int D, class Asked>
 void askStream(PairQuery<D>& method, const StreamReplay<D>& replay, bool warm, std::span<PairAnswer<D>> answers,
                WorkDone& work, const Asked& asked) {

@@ -13,29 +13,29 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What a scope of the profiler used over all steps, without the scopes in it.
+/// Memory of a scope of the profiler over all steps, without nested scopes.
 struct ScopeMemory {
   std::string scope;
   MemoryUse use;
-  long lastStep = -1;  // the last one in which it allocated, from 1; 0: before the first, -1: never
+  long lastStep = -1;  // the last step in which it allocated, from 1; 0: before the first, -1: never
 };
 
 struct TrialResult {
   std::string outcome = "ok";  // or diverged, exploded, left, collapsed, sank, frozen, wrong, unsupported
   std::string reason;
-  long step = -1;  // at which it happened
+  long step = -1;  // of the outcome
   std::string hash;
-  std::map<std::string, double> metrics;  // NaN: not defined for this trial
+  std::map<std::string, double> metrics;  // NaN: undefined for this trial
   std::map<std::string, std::vector<double>> series;
   std::map<long, std::vector<double>> poses;
-  std::vector<ScopeMemory> memory;  // where it was asked for; what all tell is together that of the world
+  std::vector<ScopeMemory> memory;  // if requested; all scopes together are the world's memory
 
   void fail(std::string what, std::string why, long at) {
     outcome = std::move(what), reason = std::move(why), step = at;
   }
 };
 
-/// Throws UserError for requests that make no sense.
+/// Throws UserError for invalid requests.
 TrialResult runTrial(const TrialRequest& request);
 
 TrialResult runWorldTrial(const TrialRequest& request);
@@ -47,7 +47,7 @@ TrialResult runProblemsTrial(const ProblemRequest& asked, const std::string& pro
 nlohmann::json toJson(const TrialResult& result);
 TrialResult resultFromJson(const nlohmann::json& json);
 
-/// Processor time of this thread (s): what other processes do does not count.
+/// Processor time of this thread (s); other processes do not count.
 double cpuSeconds();
 
 }}  // namespace lpc::LPC_PRECISION

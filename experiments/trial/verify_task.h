@@ -8,8 +8,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// {"verify": {"stage", "dimension", "kind_a", "kind_b", "seed", "first", "count", "methods": [...], "ended": tally,
-///  "relations": true}, "plugins": [...]} -> what came out (see ledger_json.h). "ended" is there when a worker that was
-///  asked the same did not come back: it is booked and nobody is asked. Exists where the oracles were built.
+/// "relations": true}, "plugins": [...]} -> the results (see ledger_json.h). "ended" is present if a worker with the
+/// same request did not return: the failure is recorded and no method runs. Exists if the oracles were built.
 nlohmann::json runVerifyTask(const nlohmann::json& request);
 
 /// {"cases": {"file": path, "questions": [[number of a case with a finding, method], ...]}, "plugins": [...]} -> one

@@ -11,7 +11,8 @@
 
 namespace lpc {
 
-/// A worker's whole life: a request as JSON on stdin, what `run` makes of it as JSON on stdout. Returns the exit code.
+/// A worker's main: reads a request as JSON from stdin, writes the result of `run` as JSON to stdout. Returns the exit
+/// code.
 template <class Run>
 int answerOnce(const Run& run) {
   try {

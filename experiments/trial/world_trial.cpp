@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Runs a scene and writes down, step by step, what physics says about it.
+// Runs a scene and records, step by step, its physical quantities.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -31,13 +31,13 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr long kPoseEvery = 60;
-// The exact query of all pairs costs more than a step of a small scene: it is asked now and then.
+// The exact query of all pairs costs more than a step of a small scene, so it runs only now and then.
 constexpr long kPenetrationEvery = 10;
 constexpr double kPoseBytes = 1e6;
-// A scene that rests does so by then, or by the end of the steps that its file has (s).
+// A scene at rest settles by this time, or by the end of its file's steps (s).
 constexpr double kAtRest = 2;
 constexpr double kSameTime = 1e-5;  // f32 has rounded dt
-// No body of any scene is meant to be faster than light: a run that gets there ends, also without a limit of its own.
+// No scene has bodies faster than light: such a run ends, also without a limit of its own.
 constexpr double kLightSpeed = 299792458;  // m/s
 
 std::string underscored(std::string name) {
@@ -45,7 +45,7 @@ std::string underscored(std::string name) {
   return name;
 }
 
-// The velocity problem of a step, and what its answer leaves of it.
+// The velocity problem of a step, and its residual.
 template <int D>
 class Residual final : public VelocityWatcher<D> {
  public:
@@ -55,7 +55,7 @@ class Residual final : public VelocityWatcher<D> {
     m_manifolds = in.manifolds, m_joints = in.joints;
     m_seen = true;
   }
-  /// m/s, of the step just done; NaN where its solver showed no problem.
+  /// m/s, of the last step; NaN if its solver exposed no problem.
   double take() {
     if (!std::exchange(m_seen, false)) return kNan;
     m_problem.impulses(m_manifolds, m_joints, m_impulses);
@@ -73,7 +73,7 @@ class Residual final : public VelocityWatcher<D> {
 template <int D>
 class WorldTrial {
  public:
-  /// `restsAfter` s the scene is at rest, if it is one that rests: a run that ends before is not judged by that.
+  /// After `restsAfter` s a scene that should rest is at rest; a run that ends earlier is not judged by that.
   WorldTrial(const TrialRequest& request, SceneSpec<D> scene, double restsAfter, MemoryCounter memory)
       : m_asked(request.world()),
         m_progress(request.progress),
@@ -87,7 +87,7 @@ class WorldTrial {
     const auto open = [&](const std::string& path, std::unique_ptr<OutputFile>& file) {
       if (!path.empty()) file = std::make_unique<OutputFile>(path);
     };
-    // Not in timed trials: looking takes time within the step.
+    // Not in timed trials: observing takes time within the step.
     if (auto* world = dynamic_cast<World<D>*>(m_simulation.get()); world && !m_timed) world->watch(&m_residual);
     open(request.record, m_recording), open(request.profile, m_profile);
     for (const SaveRequest& s : request.saves) m_saves.emplace_back(s.step, s.scene);
@@ -150,7 +150,7 @@ class WorldTrial {
     return *m_simulation;
   }
 
-  // Lets the script act after so many steps: memory of the world that no step uses.
+  // Runs the script's actions after this number of steps: memory that no step uses.
   void direct(long step) {
     const MemoryUse before = memoryNow();
     try {
@@ -161,7 +161,7 @@ class WorldTrial {
     addMemory("scene", memoryNow() - before, step);
   }
 
-  // The world after so many steps, before what its script does next.
+  // Saves the world after this number of steps, before the script's next actions.
   void save(long step) {
     for (SavedScene& s : m_saves) {
       const auto* world = dynamic_cast<const World<D>*>(m_simulation.get());
@@ -179,7 +179,7 @@ class WorldTrial {
     m_seen.start = stateInvariants(m_world);
     m_seen.energyMax = m_seen.start.kinetic + m_seen.start.potential;
     m_seen.startDepth = m_again || !std::isfinite(m_seen.energyMax) ? kNan : m_penetration.of(m_world).max;
-    // In a room with walls momentum comes and goes; alone in space it must stay.
+    // In a room with walls momentum changes; alone in space it is conserved.
     m_seen.isolated = m_scene.settings.gravity.norm() == 0 && m_scene.forces.empty() && m_scene.events.empty();
     for (const ForceRecord<D>& f : m_world.forces()) m_seen.isolated = m_seen.isolated && !f.kind;
     for (const JointRecord<D>& j : m_world.joints()) m_seen.isolated = m_seen.isolated && (!j.kind || j.bodyA >= 0);
@@ -188,7 +188,7 @@ class WorldTrial {
       const auto& spawn = m_scene.spawns[i];
       const bool dynamic = spawn.body.type == BodyType::dynamic;
       if (!dynamic || spawn.body.pinned || spawn.step > 0) m_seen.isolated = false;
-      if (!dynamic || spawn.part) continue;  // where a part came from nobody knows
+      if (!dynamic || spawn.part) continue;  // the initial position of a part is unknown
       m_dynamic.push_back(static_cast<int>(i));
       if (spawn.step == 0 && spawn.body.X_WB.p[1] > highest) {
         highest = spawn.body.X_WB.p[1];
@@ -208,7 +208,7 @@ class WorldTrial {
     }
   }
 
-  /// m from where spawn i came; NaN when it is not there.
+  /// m from the initial position of spawn i; NaN if it does not exist.
   double moved(int i) const {
     const Handle h = m_director.body(i);
     if (!m_world.valid(h)) return kNan;
@@ -253,7 +253,7 @@ class WorldTrial {
     if (m_timed) {
       for (const Profiler::Time& t : m_seen.frame.times) {
         auto& list = m_seen.series["sec_" + underscored(t.name)];
-        list.resize(static_cast<std::size_t>(step), 0.0);  // a stage may come late
+        list.resize(static_cast<std::size_t>(step), 0.0);  // a stage may appear late
         list.push_back(t.seconds);
       }
     }
@@ -290,7 +290,7 @@ class WorldTrial {
     return s.lateral <= limit && s.rise <= limit && s.stands(m_world);
   }
 
-  // Centres of dynamic bodies inside the shapes of fixed ones.
+  // Number of dynamic bodies with the centre inside the shape of a fixed one.
   double fellThrough() const {
     const Bodies<D>& b = m_world.bodies();
     std::vector<std::pair<ShapeView<D>, Pose<D>>> fixed;
@@ -368,7 +368,7 @@ class WorldTrial {
     rest.size = smallestBody(m_world);
     rest.levels = double(m_scene.limits.levels), rest.fall = double(m_scene.limits.fall);
     rest.sag = m_seen.settling.sag, rest.sinking = m_seen.settling.sinking();
-    // A repeat asks here alone, since its outcome is that of the first.
+    // A repeat measures only here, since its outcome is that of the first run.
     rest.depth = m_seen.now.finite ? m_penetration.of(m_world).max : kNan;
     const double time = static_cast<double>(steps) * double(m_scene.dt);
     if (m_out.outcome != "ok" || time < m_restsAfter * (1 - kSameTime)) return;
@@ -389,7 +389,7 @@ class WorldTrial {
   MemoryCounter m_memory;
   TrialResult m_out;
   bool m_timed;
-  bool m_again;  // a repeat of a timed trial: the same bits as the first one, so it tells its steps' times and no more
+  bool m_again;  // a repeat of a timed trial: its bits are those of the first, so it reports only times
   SceneSpec<D> m_scene;
   Director<D> m_director;
   std::unique_ptr<Simulation<D>> m_simulation;
@@ -428,7 +428,7 @@ TrialResult runWorld(const TrialRequest& request) {
   } catch (const CannotWrite&) {
     throw;
   } catch (const UserError& e) {
-    // The scene was read before: what is wrong now is this pipeline with this scene.
+    // The scene was read before: an error now belongs to this pipeline with this scene.
     TrialResult out;
     out.fail("unsupported", e.what(), 0);
     return out;

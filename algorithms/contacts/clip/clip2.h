@@ -17,17 +17,17 @@ struct Patch2 {
   }
 };
 
-/// Written number by number, and never copied: see Xy.
+/// Writes single numbers and never copies the struct: see Xy.
 inline void write(PatchPoint<2>& to, const Xy& p1, const Xy& p2, Real separation, std::uint64_t feature) {
   p1.to(to.p1), p2.to(to.p2), to.separation = separation, to.feature = feature;
 }
 
-/// Where the edges face each other as seen along n: the two ends of their common interval. The feature number is that
-/// of the two vertices at this end, whichever of them is the one that cuts: a vertex that slides over the other's end
-/// changes nothing, and neither does a change of the reference edge.
+/// Clips edges that face each other along n to the two ends of their common interval. The feature number is that of the
+/// two vertices at this end, whichever of them cuts. A vertex that slides over the other's end therefore keeps its
+/// number, also when the reference edge changes.
 inline void clipEdges(const Edge2& e1, const Edge2& e2, const Xy& n, const PlacedPair<2>& pair, Patch2& out) {
   n.to(out.normal), out.count = 0;
-  // Edge 1 runs along t, edge 2, which faces it, against t.
+  // Edge 1 runs along t; edge 2, which faces it, against t.
   const Xy t = n.left();
   const Real lo1 = dot(t, e1.a), hi1 = dot(t, e1.b), lo2 = dot(t, e2.b), hi2 = dot(t, e2.a);
   const Real lo = std::max(lo1, lo2), hi = std::min(hi1, hi2);
@@ -43,7 +43,7 @@ inline void clipEdges(const Edge2& e1, const Edge2& e2, const Xy& n, const Place
     if (!(separation <= pair.limit)) return;
     write(out.points[out.count++], p1, p2, separation, featureNumber(featureCode(i1), featureCode(i2)));
   };
-  if (hi - lo <= pair.rounding) {  // one place
+  if (hi - lo <= pair.rounding) {  // a single point
     const auto heightAt = [&](Real where) {
       return dot(at(e2.b, e2.a, lo2, hi2, where) - at(e1.a, e1.b, lo1, hi1, where), n);
     };
@@ -52,8 +52,8 @@ inline void clipEdges(const Edge2& e1, const Edge2& e2, const Xy& n, const Place
   put(lo, e1.ia, e2.ib), put(hi, e1.ib, e2.ia);
 }
 
-/// The nearest points of two edges that do not cross; one contact point. The normal is the way from one to the other,
-/// or `axis` when the cores are not apart.
+/// The closest points of two edges that do not cross: one contact point. The normal is the vector between them, or
+/// `axis` if the cores are not apart.
 inline void closestOfEdges(const Edge2& e1, const Edge2& e2, const Xy& axis, bool apart, const PlacedPair<2>& pair,
                            Patch2& out) {
   out.count = 0;
@@ -83,7 +83,7 @@ inline void closestOfEdges(const Edge2& e1, const Edge2& e2, const Xy& axis, boo
     offer(on1, v2, nearB ? e1.ib : e1.ia, end ? e2.ib : e2.ia);
   }
   const Real distance = std::sqrt(best);
-  // Nearer than rounding, the direction between the witnesses is noise; the separating axis is not.
+  // Below rounding distance the direction between the closest points is noise; the separating axis is not.
   const Xy between = p2 - p1;
   const Xy n = apart && distance > pair.rounding ? between / distance : axis;
   n.to(out.normal);

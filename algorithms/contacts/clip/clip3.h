@@ -6,8 +6,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
-/// A corner of the clipped face. The edges that meet in it are edge k of the incident face, or ~j for edge j of the
-/// reference face.
+/// A corner of the clipped face. Its two edges: edge k of the incident face, or ~j for edge j of the reference face.
 struct ClipVertex3 {
   Triple p;
   int in, out;
@@ -16,15 +15,15 @@ struct ClipVertex3 {
 struct Side3 {
   Triple m;  // unit, outward
   Real offset;
-  Triple from, edge;  // the corner where it begins, and the way to the next
+  Triple from, edge;  // the corner where it begins, and the vector to the next
 };
 
 struct Patch3 {
   Vec<3> normal = Vec<3>::Zero();  // n_12, unit, in frame 1
   std::vector<PatchPoint<3>> points;
 
-  /// Is one of the points within `bound`? Of cores that are `apart` the witnesses themselves must be: those of a corner
-  /// beside the reference face are not one above the other.
+  /// Whether one of the points is within `bound`. For cores that are `apart` the closest points themselves must be:
+  /// those of a corner beside the reference face are not one above the other.
   bool reaches(Real bound, bool apart) const {
     for (const PatchPoint<3>& p : points) {
       const bool above = !apart && p.separation <= 0;
@@ -35,17 +34,16 @@ struct Patch3 {
 };
 
 struct ClipScratch3 {
-  IndexedVector<ClipVertex3> corners;  // all that there have been
-  IndexedVector<int> from, to;         // the face's, in turn: places in `corners`
-  std::vector<Real> beyond;            // how far each lies beyond a side, m
+  IndexedVector<ClipVertex3> corners;  // all corners made so far
+  IndexedVector<int> from, to;         // loops of the face: indices into `corners`
+  std::vector<Real> beyond;            // distance of each beyond a side, m
   // Of the reference face:
   IndexedVector<Side3> sides;
   Triple normal, outward;
-  Real cosine = 1;  // between both
+  Real cosine = 1;  // between the two normals
 };
 
-/// The reference face as clipping sees it; `outward` is the direction along which points are projected onto it, not
-/// necessarily its normal.
+/// The reference face as clipping sees it; points are projected onto it along `outward`, which need not be its normal.
 struct Reference3 {
   const Core3& core;
   int face;
@@ -54,7 +52,7 @@ struct Reference3 {
 
   int size() const { return core.faceSize(face); }
   int vertex(int k) const { return core.loop(core.face(face).begin + (k < size() ? k : 0)); }
-  /// Into the scratch: the face, and the planes through its edges along `outward`.
+  /// Fills the scratch: the face, and the planes through its edges along `outward`.
   void fill(ClipScratch3& s) const {
     const int begin = core.face(face).begin, count = size();
     s.sides.resize(static_cast<std::size_t>(count));
@@ -70,7 +68,7 @@ struct Reference3 {
     }
   }
   std::uint32_t edgeCode(int j) const { return featureCode(vertex(j), vertex(j + 1)); }
-  /// Of the vertex between two of its edges, or of the first edge when they do not meet.
+  /// Code of the vertex between two of its edges, or of the first edge if they do not meet.
   std::uint32_t cornerCode(int j, int k) const {
     const int m = size();
     if (k == (j + 1) % m) return featureCode(vertex(k));
@@ -79,7 +77,7 @@ struct Reference3 {
   }
 };
 
-/// The point of the reference face's plane that lies under p, and p's height above it along `outward`.
+/// The point of the reference face's plane below p, and p's height above it along `outward`.
 inline Triple under(const ClipScratch3& s, const Triple& p, Real& height) {
   height = dot(s.normal, p - s.sides[0].from) / s.cosine;
   return p - height * s.outward;
@@ -98,8 +96,8 @@ inline Triple nearestOnRim(const ClipScratch3& s, const Triple& p) {
   return best;
 }
 
-/// A corner that lies beside the face, within tolerance, has its witness on the rim: the two are then not quite one
-/// above the other, but both lie on their shapes.
+/// A corner beside the face, within tolerance, has its closest point on the rim: the two points are then not exactly
+/// one above the other, but both lie on their shapes.
 inline void addClipped(bool refIsFirst, const ClipScratch3& s, const Triple& p, std::uint32_t refCode,
                        std::uint32_t incCode, Real limit, std::vector<PatchPoint<3>>& out) {
   Real height = 0;
@@ -115,8 +113,8 @@ inline void addClipped(bool refIsFirst, const ClipScratch3& s, const Triple& p, 
   added.feature = refIsFirst ? featureNumber(refCode, incCode) : featureNumber(incCode, refCode);
 }
 
-/// The part of an edge between two vertices of `inc` inside the side planes of the reference face, with tolerances as
-/// for a face. When both are one vertex, that is a point, whose number needs no tolerance to be steady.
+/// Clips an edge of `inc` between two vertices against the side planes of the reference face, with tolerances as for a
+/// face. If both are one vertex, the result is a point; its number needs no tolerance to be stable.
 inline void clipEdge(const Reference3& ref, const Core3& inc, const IndexedArray<int, 2>& vertices,
                      const PlacedPair<3>& pair, ClipScratch3& scratch, std::vector<PatchPoint<3>>& out) {
   const int ends = vertices[0] == vertices[1] ? 1 : 2;
@@ -129,7 +127,7 @@ inline void clipEdge(const Reference3& ref, const Core3& inc, const IndexedArray
     const Side3& side = scratch.sides[j];
     const Real da = dot(side.m, a) - side.offset, db = dot(side.m, b) - side.offset;
     if (da > tolerance && db > tolerance) return;
-    // An end within the tolerance stays where it is, even when the other one is cut off.
+    // An end within the tolerance is kept even if the other one is cut off.
     const Real cut1 = db < 0 ? da / (da - db) : Real(1), cut2 = da < 0 ? da / (da - db) : Real(0);
     if (da > tolerance && cut1 > t[0]) t[0] = cut1, cutBy[0] = j;
     if (db > tolerance && cut2 < t[1]) t[1] = cut2, cutBy[1] = j;
@@ -149,9 +147,9 @@ inline void clipSegment(const Reference3& ref, const Core3& inc, const PlacedPai
   clipEdge(ref, inc, {0, inc.vertexCount - 1}, pair, scratch, out);
 }
 
-/// Sutherland-Hodgman: the part of face `incFace` of `inc` inside the side planes of the reference face. A corner that
-/// lies outside by less than the pair's tolerance stays as it is: faces of equal size that lie on each other would
-/// otherwise get new corners, and lose their impulses, with every rounding.
+/// Sutherland-Hodgman clipping: the part of face `incFace` of `inc` inside the side planes of the reference face. A
+/// corner less than the pair's tolerance outside is kept. Otherwise equal faces on each other would get new corners
+/// with every rounding, and lose their impulses.
 inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const PlacedPair<3>& pair,
                      ClipScratch3& scratch, std::vector<PatchPoint<3>>& out) {
   const int begin = inc.face(incFace).begin, size = inc.faceSize(incFace);
@@ -159,7 +157,7 @@ inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const
     return clipEdge(ref, inc, {inc.loop(begin), inc.loop(begin + 1)}, pair, scratch, out);
   }
   ref.fill(scratch);
-  // Places are plain pointers into what is large enough: `push_back` took longer than the arithmetic.
+  // Plain pointers into large enough arrays: `push_back` took longer than the arithmetic.
   scratch.corners.resize(static_cast<std::size_t>(size)), scratch.from.resize(scratch.corners.size());
   for (int k = 0; k < size; ++k) {
     scratch.corners[k] = {Triple(inc.v[inc.loop(begin + k)]), k == 0 ? size - 1 : k - 1, k};
@@ -178,7 +176,7 @@ inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const
       inside &= beyond[i] <= tolerance;
     }
     if (inside) continue;
-    // A corner stays or not, and there may be a new one before it.
+    // Each corner is kept or not, and a new one may precede it.
     scratch.to.resize(static_cast<std::size_t>(2 * count));
     scratch.corners.resize(static_cast<std::size_t>(made + count));
     int* to = scratch.to.data();
@@ -216,8 +214,8 @@ inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const
   }
 }
 
-/// For an empty clip of overlapping cores, which only rounding at a face's rim makes: the foremost vertex of `inc`, of
-/// equals the one least far outside the reference face.
+/// For an empty clip of overlapping cores, which only rounding at a face's rim causes: adds the support vertex of
+/// `inc`; among equals the one least far outside the reference face.
 inline void addForemost(const Reference3& ref, const Core3& inc, Real separation, const PlacedPair<3>& pair,
                         ClipScratch3& scratch, std::vector<PatchPoint<3>>& out) {
   int best = -1;

@@ -5,7 +5,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
-/// One attempt: `around` restricts the faces to those that touch the foremost vertices.
+/// One attempt: `around` restricts the faces to those that touch the support vertices.
 inline void clipFacesAlong(const Core3& c1, const Core3& c2, const Vec<3>& n, bool around, const PlacedPair<3>& pair,
                            ClipScratch3& scratch, Patch3& out) {
   const auto choose = [&](const Core3& c, const Vec<3>& d) { return faceAlong(c, d, around ? vertexAlong(c, d) : -1); };
@@ -23,9 +23,9 @@ inline void clipFacesAlong(const Core3& c1, const Core3& c2, const Vec<3>& n, bo
   }
 }
 
-/// Contact points along a normal that need not be a face's: clips the faces that face each other along n (n_12, unit).
-/// Adds `witness` when no clipped point is as deep. Edges that lie along each other give two points, because a corner
-/// beside the reference face by less than the tolerance stays.
+/// Contact points along a normal that need not be a face normal: clips the faces that face each other along n (n_12,
+/// unit). Adds `witness`, the closest points, if no clipped point is as deep. Parallel edges give two points, because a
+/// corner beside the reference face by less than the tolerance is kept.
 inline void clipFacing(const Core3& c1, const Core3& c2, const Vec<3>& n, const PatchPoint<3>& witness,
                        const PlacedPair<3>& pair, ClipScratch3& scratch, Patch3& out) {
   out.normal = n;

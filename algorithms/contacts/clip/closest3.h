@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Nearest points of cores that are apart and whose nearest features no separating axis belongs to: two corners, a
+// Closest points of cores that are apart and have nearest features without a separating axis of SAT: two corners, a
 // corner and an edge, parallel edges.
 #pragma once
 
@@ -11,7 +11,7 @@ struct SegmentPair3 {
   Vec<3> a1, b1, a2, b2;  // segments 1 and 2; a point has a = b
 };
 
-/// Nearest points at a1 + s (b1 - a1) and a2 + t (b2 - a2); returns their squared distance (Ericson 2005, 5.1.9).
+/// Closest points at a1 + s (b1 - a1) and a2 + t (b2 - a2); returns their squared distance (Ericson 2005, 5.1.9).
 inline Real closestOfSegments(const SegmentPair3& x, Real& s, Real& t) {
   const Vec<3> d1 = x.b1 - x.a1, d2 = x.b2 - x.a2, r = x.a1 - x.a2;
   const Real a = d1.squaredNorm(), e = d2.squaredNorm(), c = d1.dot(r), f = d2.dot(r), b = d1.dot(d2);
@@ -20,7 +20,7 @@ inline Real closestOfSegments(const SegmentPair3& x, Real& s, Real& t) {
   if (a > 0) {
     if (e > 0) {
       const Real det = a * e - b * b;
-      // Parallel: every s is as good as another; the clamps below find the right end.
+      // Parallel: every s is equally good; the clamps below find the right end.
       if (det > kParallelDeterminant * a * e) s = unit((b * f - c * e) / det);
       t = (b * s + f) / e;
       if (!(t >= 0)) {
@@ -28,7 +28,7 @@ inline Real closestOfSegments(const SegmentPair3& x, Real& s, Real& t) {
       } else if (t > 1) {
         t = 1, s = unit((b - c) / a);
       } else {
-        s = unit((b * t - c) / a);  // once more for the digits that the determinant lost
+        s = unit((b * t - c) / a);  // again, for the digits that the determinant lost
       }
     } else {
       s = unit(-c / a);
@@ -39,7 +39,7 @@ inline Real closestOfSegments(const SegmentPair3& x, Real& s, Real& t) {
   return ((x.a2 + t * d2) - (x.a1 + s * d1)).squaredNorm();
 }
 
-/// Which edge of each core, and where on it. A core without edges has edge -1: its one vertex.
+/// The edge of each core and the position on it. A core without edges has edge -1: its one vertex.
 struct ClosestEdges3 {
   int edge1 = -1, edge2 = -1;
   Real s = 0, t = 0, squared = std::numeric_limits<Real>::infinity();
@@ -55,14 +55,14 @@ inline SegmentPair3 segmentPair(const Core3& c1, int edge1, const Core3& c2, int
   return {c1.v[v[0]], c1.v[v[1]], c2.v[v[2]], c2.v[v[3]]};
 }
 
-/// How far segment 2 lies beyond segment 1 along n (m).
+/// Separation of segment 2 from segment 1 along n (m).
 inline Real separationOfSegments(const SegmentPair3& x, const Vec<3>& n) {
   return std::min(n.dot(x.a2), n.dot(x.b2)) - std::max(n.dot(x.a1), n.dot(x.b1));
 }
 
-/// n_12 of two segments, given their nearest points: the way from one to the other. Near crossing it has lost the
-/// digits that its ends have in common, and what it leans along a segment is that much of the segment's length too
-/// little. So the best of it, of what is left of it across either segment, and of the direction across both.
+/// n_12 of two segments from their closest points. The vector between them loses digits when the segments nearly cross,
+/// and its component along a segment reduces the separation by that part of the segment's length. So the best of three
+/// is used: the vector, the vector orthogonalised against either segment, and the cross product of both.
 inline Vec<3> normalOfSegments(const SegmentPair3& x, const ClosestEdges3& e, const PlacedPair<3>& pair) {
   const Vec<3> d1 = x.b1 - x.a1, d2 = x.b2 - x.a2, apart = (x.a2 + e.t * d2) - (x.a1 + e.s * d1);
   const Real distance = apart.norm();
@@ -83,7 +83,7 @@ inline Vec<3> normalOfSegments(const SegmentPair3& x, const ClosestEdges3& e, co
     const Real separation = separationOfSegments(x, n);
     if (separation > most) best = n, most = separation;
   };
-  // Once more across one of them: then across the other as well, to the last digit, however small their angle is.
+  // Orthogonalised once more against one of them, which makes it orthogonal to both to the last digit at any angle.
   Vec<3> both = d1.cross(d2);
   if (both.norm() > kParallelCross * length1 * length2) {
     both = across(both, d1, length1);
@@ -101,9 +101,9 @@ struct ClosestScratch3 {
   std::vector<int> edges1, edges2;
 };
 
-/// The nearest pair of edges. `n` (unit, n_12) separates the cores by at least `separation` >= 0, so a feature farther
-/// behind the foremost plane than the best distance found exceeds `separation` cannot be nearest: near contact only a
-/// few edges are left.
+/// The nearest pair of edges. `n` (unit, n_12) separates the cores by at least `separation` >= 0. A feature whose
+/// distance behind the support plane exceeds the best distance found less `separation` cannot be nearest, so near
+/// contact only a few edges remain.
 inline ClosestEdges3 closestEdges(const Core3& c1, const Core3& c2, const Vec<3>& n, Real separation,
                                   ClosestScratch3& scratch) {
   ClosestEdges3 best;
@@ -137,7 +137,7 @@ inline ClosestEdges3 closestEdges(const Core3& c1, const Core3& c2, const Vec<3>
   return best;
 }
 
-/// Of the nearest pair: vertices where it lies at their ends, else edges.
+/// Feature number of the nearest pair: vertices if it lies at their ends, else edges.
 inline std::uint64_t closestFeature(const Core3& c1, const Core3& c2, const ClosestEdges3& e) {
   int v[4];
   edgeEnds(c1, e.edge1, v[0], v[1]), edgeEnds(c2, e.edge2, v[2], v[3]);
@@ -147,8 +147,8 @@ inline std::uint64_t closestFeature(const Core3& c1, const Core3& c2, const Clos
   return featureNumber(code(v[0], v[1], e.s), code(v[2], v[3], e.t));
 }
 
-/// Contact points of two edges (or of an edge and a point) along `n`: their nearest pair, or the two ends of their
-/// common stretch when they are nearly parallel.
+/// Contact points of two edges (or of an edge and a point) along `n`: their closest points, or the two ends of their
+/// common interval if they are nearly parallel.
 inline void touchEdges(const Core3& c1, const Core3& c2, const ClosestEdges3& e, const PlacedPair<3>& pair,
                        Patch3& out) {
   const SegmentPair3 x = segmentPair(c1, e.edge1, c2, e.edge2);

@@ -5,8 +5,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
-/// A convex polygon in frame 1, counter-clockwise. A capsule's core is a box of no height: its two end "edges" have no
-/// length, but their normals are needed to see that cores on one line are apart.
+/// A convex polygon in frame 1, counter-clockwise. A capsule's core is a box of zero height: its two end "edges" have
+/// no length, but their normals are needed to find cores on one line apart.
 struct Core2 {
   const Vec<2>* v;  // read as Xy
   const Vec<2>* n;  // unit, outward, of the edge from vertex i to i + 1
@@ -28,8 +28,8 @@ struct Storage2 {
   std::vector<Vec<2>> v = std::vector<Vec<2>>(4), n = std::vector<Vec<2>>(4);
 };
 
-/// Shape 2 is brought into frame 1 by X_12; for shape 1 that is null, and a hull is not copied. Not for planes and
-/// curved cores.
+/// X_12 brings shape 2 into frame 1; it is null for shape 1, and a hull is then not copied. Not for planes and curved
+/// cores.
 inline Core2 makeCore2(const ShapeView<2>& s, const Pose<2>* X_12, Storage2& storage) {
   switch (s.core()) {
     case CoreClass::hull: {
@@ -64,8 +64,8 @@ inline Core2 makeCore2(const ShapeView<2>& s, const Pose<2>* X_12, Storage2& sto
   return {storage.v.data(), storage.n.data(), 4};
 }
 
-/// As `makeCore2`, of a shape that faces the other one along d (frame 1, any length): a curved core is its support face
-/// there, one edge, or one vertex, which has no edge to clip.
+/// Like `makeCore2`, for a shape that faces the other one along d (frame 1, any length): of a curved core its support
+/// face there, one edge, or one vertex, which has no edge to clip.
 inline Core2 makeFacing2(const ShapeView<2>& s, const Pose<2>* X_12, const Vec<2>& d, Storage2& storage,
                          WorkDone& work) {
   if (s.core() != CoreClass::curved) return makeCore2(s, X_12, storage);
@@ -77,7 +77,7 @@ inline Core2 makeFacing2(const ShapeView<2>& s, const Pose<2>* X_12, const Vec<2
   return {storage.v.data(), storage.n.data(), static_cast<int>(storage.v.size())};
 }
 
-/// The edge of `c` whose normal is most along `d`.
+/// The edge of `c` with the normal most along `d`.
 inline int edgeAlong(const Core2& c, const Xy& d) {
   int best = 0;
   Real most = dot(c.n[0], d);

@@ -6,11 +6,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
-/// A core in frame 1: a polytope, or a segment (two vertices, one edge without faces), or a point.
+/// A core in frame 1: a polytope, a segment (two vertices, one edge, no faces), or a point.
 struct Core3 {
   const Vec<3>* v = nullptr;
   const Vec<3>* n = nullptr;              // of the faces, unit, outward
-  const Polytope<3>* topology = nullptr;  // faces, loops and edges; null for a point. Its coordinates are not ours.
+  const Polytope<3>* topology = nullptr;  // faces, loops and edges; null for a point. Its coordinates are not used.
   int vertexCount = 0;
 
   int faceCount() const { return topology ? static_cast<int>(topology->faces.size()) : 0; }
@@ -20,7 +20,7 @@ struct Core3 {
   int loop(int i) const { return topology->loop[i]; }
   const Vec<3>& faceVertex(int f, int k) const { return v[loop(face(f).begin + k)]; }
   int faceSize(int f) const { return face(f).end - face(f).begin; }
-  /// False for a side of a flat triangle: nothing can be clipped against it, it is an edge.
+  /// False for a side of a flat triangle: it cannot clip, it is an edge.
   bool hasArea(int f) const { return faceSize(f) > 2; }
 };
 
@@ -35,7 +35,7 @@ inline const Polytope<3>& boxTopology() {
       n[f / 2] = f % 2 ? Real(1) : Real(-1);
       t.faces.push_back({n, 0, 4 * f, 4 * f + 4});
     }
-    // An edge's faces: the one in whose loop v0 -> v1 occurs, and the one that has v1 -> v0.
+    // The two faces of an edge: one has v0 -> v1 in its loop, the other v1 -> v0.
     const auto faceWith = [&](int v0, int v1) {
       for (int i = 0; i < 24; ++i) {
         const int next = i % 4 == 3 ? i - 3 : i + 1;
@@ -67,7 +67,7 @@ struct Storage3 {
   std::vector<Vec<3>> v = std::vector<Vec<3>>(8), n = std::vector<Vec<3>>(6);
 };
 
-/// Most cores are boxes, and to make them took as long as to find their axes: hence number by number (triple.h).
+/// Written number by number (triple.h): most cores are boxes, and making them took as long as finding their axes.
 inline Core3 makeBox3(const Vec<3>& half, const Pose<3>* X_12, Storage3& storage) {
   if (storage.v.size() < 8) storage.v.resize(8);
   Vec<3>* v = storage.v.data();
@@ -92,8 +92,8 @@ inline Core3 makeBox3(const Vec<3>& half, const Pose<3>* X_12, Storage3& storage
   return {v, n, &boxTopology(), 8};
 }
 
-/// Shape 2 is brought into frame 1 by X_12; for shape 1 that is null, and a hull is not copied. Not for planes and
-/// curved cores.
+/// X_12 brings shape 2 into frame 1; it is null for shape 1, and a hull is then not copied. Not for planes and curved
+/// cores.
 inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& storage) {
   if (s.core() == CoreClass::box) return makeBox3(s.half, X_12, storage);
   const Mat<3> R = X_12 ? X_12->q.matrix() : Mat<3>::Identity();
@@ -130,7 +130,7 @@ inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& sto
   return {};
 }
 
-/// One face with so many corners, counter-clockwise seen from outside.
+/// One face with this number of corners, counter-clockwise seen from outside.
 inline const Polytope<3>& polygonTopology(std::size_t corners) {
   constexpr std::size_t kMost = 64;
   static const IndexedVector<Polytope<3>> polygons = [] {
@@ -149,8 +149,8 @@ inline const Polytope<3>& polygonTopology(std::size_t corners) {
   return polygons[corners];
 }
 
-/// As `makeCore3`, of a shape that faces the other one along d (frame 1, any length): a curved core is its support face
-/// there, a polygon, an edge, or a point.
+/// Like `makeCore3`, for a shape that faces the other one along d (frame 1, any length): of a curved core its support
+/// face there, a polygon, an edge, or a point.
 inline Core3 makeFacing3(const ShapeView<3>& s, const Pose<3>* X_12, const Vec<3>& d, Storage3& storage,
                          WorkDone& work) {
   if (s.core() != CoreClass::curved) return makeCore3(s, X_12, storage);
@@ -165,7 +165,7 @@ inline Core3 makeFacing3(const ShapeView<3>& s, const Pose<3>* X_12, const Vec<3
   return {v.data(), storage.n.data(), &polygonTopology(v.size()), count};
 }
 
-/// The face of `c` whose normal is most along `d`; with a vertex, only among the faces around it.
+/// The face of `c` with the normal most along `d`; with a vertex, only among the faces around it.
 inline int faceAlong(const Core3& c, const Vec<3>& d, int vertex = -1) {
   const Triple towards(d);
   int best = -1;
@@ -180,7 +180,7 @@ inline int faceAlong(const Core3& c, const Vec<3>& d, int vertex = -1) {
   return best;
 }
 
-/// The vertex of `c` that lies farthest along `d`.
+/// The support vertex of `c` along `d`.
 inline int vertexAlong(const Core3& c, const Vec<3>& d) {
   const Triple towards(d);
   int best = 0;

@@ -11,8 +11,8 @@ struct QueryClipScratch2 {
   Patch2 patch;
 };
 
-/// Clips the edges that face each other along the unit n_12 of a query; `witness` stays when no clipped point is as
-/// deep.
+/// Clips the edges that face each other along the unit n_12 of a query; `witness`, the closest points, is used if no
+/// clipped point is as deep.
 inline std::span<PatchPoint<2>> clipAlong(const PlacedPair<2>& pair, const Vec<2>& n, const PatchPoint<2>& witness,
                                           Reduction, QueryClipScratch2& s, WorkDone& work) {
   const ShapeView<2>&s1 = pair.view1(), &s2 = pair.view2();

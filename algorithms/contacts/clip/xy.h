@@ -7,9 +7,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
-/// A vector of the plane in one register. A Vec<2> goes through memory: written number by number and read as one packet
-/// it has to be waited for, and so has a struct of two numbers that is copied. Sums and products are those of the two
-/// numbers, each rounded for itself: the bits are those of Vec<2>.
+/// A 2D vector in one register. A Vec<2> goes through memory: writing two numbers and reading them as one packet
+/// stalls, and so does copying a struct of two numbers. Sums and products round each number separately, so the bits are
+/// those of Vec<2>.
 class Xy {
  public:
   Xy() = default;
@@ -31,13 +31,13 @@ class Xy {
   friend Xy operator-(const Xy& a) { return Xy(-a.m_v); }
   friend Xy operator*(Real s, const Xy& a) { return Xy(Two{s, s} * a.m_v); }
   friend Xy operator/(const Xy& a, Real s) { return Xy(a.m_v / Two{s, s}); }
-  /// Of x with x and y with y.
+  /// Component-wise product.
   friend Xy product(const Xy& a, const Xy& b) { return Xy(a.m_v * b.m_v); }
   friend Real dot(const Xy& a, const Xy& b) {
     const Two products = a.m_v * b.m_v;
     return products[0] + products[1];
   }
-  /// By q, and by its inverse.
+  /// Rotates by q, and by its inverse.
   friend Xy turned(const Rot<2>& q, const Xy& a) { return Xy(Two{q.c, q.c} * a.m_v + Two{-q.s, q.s} * a.crossed()); }
   friend Xy turnedBack(const Rot<2>& q, const Xy& a) {
     return Xy(Two{q.c, q.c} * a.m_v + Two{q.s, -q.s} * a.crossed());
@@ -58,7 +58,7 @@ class Xy {
   Two m_v;
 };
 
-// Vec<2> goes in, too.
+// Also accepts Vec<2>.
 Real dot(const Xy& a, const Xy& b);
 Xy turned(const Rot<2>& q, const Xy& a);
 Xy turnedBack(const Rot<2>& q, const Xy& a);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// What all contact generators share: two shapes brought into one frame, and contact points brought back to the bodies.
+// Shared by all contact generators: bringing two shapes into one frame, and contact points back to the bodies.
 //
-// Kernels see a pair in the order of the kinds ("1" is the lower one) and in the frame of shape 1, and they see cores:
-// the radii are added here, at the end, because rounding both shapes moves each witness along the normal and nothing
-// else.
+// Kernels see a pair in the order of the kinds ("1" is the lower one), in the frame of shape 1, and as cores. The radii
+// are added here at the end, because rounding both shapes only moves each closest point along the normal.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +17,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
 using pair_query::Triple;
 
-/// Witnesses on the two cores, in the frame of shape 1, and (p2 - p1) . n.
+/// Closest points on the two cores, in the frame of shape 1, and (p2 - p1) . n.
 template <int D>
 struct PatchPoint {
   Vec<D> p1, p2;
@@ -26,9 +25,9 @@ struct PatchPoint {
   std::uint64_t feature;  // see featureNumber()
 };
 
-/// A feature of a shape is a vertex (i, i) or an edge (i, j); none is (65535, 65535). Two bytes each, shape A's
-/// feature above B's. So a number does not depend on which face served as reference, and a vertex keeps its number when
-/// the face around it changes. Beyond 65,536 vertices numbers may coincide: `addPatch` keeps them apart.
+/// Code of a feature: a vertex (i, i) or an edge (i, j); none is (65535, 65535). Two bytes each, shape A's feature
+/// above B's. The number does not depend on which face was the reference, and a vertex keeps its number when the face
+/// around it changes. Beyond 65,536 vertices numbers may coincide; `addPatch` then makes them different.
 inline std::uint32_t featureCode(int i, int j) {
   const auto lo = static_cast<std::uint32_t>(std::min(i, j)), hi = static_cast<std::uint32_t>(std::max(i, j));
   return lo << 16 | (hi & 0xffffu);
@@ -45,10 +44,10 @@ struct PlacedPair {
   Rot<D> R_W1;
   Pose<D> X_12;
   bool swapped;        // shape 1 is on body B
-  bool framed = true;  // 2D: a shape has a frame other than its body's
-  Real limit;          // core separations beyond it are no contacts, m
-  Real rounding;       // below this, lengths are noise, m
-  Real tolerance;      // depths that differ by less than this are alike, m
+  bool framed = true;  // 2D: a shape's frame differs from its body's
+  Real limit;          // larger core separations give no contact, m
+  Real rounding;       // shorter lengths are rounding, m
+  Real tolerance;      // depths that differ by less count as equal, m
 
   const ShapeView<D>& view1() const { return swapped ? pair->b : pair->a; }
   const ShapeView<D>& view2() const { return swapped ? pair->a : pair->b; }
@@ -56,8 +55,8 @@ struct PlacedPair {
   const Pose<D>& X_C2() const { return swapped ? pair->X_CA : pair->X_CB; }
 };
 
-/// Half the thickness of a core where it is known at no cost, otherwise half of some chord: a length that the
-/// tolerances must stay well below.
+/// Half the thickness of a core if it is known at no cost, otherwise half of some chord: a length that tolerances must
+/// stay well below.
 template <int D>
 Real coreThickness(const ShapeView<D>& s) {
   switch (s.core()) {
@@ -75,7 +74,7 @@ Real coreThickness(const ShapeView<D>& s) {
   return 0;
 }
 
-/// Some length not below a quarter of the core's reach from its own origin; a plane's is 0.
+/// A length not below a quarter of the core's reach from its own origin; 0 for a plane.
 template <int D>
 Real coreReach(const ShapeView<D>& s) {
   if (s.core() != CoreClass::hull) {
@@ -86,12 +85,12 @@ Real coreReach(const ShapeView<D>& s) {
   return v[0].template lpNorm<1>() + (v[v.size() / 2] - v[0]).template lpNorm<1>();
 }
 
-/// `bias`: depths that differ by less than this (m) are alike, so that ties do not flip from step to step. It is cut
-/// to 1 % of the thinner shape, and never below rounding.
+/// `bias`: depths that differ by less than this (m) count as equal, so that ties do not flip from step to step. It is
+/// limited to 1 % of the thinner shape, and never below rounding.
 template <int D>
 PlacedPair<D> placePair(const ContactInput<D>& in, const ConvexPair<D>& pair, Real bias);
 
-/// A manifold that is made where it shall be, and not copied there.
+/// A manifold that is built in place and not copied.
 template <int D>
 struct StartedManifold {
   const ContactInput<D>& in;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Pairs of the plane placed and their points brought back, with vectors in registers: of what a pair takes in 2D, these
-// two are most.
+// Places 2D pairs and brings their points back, with vectors in registers: these two take most of the time of a 2D
+// pair.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
-/// Are both the frames of the bodies themselves, to the bit? Then nothing is to be turned between them.
+/// Whether both frames are bitwise the frames of the bodies; then no rotation is needed.
 inline bool isBodysFrame(const Pose<2>& X_C1, const Pose<2>& X_C2) {
   using Bits = std::conditional_t<sizeof(Real) == 8, std::uint64_t, std::uint32_t>;
   const auto bits = [](Real x) { return std::bit_cast<Bits>(x); };
@@ -20,10 +20,10 @@ inline bool isBodysFrame(const Pose<2>& X_C1, const Pose<2>& X_C2) {
   return (other(X_C1) | other(X_C2)) == 0;
 }
 
-/// Of a box and a hull, which are most of what meets, by one question and without a root.
+/// Sizes of a box or a hull, the most frequent shapes, with one branch and no square root.
 struct CoreSizes2 {
   Real reach;      // as coreReach, m
-  Real thickness;  // coreThickness, m, or a bound from below that does not cut the bias
+  Real thickness;  // coreThickness, m, or a lower bound that does not limit the bias
 
   CoreSizes2(const ShapeView<2>& s, Real bias) {
     const CoreClass core = s.core();
@@ -68,7 +68,7 @@ inline PlacedPair<2> placePair<2>(const ContactInput<2>& in, const ConvexPair<2>
   out.rounding = kNoise * (size1.reach + size2.reach + (std::abs(p_12.x()) + std::abs(p_12.y())));
   out.tolerance = std::max(std::min(bias, kThinPart * std::min(size1.thickness, size2.thickness)), out.rounding);
   constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
-  if (!(out.rounding < kInfinity)) out.limit = -kInfinity;  // a body that is nowhere: nothing touches it
+  if (!(out.rounding < kInfinity)) out.limit = -kInfinity;  // body with a pose that is not finite: nothing touches it
   return out;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Pairs of space placed and their points brought back, number by number: triple.h says why.
+// Places 3D pairs and brings their points back, number by number; triple.h says why.
 #pragma once
 
 #include "algorithms/contacts/patch/contact_patch.h"
@@ -21,7 +21,8 @@ inline PlacedPair<3> placePair(const ContactInput<3>& in, const ConvexPair<3>& p
   const Pose<3>&X_C1 = out.X_C1(), &X_C2 = out.X_C2();
   out.R_W1 = isNoTurn(X_C1.q) ? X_W1.q : X_W1.q * X_C1.q;
   const Rot<3> R_1W = out.R_W1.inverse();
-  // Bodies are subtracted first: far from the origin their difference is exact, the sum of pose and offset is not.
+  // Subtracts the bodies' positions first: far from the origin their difference is exact, the sum of pose and offset is
+  // not.
   const Triple between = Triple(X_W2.p) - Triple(X_W1.p), p1 = X_W1.q * Triple(X_C1.p), p2 = X_W2.q * Triple(X_C2.p),
                p_12 = R_1W * Triple(between + (p2 - p1));
   p_12.store(out.X_12.p);
@@ -31,11 +32,11 @@ inline PlacedPair<3> placePair(const ContactInput<3>& in, const ConvexPair<3>& p
   out.rounding = kNoise * (coreReach(s1) + coreReach(s2) + sumOfSizes(p_12));
   out.tolerance = std::max(std::min(bias, kThinPart * std::min(coreThickness(s1), coreThickness(s2))), out.rounding);
   constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
-  if (!(out.rounding < kInfinity)) out.limit = -kInfinity;  // a body that is nowhere: nothing touches it
+  if (!(out.rounding < kInfinity)) out.limit = -kInfinity;  // body with a pose that is not finite: nothing touches it
   return out;
 }
 
-/// X * v. Most shapes lie in their body's frame as they are: then it is a sum.
+/// X * v. Most shapes have their body's orientation; then it is a sum.
 inline Triple atPose(const Pose<3>& X, const Triple& v) {
   const Triple p(X.p);
   if (isNoTurn(X.q)) return p + v;

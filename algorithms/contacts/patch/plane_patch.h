@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Contacts with a plane, the same for every generator: each corner of the other core that lies within the margin of the
-// plane is a contact, and of these the ones that span most are kept.
+// Contacts with a plane, the same for every generator: each corner of the other core within the margin of the plane is
+// a contact, and of these the ones with the largest span are kept.
 #pragma once
 
 #include "algorithms/contacts/patch/reduction.h"
@@ -41,7 +41,7 @@ void cornersToPlane(const ShapeView<D>& s, const Vec<D>& down, std::vector<Vec<D
       return;
     case CoreClass::curved: {
       work[WorkCount::supportCalls] += 2;
-      // Of a tilted face the lowest place may lie between its corners.
+      // The lowest point of a tilted face may lie between its corners.
       const Vec<D> lowest = s.curved->support(down);
       s.curved->supportFace(down, out);
       Real deepest = -std::numeric_limits<Real>::infinity();
@@ -54,13 +54,13 @@ void cornersToPlane(const ShapeView<D>& s, const Vec<D>& down, std::vector<Vec<D
   }
 }
 
-/// Fills scratch.points and returns n_12. Points that are equally deep within the pair's tolerance are alike.
+/// Fills scratch.points and returns n_12. Depths that differ by less than the pair's tolerance count as equal.
 template <int D>
 Vec<D> planePatch(const PlacedPair<D>& pair, Reduction rule, PlaneScratch<D>& scratch, WorkDone& work) {
   const ShapeView<D>&s1 = pair.view1(), &s2 = pair.view2();
   const bool planeSecond = s2.core() == CoreClass::plane;
   const ShapeView<D>& body = planeSecond ? s1 : s2;
-  // Up out of the half-space, in frame 1.
+  // Out of the half-space, in frame 1.
   const Vec<D> up = planeSecond ? Vec<D>(pair.X_12.q * Vec<D>(Vec<D>::Unit(1))) : Vec<D>(Vec<D>::Unit(1));
   const Vec<D> origin = planeSecond ? pair.X_12.p : Vec<D>(Vec<D>::Zero());
   const Vec<D> upInBody = planeSecond ? up : Vec<D>(pair.X_12.q.inverse() * up);

@@ -5,7 +5,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
-/// A point, a segment or a box: a box by its half extents, flat ones included.
+/// A point, a segment or a box, by its half extents; flat boxes included.
 template <int D>
 bool isBox(const ShapeView<D>& s) {
   switch (s.core()) {
@@ -39,7 +39,7 @@ int collidePointBox(const PlacedPair<D>& pair, Vec<D>& n, PatchPoint<D>& out) {
   Vec<D> n_21, p2 = nearest;
   if (distance > pair.rounding) {
     n_21 = outward / distance;
-  } else {  // the centre is in the core, or on it within rounding: out through the nearest face
+  } else {  // centre in the core, or on it within rounding: out through the nearest face
     int axis = 0;
     for (int k = 1; k < D; ++k) {
       if (half[k] - std::abs(c[k]) < half[axis] - std::abs(c[axis])) axis = k;

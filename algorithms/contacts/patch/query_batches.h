@@ -7,7 +7,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace contacts {
 
-/// Asks a nested pair query about many pairs: sorted by kinds, answers in the order of the kinds.
+/// Runs a nested pair query on many pairs, sorted by kinds; answers come in the order of the kinds.
 template <int D>
 class QueryBatches {
  public:
@@ -16,8 +16,8 @@ class QueryBatches {
   bool remembers() const { return m_query->remembers(); }
   bool supports(ShapeKind a, ShapeKind b) const { return m_query->supports(std::min(a, b), std::max(a, b)); }
 
-  /// Calls use(placed, answer) for each pair that is within the margin. The answer is that of the shapes, not of
-  /// their cores, and always has a unit normal.
+  /// Calls use(placed, answer) for each pair within the margin. The answer is that of the shapes, not of their cores,
+  /// and always has a unit normal.
   template <class Use>
   void run(const ContactInput<D>& in, Real bias, WorkDone& work, const Use& use) {
     for (const std::size_t kinds : m_used) m_groups[kinds].clear();
@@ -39,7 +39,7 @@ class QueryBatches {
         PairAnswer<D>& answer = m_answers[i];
         if (answer.status == QueryStatus::refused || answer.status == QueryStatus::failed) continue;
         if (!(answer.distance <= in.margin)) continue;
-        if (!(answer.normal.squaredNorm() > 0)) {  // the method has none: from centre to centre is better than nothing
+        if (!(answer.normal.squaredNorm() > 0)) {  // the method gave no normal: use the direction between the centres
           const Real length = placed.X_12.p.norm();
           answer.normal = length > 0 ? Vec<D>(placed.X_12.p / length) : Vec<D>(Vec<D>::Unit(0));
         }
@@ -62,14 +62,14 @@ class QueryBatches {
 
   std::unique_ptr<PairQuery<D>> m_query;
   std::array<std::vector<std::size_t>, kShapeKinds * kShapeKinds> m_groups;
-  std::vector<std::size_t> m_used;  // those that are not empty
+  std::vector<std::size_t> m_used;  // batches that are not empty
   std::vector<PlacedPair<D>> m_placed;
   std::vector<PairView<D>> m_views;
   std::vector<PairAnswer<D>> m_answers;
   std::vector<PairMemory> m_memory;
 };
 
-/// A query's answer as a contact point of the cores. In frame 1, as answers are.
+/// A query's answer as a contact point of the cores, in frame 1 like the answer.
 template <int D>
 PatchPoint<D> witnessPoint(const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
   const Real r1 = placed.view1().radius, r2 = placed.view2().radius;

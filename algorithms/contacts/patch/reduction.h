@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// Which of many contact points a manifold keeps: four in 3D, by one of several rules, and two in 2D.
+// Contact reduction: which of many points a manifold keeps, four in 3D by one of several rules, and two in 2D.
 //
-// All rules keep one of the deepest, within the pair's tolerance: a solver that never hears of it lets it sink. Of
-// alike points the one with the smaller feature number wins, and it is left only for a clear gain, so that the choice
-// is the same in the next step.
+// All rules keep one of the deepest points, within the pair's tolerance; a solver without it lets the body sink. Among
+// equal points the one with the smaller feature number wins, and it is replaced only for a clear gain, so that the
+// choice is the same in the next step.
 #pragma once
 
 #include "algorithms/contacts/patch/contact_patch.h"
@@ -17,7 +17,7 @@ inline void visitReduction(ParamVisitor& v, Reduction& rule) {
            "which four points a patch keeps in 3D; in 2D it has two ends");
 }
 
-/// How the two rules fail that look at no area, in 3D.
+/// Failures of the two rules that ignore the area, in 3D.
 inline void declareNarrowRules(std::vector<FailureMode>& failures) {
   failures.push_back({"reduction=extremes: a patch of many corners that lies aslant",
                       "the extreme ones are few, or neighbours", "Contacts.RockingFacesSpanThePatch"});
@@ -25,7 +25,7 @@ inline void declareNarrowRules(std::vector<FailureMode>& failures) {
                       "Contacts.RockingFacesSpanThePatch"});
 }
 
-/// Places in a list of points.
+/// Indices into a list of points.
 struct KeptPoints {
   std::array<std::size_t, 4> at{};
   std::size_t count = 0;
@@ -40,7 +40,7 @@ Real deepestOf(std::span<const PatchPoint<D>> points) {
   for (const PatchPoint<D>& p : points) least = std::min(least, p.separation);
   return least;
 }
-/// The first that is as deep as the deepest.
+/// The first point that is as deep as the deepest, within the tolerance.
 template <int D>
 std::size_t firstDeep(std::span<const PatchPoint<D>> points, Real tolerance) {
   const Real least = deepestOf(points);
@@ -49,13 +49,13 @@ std::size_t firstDeep(std::span<const PatchPoint<D>> points, Real tolerance) {
   return i;
 }
 
-/// One of the deepest and another, far apart, and the widest on both sides of the line through them. Points that span
-/// nothing are dropped.
+/// Keeps one of the deepest points and one far from it, and the farthest on both sides of the line through them. Points
+/// that add no area are dropped.
 inline KeptPoints keepSpread(const Vec<3>& n, Real tolerance, std::span<const PatchPoint<3>> points) {
   const Real deepest = deepestOf(points);
   std::size_t ends[2] = {firstDeep(points, tolerance), 0};
   const auto apart = [&](std::size_t i, std::size_t k) { return (points[i].p2 - points[k].p2).squaredNorm(); };
-  // To the far end and back again, until neither end moves: then the kept four span at least half of the area.
+  // To the far end and back, until neither end changes: the four points then span at least half of the area.
   Real best = 0;
   for (int sweep = 0; sweep < kMostSpreads; ++sweep) {
     const std::size_t here = ends[sweep % 2];
@@ -85,12 +85,14 @@ inline KeptPoints keepSpread(const Vec<3>& n, Real tolerance, std::span<const Pa
   return kept;
 }
 
-/// One of the deepest, the farthest from it, the largest triangle with both, and what adds most to the triangle. They
-/// span at least a quarter of the area, less kClearGain^-3/2: let L be the way from the first to the second, l and r
-/// the largest heights above the line on its two sides. All points lie within L of the first, so their area is at most
-/// 2 L (l + r). The triangle has L max(l, r) / 2, and what the other side alone would add is L min(l, r) / 2.
+/// Keeps one of the deepest, the farthest from it, the point that makes the largest triangle with both, and the point
+/// that adds most to the triangle. They span at least a quarter of the area, less kClearGain^-3/2. Let L be the
+/// distance of the first two, l and r the largest heights above their line on its two sides. All points lie within L of
+/// the first, so their area is at most 2 L (l + r). The triangle has L max(l, r) / 2, and the other side alone would
+/// add L min(l, r) / 2.
 inline KeptPoints keepArea(const Vec<3>& n, Real tolerance, std::span<const PatchPoint<3>> points) {
-  // The first of those with the largest value above `least`, but for a clear gain; none: no such point.
+  // The first of the points with the largest value above `least`, except for a clear gain; none if there is no such
+  // point.
   const auto largest = [&](Real least, const auto& value, std::size_t& at) {
     bool found = false;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -112,13 +114,13 @@ inline KeptPoints keepArea(const Vec<3>& n, Real tolerance, std::span<const Patc
   const Real least = tolerance * across.norm();
   if (!largest(
           least, [&](std::size_t i) { return std::abs(across.dot(place(i))); }, c)) {
-    // On a line the deepest may lie between its ends.
+    // On a line the deepest point may lie between its ends.
     const auto beyond = [&](std::size_t i) { return (place(i) - pb).squaredNorm(); };
     if (largest(beyond(a), beyond, d)) kept.add(d);
     return kept;
   }
   kept.add(c);
-  // A point outside of the triangle sees one of its edges or two, and adds the triangles on those that it sees.
+  // A point outside the triangle sees one or two of its edges, and adds the triangles on those.
   const Vec<3> pc = place(c), m = across.dot(pc) > 0 ? n : Vec<3>(-n);
   const auto beside = [&](const Vec<3>& from, const Vec<3>& to, const Vec<3>& p) {
     return std::max(m.cross(from - to).dot(p - from), Real(0));
@@ -131,8 +133,8 @@ inline KeptPoints keepArea(const Vec<3>& n, Real tolerance, std::span<const Patc
   return kept;
 }
 
-/// The extreme ones along four directions that lie still in shape 1. One of the deepest takes the place of the nearest
-/// of them. Corners of a face along the directions may be extreme twice: then there are fewer.
+/// Keeps the extreme points along four directions fixed in shape 1; one of the deepest replaces the nearest of them. A
+/// corner may be extreme along two directions: then there are fewer points.
 inline KeptPoints keepExtremes(const Vec<3>& n, Real tolerance, std::span<const PatchPoint<3>> points) {
   const Vec<3> t1 = n.cross(Vec<3>::Unit(std::abs(n[0]) > kLeansOnX ? 1 : 0)).normalized(), t2 = n.cross(t1);
   KeptPoints kept;
@@ -155,7 +157,7 @@ inline KeptPoints keepExtremes(const Vec<3>& n, Real tolerance, std::span<const 
   return kept;
 }
 
-/// The four deepest, wherever they lie.
+/// Keeps the four deepest, wherever they lie.
 inline KeptPoints keepDeepest(Real tolerance, std::span<const PatchPoint<3>> points) {
   KeptPoints kept;
   while (kept.count < kept.at.size()) {
@@ -170,8 +172,8 @@ inline KeptPoints keepDeepest(Real tolerance, std::span<const PatchPoint<3>> poi
   return kept;
 }
 
-/// n: unit normal of the patch, either way round. Points that are equally deep within the tolerance (m) are alike. What
-/// is left is sorted by feature, if anything was dropped.
+/// n: unit normal of the patch, of either sign. Depths that differ by less than the tolerance (m) count as equal. If
+/// points were dropped, the rest is sorted by feature.
 inline void reducePatch(Reduction rule, const Vec<3>& n, Real tolerance, std::vector<PatchPoint<3>>& points) {
   if (points.size() <= 4) return;
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.feature < b.feature; });
@@ -195,7 +197,7 @@ inline void reducePatch(Reduction rule, const Vec<3>& n, Real tolerance, std::ve
   points.resize(kept.count, points[0]);
 }
 
-/// In 2D one of the deepest and the one farthest from it.
+/// In 2D keeps one of the deepest points and the one farthest from it.
 inline void reducePatch(Reduction, const Vec<2>& n, Real tolerance, std::vector<PatchPoint<2>>& points) {
   if (points.size() <= 2) return;
   const Vec<2> t(-n[1], n[0]);

@@ -35,7 +35,7 @@ inline FaceAxis3 bestFace(const Core3& p, const Core3& q, Real limit) {
   return best;
 }
 
-/// Is nothing of either core beyond the edge axis, but for `rounding`?
+/// Whether no part of either core lies beyond the edge axis, except for `rounding`.
 inline bool isForemost(const Core3& c1, const Core3& c2, const EdgeAxis3& axis, Real rounding) {
   const Real front1 = axis.normal.dot(c1.v[c1.edge(axis.edge1).v0]) + rounding;
   const Real front2 = axis.normal.dot(c2.v[c2.edge(axis.edge2).v0]) - rounding;
@@ -48,10 +48,10 @@ inline bool isForemost(const Core3& c1, const Core3& c2, const EdgeAxis3& axis, 
   return true;
 }
 
-/// Two edges span a face of the Minkowski difference when their arcs on the Gauss map cross (Gregorius, GDC 2013); only
+/// Two edges form a face of the Minkowski difference if their arcs on the Gauss map cross (Gregorius, GDC 2013); only
 /// those are projected. A segment's arc is a whole great circle. The arc between two faces of a sliver is half a circle
-/// but for the rounding of their normals, which may turn it to the wrong side, hence the look at the cores themselves.
-/// No edges (-1) when none separates by more than `least`. Counts the axes that were projected.
+/// except for the rounding of their normals, which may turn it to the wrong side; hence the test of the cores
+/// themselves. Returns no edges (-1) if none separates by more than `least`. Counts the projected axes.
 inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real least, Real limit, Real rounding,
                            std::vector<Real>& along, WorkDone& work) {
   EdgeAxis3 best{.separation = least};
@@ -76,7 +76,7 @@ inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real least, Real li
       const Real norm2 = n.squaredNorm(), lengths2 = length1 * d2.squaredNorm();
       if (norm2 <= kParallelSine * kParallelSine * lengths2) continue;
       n /= std::sqrt(norm2);
-      // Of nearly parallel edges: once more across one of them, and thereby across the other.
+      // Nearly parallel edges: orthogonalised once more against one of them, and thereby against the other.
       if (norm2 <= kNearlyParallel * kNearlyParallel * lengths2) n = (n - n.dot(d1) / length1 * d1).normalized();
       if (n.dot(c2.n[e2.faceA] + c2.n[e2.faceB]) > 0) n = -n;
       ++work[WorkCount::axisTests];
@@ -91,7 +91,7 @@ inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real least, Real li
   return best;
 }
 
-/// Two boxes in closed form: 15 axes (Gottschalk 1996). Their numbers are the compiler's, as in sat_boxes3.h.
+/// Two boxes in closed form: 15 axes (Gottschalk 1996). The compiler knows their indices, as in sat_boxes3.h.
 inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, const Mat<3>& R, Real limit, Real bias,
                     Axes3& axes) {
   const Triple h1(half1), h2(half2), t1(p);
@@ -109,7 +109,7 @@ inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, c
   offerFaces.template operator()<0>(), offerFaces.template operator()<1>(), offerFaces.template operator()<2>();
   if (face1.separation > limit || face2.separation > limit) return false;
   axes.face1 = face1, axes.face2 = face2;
-  // Only an edge axis that beats the faces clearly will be used. Separations of edge axes are compared unnormalised.
+  // An edge axis is used only if it clearly beats the faces. Separations of edge axes are compared without normalising.
   Real best = std::max(face1.separation, face2.separation) + bias;
   int bestI = -1, bestJ = -1;
   Real bestT = 0;

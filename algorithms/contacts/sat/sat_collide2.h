@@ -12,7 +12,7 @@ struct Scratch2 {
   Patch2 patch;
 };
 
-/// Clips the reference edge, given by its polygon and number, with the other polygon's edge that faces it.
+/// Clips the reference edge, given by its polygon and number, with the other polygon's facing edge.
 inline void clipAgainst(const Core2& c1, const Core2& c2, bool firstIsReference, int edge, const PlacedPair<2>& pair,
                         Patch2& out) {
   const Xy n = firstIsReference ? Xy(c1.n[edge]) : -Xy(c2.n[edge]);
@@ -22,8 +22,8 @@ inline void clipAgainst(const Core2& c1, const Core2& c2, bool firstIsReference,
 }
 
 /// Separating axes, then clipping. In 2D the largest separation over all edge normals belongs to an edge next to the
-/// nearest vertex: -h is concave, so on the circle of directions it falls off on both sides of its maximum. Hence the
-/// nearest points of that edge and of the one that faces it are the nearest points of the polygons.
+/// nearest vertex: -h is concave, so on the circle of directions it decreases on both sides of its maximum. Hence the
+/// closest points of that edge and its facing edge are the closest points of the polygons.
 inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, WorkDone& work) {
   Patch2& out = scratch.patch;
   out.count = 0;
@@ -51,7 +51,7 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, WorkDone& w
   }
   const bool firstIsBest = axis1.separation >= axis2.separation;
   const Real separation = std::max(axis1.separation, axis2.separation);
-  // Shape 1's edge is preferred unless shape 2's is clearly better, so that equal ones do not take turns.
+  // Shape 1's edge is preferred unless shape 2's is clearly better, so that equal edges do not alternate.
   const bool firstIsReference = axis1.separation + pair.tolerance >= axis2.separation;
   clipAgainst(c1, c2, firstIsReference, firstIsReference ? axis1.edge : axis2.edge, pair, out);
   const auto good = [&] { return out.deepest() <= separation + pair.tolerance; };
@@ -64,7 +64,7 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, WorkDone& w
   const Xy n = firstIsBest ? Xy(c1.n[axis1.edge]) : -Xy(c2.n[axis2.edge]);
   const Edge2 e1 = edgeOf(c1, firstIsBest ? axis1.edge : edgeAlong(c1, n));
   const Edge2 e2 = edgeOf(c2, firstIsBest ? edgeAlong(c2, -n) : axis2.edge);
-  // Overlapping cores come here only by rounding, at an edge's very end.
+  // Overlapping cores reach this line only by rounding, at an edge's very end.
   closestOfEdges(e1, e2, n, separation > 0, pair, out);
 }
 

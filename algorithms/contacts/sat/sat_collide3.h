@@ -15,9 +15,9 @@ struct Scratch3 {
   Patch3 patch;
 };
 
-/// Clips a reference face with the face of the other core that faces it, along n (n_12, unit). Good: one of the points
-/// lies as deep as `separation`, the least separation along n. The face most against n need not touch the foremost
-/// vertex (a bevel elsewhere may be better aligned), hence a second try with the faces around it.
+/// Clips a reference face with the facing face of the other core, along n (n_12, unit). Returns whether a point lies as
+/// deep as `separation`, the smallest separation along n. The face most against n need not touch the support vertex (a
+/// bevel elsewhere may be better aligned), hence a second attempt with the faces around it.
 inline bool clipAgainst(const Core3& c1, const Core3& c2, bool firstIsReference, int face, const Vec<3>& n,
                         Real separation, const PlacedPair<3>& pair, Scratch3& s) {
   const Core3 &ref = firstIsReference ? c1 : c2, &inc = firstIsReference ? c2 : c1;
@@ -41,7 +41,7 @@ inline bool clipAgainst(const Core3& c1, const Core3& c2, bool firstIsReference,
   return good();
 }
 
-/// Two segments: their nearest points, and when they cross or overlap, the direction across both.
+/// Two segments: their closest points, and if they cross or overlap, the direction across both.
 inline void collideSegments(const Core3& c1, const Core3& c2, const PlacedPair<3>& pair, Patch3& out) {
   ClosestEdges3 e{0, 0};
   const SegmentPair3 x = segmentPair(c1, 0, c2, 0);
@@ -78,14 +78,14 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
     if (axes.face2.separation > pair.limit) return;
     axes.face1 = bestFace(c1, c2, pair.limit);
     if (axes.face1.separation > pair.limit) return;
-    const Real least = axes.best() - pair.tolerance;  // less than that is no match for a face
+    const Real least = axes.best() - pair.tolerance;  // smaller separations cannot beat a face
     axes.edges = bestEdges(c1, c2, least, pair.limit, pair.rounding, s.along, work);
     if (axes.edges.separation > pair.limit) return;
   }
-  // Shape 1's face is preferred unless shape 2's is clearly better, and faces unless an edge pair is clearly better:
-  // equals do not take turns.
+  // Shape 1's face is preferred unless shape 2's is clearly better, and faces unless an edge pair is clearly better, so
+  // that equal axes do not alternate.
   const Real best = axes.best();
-  if (!(best > -std::numeric_limits<Real>::infinity())) return;  // sizes whose sums are no numbers
+  if (!(best > -std::numeric_limits<Real>::infinity())) return;  // sums of sizes are not finite
   const auto near = [&](Real separation) { return separation + pair.tolerance >= best; };
   const auto tryFirst = [&] {
     return near(axes.face1.separation) &&
@@ -101,7 +101,8 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
     const SegmentPair3 x = segmentPair(c1, axes.edges.edge1, c2, axes.edges.edge2);
     ClosestEdges3 e{axes.edges.edge1, axes.edges.edge2};
     const Real distance = std::sqrt(closestOfSegments(x, e.s, e.t));
-    // Feet inside both edges; otherwise the cores are apart and corners are nearer, or overlap and rounding clamps.
+    // Closest points inside both edges; otherwise the cores are apart and corners are nearer, or they overlap and
+    // rounding clamps.
     if (best <= 0 || distance <= axes.edges.separation + pair.tolerance) {
       out.normal = axes.edges.normal;
       const Vec<3> p1 = x.a1 + e.s * (x.b1 - x.a1), p2 = x.a2 + e.t * (x.b2 - x.a2);
@@ -123,7 +124,7 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
     clipFacing(c1, c2, n, {p1, p2, (p2 - p1).dot(n), closestFeature(c1, c2, e)}, pair, s.clip, out);
     return;
   }
-  for (const bool around : {false, true}) {  // a triangle's side leads: the other's face may be clipped
+  for (const bool around : {false, true}) {  // a triangle's side is the reference: the other's face may be clipped
     if (firstLeads ? c1.hasArea(axes.face1.face) : c2.hasArea(axes.face2.face)) break;
     out.points.clear();
     clipFacesAlong(c1, c2, out.normal, around, pair, s.clip, out);

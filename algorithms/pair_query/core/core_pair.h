@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// Two bounded cores (the shapes without their rounding) in A's frame, and the one bound on which
-// all answers of this folder rest. With M = { b - a } and a unit vector n,
+// Two bounded cores (the shapes without their rounding radii) in A's frame, and the bound on which all answers of this
+// folder rest. With M = { b - a } and a unit vector n,
 //
-//   L(n) = min over M of n . m = -h_A(n) - h_B(-n)   <=   phi = max over unit d of L(d),
+// L(n) = min over M of n . m = -h_A(n) - h_B(-n)   <=   phi = max over unit d of L(d),
 //
-// where phi is the signed distance of the cores, apart or penetrating. So every unit vector whatever, an axis made of
-// noise included, gives a proved lower bound: a method can only miss the best axis, never win with a wrong one. Methods
-// collect candidate directions, keep the best bound, and report that bound itself as the distance.
+// where phi is the signed distance of the cores, apart or penetrating. Every unit vector, even one made of rounding,
+// therefore gives a proved lower bound: a method can miss the best axis but never win with a wrong one. Methods collect
+// candidate directions, keep the best bound, and report that bound as the distance.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// Makes v a unit vector, whatever its length (no overflow, no underflow); false for zero and NaN.
+/// Normalises v, whatever its length (no overflow, no underflow); false for zero and NaN.
 template <int D>
 bool makeUnit(Vec<D>& v) {
   Real square = v.squaredNorm();
@@ -34,15 +34,15 @@ bool makeUnit(Vec<D>& v) {
   return true;
 }
 
-/// Removes from n, twice because once leaves the rounding of a long v behind, its part along the unit vector e.
+/// Removes from n its component along the unit vector e, twice, because one pass leaves the rounding of a long v.
 template <int D>
 void removeAlong(Vec<D>& n, const Vec<D>& e) {
   n -= n.dot(e) * e;
   n -= n.dot(e) * e;
 }
 
-/// coreSupport, of a hull with many vertices by several at a time, or by a climb from where the last one ended: all
-/// find the same one.
+/// coreSupport; for a hull with many vertices either several at a time or by a climb from the last result. All ways
+/// return the same vertex.
 template <int D>
 Vec<D> farthest(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr, int* climb = nullptr) {
   if constexpr (D == 3) {
@@ -64,23 +64,23 @@ Vec<D> farthest(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr,
 
 template <int D>
 struct CorePair {
-  const ShapeView<D>&a, &b;             // the pair's own: it must outlive this
+  const ShapeView<D>&a, &b;             // references: the shapes must outlive this
   Vec<D> p;                             // p_AB
   Mat<D> r;                             // R_AB
   Real scale;                           // m; coordinates are rounded to about kEpsilon * scale
-  std::array<int, 2>* climb = nullptr;  // vertices from which climbs on A and B begin; null: all are looked at
-  HullPair* hulls = nullptr;  // of two hulls, for who asks for many supports without a climb; null: one by one
+  std::array<int, 2>* climb = nullptr;  // vertices from which climbs on A and B start; null: brute force
+  HullPair* hulls = nullptr;  // two hulls, for searches with many supports without a climb; null: one vertex at a time
 
   explicit CorePair(const PairView<D>& pair) : a(pair.a), b(pair.b), p(pair.X_AB.p), r(pair.X_AB.q.matrix()), scale(0) {
     for (int k = 0; k < D; ++k) scale = std::max({scale, a.half[k], b.half[k], std::abs(p[k])});
   }
-  /// Others in their places, at the same scale.
+  /// Other shapes at the same poses and scale.
   CorePair withShapes(const ShapeView<D>& first, const ShapeView<D>& second) const {
     return CorePair(first, second, p, r, scale);
   }
 
   Real radii() const { return a.radius + b.radius; }
-  /// The point of M that lies least far along n.
+  /// The point of M with the smallest projection on n.
   Vec<D> support(const Vec<D>& n) const {
     if constexpr (D == 3) {
       if (hulls) return hulls->support(p, r, n).point;
@@ -110,11 +110,11 @@ struct BestAxis {
   Vec<D> n = Vec<D>::Zero();
   Real bound = -std::numeric_limits<Real>::infinity();
 
-  /// NaN is not taken.
+  /// NaN is rejected.
   void take(const Vec<D>& direction, Real value) {
     if (value > bound) n = direction, bound = value;
   }
-  /// Tests one more direction, of any length but zero.
+  /// Tests another direction, of any nonzero length.
   template <class Watch = NoWatch>
   void tryDirection(const CorePair<D>& pair, Vec<D> direction, WorkDone& work, const Watch& watch = {}) {
     if (!makeUnit<D>(direction)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The farthest vertex of a hull by a climb along its edges: where it begins near by, it looks at a few vertices,
-// however many there are.
+// Hill climbing along the edges of a hull to its support vertex: from a near start it visits a few vertices, whatever
+// their number.
 #pragma once
 
 #include <algorithm>
@@ -17,11 +17,11 @@ struct HullPeak {
   std::size_t count = 0;
 };
 
-/// All vertices that lie within `band` (m times the length of d) of the farthest along d, of any length, and perhaps
-/// others; the highest, of several the first, is vertices[0]. They are found by a climb from `start`, whose end is one
-/// whose neighbours, and those of all that are as high within the band and the hull's slack, are lower by more than
-/// that (framework/shape/hull_links.cpp has the proof). False where so many are as high that it gives up: a face with
-/// many corners, or a hull so thin that nothing is proved.
+/// Finds all vertices within `band` (m times the length of d) of the support vertex along d, of any length, and perhaps
+/// others; vertices[0] is the highest, of several the first. A climb from `start` ends at a vertex whose neighbours,
+/// and the neighbours of all vertices as high within the band and the hull's slack, are lower by more than that
+/// (framework/shape/hull_links.cpp has the proof). Returns false if too many vertices are as high: a face with many
+/// corners, or a hull too thin for the proof.
 inline bool climbToPeak(const Polytope<3>& hull, const Vec<3>& d, int start, Real band, HullPeak& peak) {
   const Real level = band + hull.slack * d.cwiseAbs().sum();  // the sum is no less than the length
   if (!(level < std::numeric_limits<Real>::infinity())) return false;
@@ -29,7 +29,7 @@ inline bool climbToPeak(const Polytope<3>& hull, const Vec<3>& d, int start, Rea
   auto& [top, count] = peak;
   top[0] = start, count = 1;
   Real most = height(start);
-  std::size_t seen = 0;  // of so many all neighbours are known
+  std::size_t seen = 0;  // number of vertices with all neighbours known
   while (seen < count) {
     for (const Polytope<3>::Spoke& s : hull.spokesOf(top[seen++])) {
       const Real h = height(s.to);
@@ -48,7 +48,7 @@ inline bool climbToPeak(const Polytope<3>& hull, const Vec<3>& d, int start, Rea
   return true;
 }
 
-/// The farthest vertex along d, the one that a look at all finds; -1: it is not known.
+/// The support vertex along d, the same as by brute force; -1 if it is not known.
 inline int climbToFarthest(const Polytope<3>& hull, const Vec<3>& d, int start) {
   HullPeak peak;
   return climbToPeak(hull, d, start, 0, peak) ? peak.vertices[0] : -1;

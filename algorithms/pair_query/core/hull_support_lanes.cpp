@@ -6,7 +6,7 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
 #define HWY_TARGET_INCLUDE "algorithms/pair_query/core/hull_support_lanes.cpp"
 #include "hwy/foreach_target.h"
-// After the one that includes this file again and again.
+// Must follow foreach_target.h, which includes this file again and again.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -17,24 +17,24 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<Real, kManyVertices / 2>;
 using Lanes = hn::Vec<Tag>;
 
-// Of each lane the first vertex that is farthest, with its index as a number (a float holds 2^24 of them).
+// Per lane, the first of the farthest vertices; its index is stored as a number (a float holds 2^24 of them).
 struct Farthest {
   Lanes far, index;
 };
 
-// The first of the two where they are equally far: every index of `first` is below `second`'s, or is the same vertex.
+// The first of the two on a tie: every index of `first` is below that of `second`, or is the same vertex.
 HWY_INLINE Farthest farther(const Farthest& first, const Farthest& second) {
   const auto more = hn::Gt(second.far, first.far);
   return {hn::IfThenElse(more, second.far, first.far), hn::IfThenElse(more, second.index, first.index)};
 }
-// The one with the lower index where they are equally far.
+// The one with the lower index on a tie.
 HWY_INLINE Farthest fartherOrFirst(const Farthest& u, const Farthest& v) {
   const auto tie = hn::And(hn::Eq(v.far, u.far), hn::Lt(v.index, u.index));
   const auto more = hn::Or(hn::Gt(v.far, u.far), tie);
   return {hn::IfThenElse(more, v.far, u.far), hn::IfThenElse(more, v.index, u.index)};
 }
 
-// Of all lanes: each with the one across from it, until the first has seen all.
+// Reduces all lanes: each lane is compared with the one across, until the first has seen all.
 HWY_INLINE std::size_t indexOf(Farthest f) {
   const Tag d;
   f = fartherOrFirst(f, {hn::Reverse(d, f.far), hn::Reverse(d, f.index)});
@@ -57,8 +57,8 @@ std::size_t farthestOf(const Real* HWY_RESTRICT vertices, std::size_t count, Rea
   const auto last = [&] HWY_ATTR {
     return at(count - lanes, hn::Add(first, hn::Set(d, static_cast<Real>(count - lanes))));
   };
-  // Two runs, so that one comparison need not wait for the one before it. The last vertices may be looked at twice:
-  // they are no farther the second time.
+  // Two independent runs, so that a comparison does not wait for the previous one. The last vertices may be tested
+  // twice, which changes nothing.
   Lanes even = first;
   Farthest low = at(0, even);
   if (count > lanes) {
@@ -118,7 +118,7 @@ void allWithin(const Real* HWY_RESTRICT vertices, std::size_t count, const Real*
   }
 }
 
-// Two runs of lanes at a time: so many of the rows are filled and looked at.
+// Two runs of lanes at a time: the number of entries that are filled and tested.
 HWY_INLINE std::size_t filled(std::size_t count) {
   const std::size_t step = 2 * hn::Lanes(Tag());
   return (count + step - 1) / step * step;
@@ -150,7 +150,7 @@ HWY_INLINE std::size_t farthestInRows(const HullPair::Hull& hull, Real dx, Real 
                 z = hn::Mul(hn::LoadU(d, rowZ + i), alongZ);
     return sizeof(Real) == 8 ? hn::Add(hn::Add(x, y), z) : hn::Add(x, hn::Add(y, z));
   };
-  // What is counted are the steps of a run: both runs share them.
+  // Counts the steps of a run, which both runs share.
   const Lanes step = hn::Set(d, static_cast<Real>(2 * lanes));
   Lanes first = hn::Zero(d);
   Farthest low{at(0), first}, high{at(lanes), first};
@@ -195,7 +195,7 @@ void verticesWithin(const std::vector<Vec<3>>& vertices, const Vec<3>& d, Real b
 
 namespace {
 
-// Of few vertices one by one: no branch, and no wait for lanes to meet.
+// A few vertices are tested one by one: no branch, and no reduction over lanes.
 std::size_t farthestOfFew(const HullPair::Hull& hull, const Real* n) {
   std::size_t best = 0;
   Real most = -std::numeric_limits<Real>::infinity();
@@ -226,7 +226,7 @@ HullSupport HullPair::support(const Vec<3>& p, const Mat<3>& rotation, const Vec
   }
   ++m_asked;
   const Real *u = m_a.vertices + 3 * out.a, *v = m_b.vertices + 3 * out.b;
-  // As Eigen adds what a matrix makes of a vector: the first two rows column by column, the last one like a float's.
+  // Adds in Eigen's order of a matrix times a vector: the first two rows column by column, the last one like a float's.
   out.point[0] = (p[0] + summed(r[0] * v[0], r[3] * v[1], r[6] * v[2])) - u[0];
   out.point[1] = (p[1] + summed(r[1] * v[0], r[4] * v[1], r[7] * v[2])) - u[1];
   out.point[2] = (p[2] + (r[2] * v[0] + (r[5] * v[1] + r[8] * v[2]))) - u[2];

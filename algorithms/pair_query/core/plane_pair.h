@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Zlib
-// A plane and a bounded shape: the plane's normal is the only direction to ask, so one support point answers exactly.
+// A plane and a bounded shape: the plane's normal is the only candidate direction, so one support point answers
+// exactly.
 #pragma once
 
 #include "algorithms/pair_query/core/touching.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// Does one of the kinds have no bounds? Then `answerPlane` serves, whatever the method does otherwise.
+/// Whether one of the kinds is unbounded. Then every method uses `answerPlane`.
 inline bool hasPlane(ShapeKind a, ShapeKind b) {
   return coreClass(a) == CoreClass::plane || coreClass(b) == CoreClass::plane;
 }
 
-/// Plane against plane has no depth: nobody supports it.
+/// Plane against plane has no depth: no method supports it.
 inline bool supportsPlane(ShapeKind a, ShapeKind b) {
   return (coreClass(a) == CoreClass::plane) != (coreClass(b) == CoreClass::plane);
 }
@@ -19,12 +20,12 @@ inline bool supportsPlane(ShapeKind a, ShapeKind b) {
 template <int D>
 class PlanePair {
  public:
-  /// The pair's answer, if asked with the middle of the feature that faces the plane as witness. Exact but for
+  /// The pair's answer; if closest points are wanted, the middle of the feature that faces the plane. Exact except for
   /// rounding.
   PairAnswer<D> answer(const CorePair<D>& pair, QueryNeed need, WorkDone& work) {
     const bool planeB = pair.b.core() == CoreClass::plane;
     const ShapeView<D>& body = planeB ? pair.a : pair.b;
-    // Up out of the half-space, and how high the frame's origin stands, in the body's frame.
+    // Out of the half-space, and the height of the frame's origin, in the body's frame.
     Vec<D> up = planeB ? Vec<D>(pair.r.col(1)) : Vec<D>(pair.r.row(1).transpose());
     makeUnit<D>(up);
     const Real origin = planeB ? -up.dot(pair.p) : pair.p[1];
@@ -41,7 +42,7 @@ class PlanePair {
     const Vec<D> onBody = middle + (lowest - middle.dot(up)) * up, onPlane = onBody - answer.distance * up;
     if (planeB) {
       answer.pA = onBody, answer.pB = onPlane;
-    } else {  // A is the plane: back into its frame
+    } else {  // A is the plane: back into A's frame
       answer.pA = pair.p + pair.r * onPlane, answer.pB = pair.p + pair.r * onBody;
     }
     return answer;

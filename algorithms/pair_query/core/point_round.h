@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Zlib
-// A point against a solid of revolution whose outline is made of straight lines: a cylinder or a cone. What counts of
-// the point is where it stands along the axis and how far from it, and there the solid is a convex polygon.
+// A point against a solid of revolution with a straight outline: a cylinder or a cone. Only the point's position along
+// the axis and its distance from it matter; in these coordinates the solid is a convex polygon.
 #pragma once
 
 #include "algorithms/pair_query/core/core_pair.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// One line of the outline, from `begin` to `end`, as (place along the axis, distance from it) (m), with the unit
-/// normal that leads out of the solid.
+/// One line of the outline, from `begin` to `end`, as (position along the axis, distance from it) (m), with the outward
+/// unit normal.
 struct OutlineEdge {
   Vec<2> begin, end, normal;
 
@@ -34,7 +34,7 @@ inline void pointRound(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& wor
   const Vec<3> inB = -(pair.r.transpose() * pair.p);
   Vec<3> across(0, inB[1], inB[2]);
   const Vec<2> q(inB[0], across.norm());
-  if (!makeUnit<3>(across)) across = Vec<3>::Unit(1);  // on the axis: every direction across it is right
+  if (!makeUnit<3>(across)) across = Vec<3>::Unit(1);  // on the axis: every direction across it is correct
   const auto attempt = [&](const Vec<2>& d) {
     best.tryDirection(pair, -(pair.r * Vec<3>(d[0] * Vec<3>::Unit(0) + d[1] * across)), work);
   };
@@ -45,7 +45,7 @@ inline void pointRound(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& wor
   }
   const bool outside = edges[highest].above(q) > 0;
   if (outside) attempt(edges[nearest].toPoint(q));
-  // Near the surface the way to it is all rounding; the lines' normals are not.
+  // Near the surface the vector to it is mostly rounding; the normals of the lines are not.
   if (!outside || best.bound < edges[nearest].toPoint(q).norm() - kBoundRounding * pair.scale) {
     for (std::size_t i = 0; i < count; ++i) attempt(edges[i].normal);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A point or a segment against a triangle: so few directions can be the best that all of them are asked, unless the
-// nearest points prove the distance at once.
+// A point or a segment against a triangle: there are so few candidate directions that all are tested, unless the
+// closest points prove the distance at once.
 #pragma once
 
 #include "algorithms/pair_query/core/core_pair.h"
@@ -8,14 +8,14 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 /// The vector from the nearest point of a segment on the x axis, `lA` (m) long on both sides of the origin, to that of
-/// one around p along the unit vector u, `lB` long on both sides. Of parallel ones: in the middle of the stretch that
-/// they share.
+/// a segment around p along the unit vector u, `lB` long on both sides. For parallel segments: in the middle of their
+/// common interval.
 template <int D>
 Vec<D> segmentGap(const Vec<D>& p, const Vec<D>& u, Real lA, Real lB) {
-  // A lies on its own x axis: the parts of u across it carry no cancellation.
+  // A lies on its own x axis: the components of u across it have no cancellation.
   const Real across2 = u.template tail<D - 1>().squaredNorm();
   const Real shift = -p.template tail<D - 1>().dot(u.template tail<D - 1>());
-  const auto overlapMiddle = [&] {  // of parallel segments: of the stretch that they share, as a place on B
+  const auto overlapMiddle = [&] {  // for parallel segments: the middle of their common interval, as a position on B
     const Real x = (std::max(-lA, p[0] - lB) + std::min(lA, p[0] + lB)) / 2;
     return std::clamp(u[0] > 0 ? x - p[0] : p[0] - x, -lB, lB);
   };
@@ -42,8 +42,8 @@ inline void thinTriangle(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& w
     Real half;
   };
   std::array<Side, 3> sides;
-  // A way between two insides leans by its rounding along the lines, whose ends are far: what lies along them is taken
-  // out.
+  // A vector between two interior points has rounding along the lines, whose ends are far away: the components along
+  // the lines are removed.
   const auto attempt = [&](const Vec<3>& v, const Side& side) {
     best.tryDirection(pair, v, work);
     Vec<3> upright = v;
@@ -71,7 +71,7 @@ inline void thinTriangle(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& w
       best.tryDirection(pair, common, work);
       best.tryDirection(pair, -common, work);
     }
-    // Where segments are nearly parallel, which places on them are nearest is rounding: their ends are not.
+    // If segments are nearly parallel, rounding decides which of their points are nearest, but not the ends.
     for (const Real end : {-l, l}) {
       const Vec<3> toSide = side.middle - end * Vec<3>::Unit(0);
       attempt(toSide + std::clamp(-toSide.dot(side.along), -side.half, side.half) * side.along, side);

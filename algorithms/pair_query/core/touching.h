@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Witnesses from a separating or deepest direction: where the two supporting features, brought together along n, share
-// a point. One rule for every regime and method, so that two faces in contact meet in the middle of their overlap and
-// not in whichever vertex an iteration met last.
+// Closest points from a separating or deepest direction: where the two supporting features, brought together along n,
+// share a point. All regimes and methods use this one rule, so that two faces in contact meet in the middle of their
+// overlap instead of in the vertex that an iteration met last.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// The vertices of a core that lie within `band` (m) of its farthest along unit n (all in the core's frame); of a
-/// curved core the corners of its support face that do, or its support point. `climb`: as in CorePair. A look for all
-/// of them counts as one support point, and a support face as another.
+/// The vertices of a core within `band` (m) of its support vertex along unit n (all in the core's frame); for a curved
+/// core the corners of its support face within the band, or its support point. `climb`: as in CorePair. A search for
+/// all of them counts as one support point, and a support face as another.
 template <int D>
 void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, std::vector<Vec<D>>& out, WorkDone& work,
                         const int* climb = nullptr) {
@@ -72,7 +72,7 @@ void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, s
 
 using Planar = Vec<2>;
 
-/// Convex polygon of planar points, counter-clockwise; points and segments stay what they are.
+/// Convex polygon of planar points, counter-clockwise; points and segments are kept.
 inline void planarHull(std::vector<Planar>& points, std::vector<Planar>& scratch) {
   std::sort(points.begin(), points.end(),
             [](const Planar& u, const Planar& v) { return u[0] < v[0] || (u[0] == v[0] && u[1] < v[1]); });
@@ -105,10 +105,9 @@ inline Planar nearestOnSegment(const Planar& u, const Planar& v, const Planar& q
 
 class TouchingPoint {
  public:
-  /// Fills the answer's witnesses from its normal; answer.distance includes the radii already. For cores that are apart
-  /// the nearest features, now known, may give a better direction than the one that found them: it is then taken.
-  /// `left`: what the search for the normal was allowed to leave (m), which is as far as witnesses may leave their
-  /// shapes, too; 0: no more than roundings.
+  /// Fills the answer's closest points from its normal; answer.distance already includes the radii. For cores that are
+  /// apart, the nearest features, now known, may give a better direction, which is then taken. `left`: the error (m)
+  /// that the search for the normal was allowed; closest points may leave their shapes by as much. 0: rounding only.
   template <int D>
   void find(const CorePair<D>& pair, Real left, BestAxis<D>& best, PairAnswer<D>& answer, WorkDone& work) {
     Vec<D> common = Vec<D>::Zero();
@@ -120,11 +119,11 @@ class TouchingPoint {
     const Real first = std::max(kFeatureBand * pair.scale, left), last = std::max(kLastBand * pair.scale, left);
     for (int round = 0; round < kTouchRounds; ++round) {
       // A normal that is off by a rounding lifts the far end of a feature by more than a rounding: the band grows until
-      // the features meet. Where they do not within the last one, no other is tried.
+      // the features meet. If they do not meet within the largest band, the search stops.
       Real least = kInf;
       Vec<D> miss = Vec<D>::Zero();
       Seen<D> seen;
-      const Real far = best.bound > 0 ? kInf : last;  // how far they miss counts for a better direction alone
+      const Real far = best.bound > 0 ? kInf : last;  // the miss distance counts for a better direction only
       const auto meetWithin = [&](Real band) {
         Vec<D> offset = Vec<D>::Zero();
         const Vec<D> q = nearestPlace(pair, best.n, band, left, far, seen, offset, work);
@@ -136,7 +135,7 @@ class TouchingPoint {
         m_met = true;
         for (Real band = kBandGrowth * first; band < last && !meetWithin(band); band *= kBandGrowth) continue;
       }
-      // The common point belongs to this normal: the last round must not change it any more.
+      // The common point belongs to this normal: the last round must not change it.
       if (round == kTouchRounds - 1 || !(best.bound > 0) || miss.squaredNorm() == 0) break;
       if (left > 0 && m_met) break;
       Vec<D> direct = best.bound * best.n + miss;
@@ -146,12 +145,12 @@ class TouchingPoint {
     }
     place(pair, best, common, answer, work);
   }
-  /// Did the features of the last pair meet within the last band?
+  /// Whether the features of the last pair met within the largest band.
   bool met() const { return m_met; }
 
  private:
-  // What is known of curved cores along one normal, whatever the band: the points that lie farthest towards the other
-  // core, each in its own frame; and where a place of the features, missed by so much, was moved on the cores.
+  // Data of curved cores along one normal, independent of the band: the support points towards the other core, each in
+  // its own frame; and where a position on the features, displaced by `miss`, was moved on the cores.
   template <int D>
   struct Seen {
     std::optional<Vec<D>> topA, topB;
@@ -168,7 +167,7 @@ class TouchingPoint {
     return coreSupport(shape, d);
   }
 
-  // As commonPoint, of the features within the band.
+  // Like commonPoint, for the features within the band.
   template <int D>
   Vec<D> nearestPlace(const CorePair<D>& pair, const Vec<D>& n, Real band, Real left, Real far, Seen<D>& seen,
                       Vec<D>& offset, WorkDone& work) {
@@ -179,7 +178,7 @@ class TouchingPoint {
       const Vec<D> before = offset;
       offset = Vec<D>::Zero();
       q = commonPoint(n, offset);
-      if (offset == before || (left > 0 && 2 * offset.norm() > before.norm())) break;  // the next ones bring no more
+      if (offset == before || (left > 0 && 2 * offset.norm() > before.norm())) break;  // further steps gain nothing
     }
     if (!(offset.norm() > band) || (!pair.a.curved && !pair.b.curved)) return q;
     if (q != seen.missed || offset != seen.by) {
@@ -204,7 +203,7 @@ class TouchingPoint {
         return;
       }
     }
-    if (pair.a.core() > CoreClass::box) ++work[WorkCount::supportCalls];  // of others a matter of signs
+    if (pair.a.core() > CoreClass::box) ++work[WorkCount::supportCalls];  // for other boxes signs alone decide
     const Real height = farthest(pair.a, best.n, nullptr, pair.climbOnA()).dot(best.n) + pair.a.radius;
     answer.pA = common + height * answer.normal;
     answer.pB = answer.pA + answer.distance * answer.normal;
@@ -240,7 +239,8 @@ class TouchingPoint {
     }
     return found;
   }
-  // Between the corners of a curved face and its rim lies more of it: is the other feature's point on the core itself?
+  // More of the face lies between the corners of a curved face and its rim: tests whether the other feature's point is
+  // on the core itself.
   template <int D>
   void standOnCurved(const CorePair<D>& pair, const Vec<D>& n, Real left, Real far, Seen<D>& seen, Vec<D>& q,
                      Vec<D>& offset, WorkDone& work) {
@@ -271,8 +271,8 @@ class TouchingPoint {
     }
   }
 
-  // The common point without its part along n. Where the features miss each other, it is half-way, and `miss` is the
-  // way from A's to B's nearest point, across n.
+  // The common point without its component along n. If the features miss each other, it is half-way, and `miss` is the
+  // vector from A's to B's nearest point, across n.
   Vec<2> commonPoint(const Vec<2>& n, Vec<2>& miss) {
     const Vec<2> t(-n[1], n[0]);
     Real loA = kInf, hiA = -kInf, loB = kInf, hiB = -kInf;
@@ -311,7 +311,7 @@ class TouchingPoint {
     return m_clip.empty() ? nearest(miss) : boxMiddle();
   }
 
-  // Keeps what lies to the left of the line u v (Sutherland and Hodgman 1974).
+  // Keeps the part to the left of the line u v (Sutherland and Hodgman 1974).
   void clip(const Planar& u, const Planar& v) {
     const Planar e = v - u;
     const auto side = [&](const Planar& q) { return e[0] * (q[1] - u[1]) - e[1] * (q[0] - u[0]); };
@@ -325,8 +325,8 @@ class TouchingPoint {
     m_clip.swap(m_scratch);
   }
 
-  // The mean of the corners would depend on how often rounding repeats a corner; the mean of extremes along the longest
-  // extent does not, and lies in the convex overlap.
+  // The mean of the corners would depend on how often rounding repeats a corner. The mean of the extremes along the
+  // longest extent does not, and lies in the convex overlap.
   Planar boxMiddle() const {
     const Planar* lo = &m_clip[0];
     const Planar* hi = &m_clip[0];
@@ -345,7 +345,7 @@ class TouchingPoint {
                  w = m_polygonB[0] - m_polygonA[0];
     const Real area = e[0] * f[1] - e[1] * f[0], length2 = e.squaredNorm();
     Real t = 0;
-    // Crossing lines meet at one place, if it is one; (nearly) parallel ones share a stretch, whose middle is taken.
+    // Crossing lines meet in one point; (nearly) parallel ones share an interval; its middle is taken.
     if (std::abs(area) > kSharedStretchSine * e.norm() * f.norm()) {
       t = (w[0] * f[1] - w[1] * f[0]) / area;
     } else {
@@ -383,15 +383,16 @@ class TouchingPoint {
   std::vector<Planar> m_polygonA, m_polygonB, m_clip, m_scratch;
 };
 
-/// Finishes an answer, where it stays, from its best axis: radii, normal, witnesses if asked, with what the search was
-/// allowed to leave (TouchingPoint::find).
+/// Finishes an answer in place from its best axis: radii, normal, closest points if wanted. `left`: see
+/// TouchingPoint::find.
 template <int D>
 void finishAnswer(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, QueryNeed need,
                   TouchingPoint& touching, PairAnswer<D>& answer, WorkDone& work, Real left = 0) {
   answer.status = status;
   answer.normal = best.n;
   answer.distance = best.bound - pair.radii();
-  if (!std::isfinite(answer.distance)) answer.status = QueryStatus::failed;  // no direction has a number: a NaN came in
+  if (!std::isfinite(answer.distance))
+    answer.status = QueryStatus::failed;  // no direction was finite: the input had a NaN
   if (need == QueryNeed::witnesses) {
     touching.find(pair, left, best, answer, work);
   } else {

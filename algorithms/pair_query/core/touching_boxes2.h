@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Where two cores that are boxes in 2D, flat ones included, meet along n, in the common case: a corner of one of them.
-// Edges along each other are left to touching.h, where any two features are.
+// Where two 2D cores that are boxes, flat ones included, meet along n in the common case: at a corner of one of them.
+// touching.h handles parallel edges, like any two features.
 #pragma once
 
 #include "algorithms/pair_query/core/core_pair.h"
@@ -9,11 +9,11 @@ namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 class TouchingBoxes2 {
  public:
-  /// `band` (m): vertices that lie no farther behind the foremost one belong to the feature.
+  /// `band` (m): vertices within this distance of the support vertex belong to the feature.
   TouchingBoxes2(const CorePair<2>& pair, const Vec<2>& n, Real band) : m_pair(pair), m_n(n), m_band(band) {}
 
-  /// The common point, without its part along n; false when the features are no such two, or miss each other by more
-  /// than the band.
+  /// The common point, without its component along n; false if the features are not of this kind, or miss each other by
+  /// more than the band.
   bool find(Vec<2>& common) const {
     const Vec<2> back = -(m_pair.r.transpose() * m_n);
     const int freeA = extent(m_pair.a.half, m_n), freeB = extent(m_pair.b.half, back);
@@ -35,7 +35,7 @@ class TouchingBoxes2 {
     for (int k = 0; k < 2; ++k) v[k] = n[k] >= 0 ? half[k] : -half[k];
     return v;
   }
-  // How many axes the feature along n extends along.
+  // Number of axes along which the feature along n extends.
   int extent(const Vec<2>& half, const Vec<2>& n) const {
     int free = 0;
     for (int k = 0; k < 2; ++k) {
@@ -43,7 +43,7 @@ class TouchingBoxes2 {
     }
     return free;
   }
-  // Does the feature with this corner lie above or below q, along n? All in its box's frame.
+  // Whether the feature with this corner lies above or below q along n, all in its box's frame.
   bool meets(const Vec<2>& half, const Vec<2>& n, Vec<2> corner, const Vec<2>& q, const Vec<2>& direction) const {
     for (int k = 0; k < 2; ++k) {
       if (half[k] > 0 && 2 * std::abs(n[k]) * half[k] <= m_band) corner[k] = std::clamp(q[k], -half[k], half[k]);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Where two cores that are boxes in 3D, flat ones included, meet along n, in the common case: a corner of one of them,
-// or two edges that cross. What lies face to face or along each other is left to touching.h, where any two features
-// are.
+// Where two 3D cores that are boxes, flat ones included, meet along n in the common case: at a corner of one of them,
+// or where two edges cross. touching.h handles faces on faces and parallel edges, like any two features.
 #pragma once
 
 #include "algorithms/pair_query/gjk/triple.h"
@@ -10,7 +9,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
 inline Triple sizes(const Triple& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 
-/// Two boxes in A's frame, number by number; the same products as CorePair's, to the last bit.
+/// Two boxes in A's frame, number by number; the same products as CorePair's, bit for bit.
 struct BoxPair3 {
   Triple hA, hB, p;  // half extents, p_AB
   Triple r[3];       // columns of R_AB
@@ -20,11 +19,11 @@ struct BoxPair3 {
   }
   Triple row(int i) const { return {r[0][i], r[1][i], r[2][i]}; }
   Triple back(const Triple& v) const { return {dot(r[0], v), dot(r[1], v), dot(r[2], v)}; }
-  /// Eigen takes two rows at a time, and the last one by one.
+  /// Eigen takes two rows at a time, and the last one alone.
   Triple turned(const Triple& v) const {
     return {dot(row(0), v), dot(row(1), v), r[0].z * v.x + (r[1].z * v.y + r[2].z * v.z)};
   }
-  /// The corner farthest along n, as coreSupport has it; a branch on a sign would be a coin's toss.
+  /// The support corner along n, as in coreSupport; a branch on a sign would be mispredicted half of the time.
   static Triple foremost(const Triple& half, const Triple& n) {
     return {std::copysign(half.x, n.x + 0), std::copysign(half.y, n.y + 0), std::copysign(half.z, n.z + 0)};
   }
@@ -32,11 +31,11 @@ struct BoxPair3 {
 
 class TouchingBoxes3 {
  public:
-  /// `band` (m): vertices that lie no farther behind the foremost one belong to the feature.
+  /// `band` (m): vertices within this distance of the support vertex belong to the feature.
   TouchingBoxes3(const CorePair<3>& pair, const Vec<3>& n, Real band) : m_in(pair), m_n(n), m_band(band) {}
 
-  /// The common point, without its part along n; false when the features are no such two, or miss each other by more
-  /// than the band.
+  /// The common point, without its component along n; false if the features are not of this kind, or miss each other by
+  /// more than the band.
   bool find(Vec<3>& common) const {
     Triple found;
     if (!meet(found)) return false;
@@ -45,7 +44,7 @@ class TouchingBoxes3 {
   }
 
  private:
-  // The axes that the feature along n extends along.
+  // The axes along which the feature along n extends.
   struct Feature {
     bool free[3];
 
@@ -71,16 +70,16 @@ class TouchingBoxes3 {
     }
     return a.count() == 1 && b.count() == 1 && crossing(onA, a.axis(), onB, b.axis(), from, common);
   }
-  // Does the feature with this corner lie above or below q, along n? All in its box's frame.
+  // Whether the feature with this corner lies above or below q along n, all in its box's frame.
   bool meets(const Triple& half, const Feature& f, const Triple& corner, const Triple& q, const Triple& n) const {
     const auto at = [&](int k) { return f.free[k] ? std::clamp(q[k], -half[k], half[k]) : corner[k]; };
     const Triple gap = Triple(at(0), at(1), at(2)) - q, miss = gap - dot(gap, n) * n;
     return dot(miss, miss) <= m_band * m_band;
   }
-  // Two edges: where their lines are nearest to each other, if both reach as far.
+  // Two edges: the nearest point of their lines, if both edges reach it.
   bool crossing(const Triple& onA, int i, const Triple& onB, int j, const Triple& from, Triple& common) const {
     const Triple& u = m_in.r[j];
-    const Triple w = from - onA;  // w + t u - s e_i is across both lines
+    const Triple w = from - onA;  // w + t u - s e_i is orthogonal to both lines
     const Real us[3] = {u.x, u.y, u.z}, ws[3] = {w.x, w.y, w.z}, as[3] = {onA.x, onA.y, onA.z},
                bs[3] = {onB.x, onB.y, onB.z}, halfA[3] = {m_in.hA.x, m_in.hA.y, m_in.hA.z},
                halfB[3] = {m_in.hB.x, m_in.hB.y, m_in.hB.z};

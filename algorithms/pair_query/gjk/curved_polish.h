@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// The last steps to the best direction of a curved pair. The support point is the gradient of the support function, so
-// L(n) = n . m(n) (core_pair.h) has the gradient m(n) across n; its change over a small turn is the curvature, and with
-// both Newton's step is known. Where a straight edge lies across n, L has a ridge and no gradient: there the steps go
-// along the ridge and from each of its corners. A step that is wrong all the same does not raise the bound, and is not
-// taken.
+// Last steps to the best direction of a curved pair, by Newton's method. The support point is the gradient of the
+// support function, so L(n) = n . m(n) (core_pair.h) has the gradient m(n) across n; its change over a small rotation
+// is the curvature. Where a straight edge lies across n, L has a ridge and no gradient: there the steps follow the
+// ridge, or start from each of its corners. A step that does not raise the bound is rejected.
 #pragma once
 
 #include "algorithms/pair_query/core/touching.h"
@@ -19,12 +18,12 @@ inline RealMatrix<2, 1> uphill(const RealMatrix<2, 2>& h, const RealMatrix<2, 1>
   const Real radius = std::sqrt(half * half + h(0, 1) * h(0, 1));
   const Real high = 1 / (std::abs(middle + radius) + shift), low = 1 / (std::abs(middle - radius) + shift);
   if (!(radius > 0)) return high * g;
-  const RealMatrix<2, 1> along = (h * g - (middle - radius) * g) / (2 * radius);  // the part of g along the higher one
+  const RealMatrix<2, 1> along = (h * g - (middle - radius) * g) / (2 * radius);  // component of g along the larger one
   return high * along + low * (g - along);
 }
 
-/// Newton's step from n within the plane of n and the columns of t, unit and across n and each other. Not of unit
-/// length.
+/// Newton's step from n within the plane of n and the columns of t, which are unit and orthogonal to n and each other.
+/// The result is not normalised.
 template <int D, int K>
 Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const RealMatrix<D, K>& t, WorkDone& work) {
   const auto support = [&](const Vec<D>& direction) {
@@ -33,25 +32,25 @@ Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const RealMatri
   };
   const Vec<D> m = support(n);
   const RealMatrix<K, 1> g = t.transpose() * m;
-  // Central differences: across a rim, where the core turns without moving, the curvature that counts is n . m, near
-  // contact far less than what differences to one side are off by.
+  // Central differences: across a rim, where the core turns without moving, the relevant curvature is n . m, near
+  // contact far smaller than the error of one-sided differences.
   RealMatrix<K, K> curvature;
   for (int k = 0; k < K; ++k) {
     const Vec<D> ahead = support(n + kTurn * t.col(k)), behind = support(n - kTurn * t.col(k));
     curvature.col(k) = t.transpose() * (ahead - behind) / (2 * kTurn);
   }
-  curvature.diagonal().array() -= n.dot(m);  // of the sphere of directions itself
-  // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless, and
-  // beside a ridge it is positive, where only the way up counts.
+  curvature.diagonal().array() -= n.dot(m);  // curvature of the sphere of directions
+  // At the maximum the curvature is negative. On a ring of maxima it has a zero, which the shift makes harmless. Beside
+  // a ridge it is positive, and only the direction of ascent matters.
   const RealMatrix<K, K> symmetric = (curvature + curvature.transpose()) / 2;
   return n + t * uphill(symmetric, g, kLeastCurvature * symmetric.cwiseAbs().maxCoeff());
 }
 
-/// The last steps themselves. Where straight edges of the cores lie across n, L has a ridge: the steps stay on it.
+/// The last steps. Where straight edges of the cores lie across n, L has a ridge, and the steps stay on it.
 template <int D>
 class CurvedPolish {
  public:
-  /// Steps as long as the bound gets better: a search may have ended before its tolerance.
+  /// Steps while the bound improves: a search may have ended before its tolerance.
   void improve(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     for (int step = 0; step < kMostPolishSteps; ++step) {
       const Real before = best.bound;
@@ -66,8 +65,8 @@ class CurvedPolish {
     }
   }
 
-  /// For witnesses: a direction that is off by the root of a rounding gives the right bound, and a support point that
-  /// is off by that root. Two steps that cost the bound no more than roundings.
+  /// For closest points: a direction that is off by the square root of a rounding gives the right bound, but a support
+  /// point that is off by that root. Makes two steps that cost the bound no more than roundings.
   void settle(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     for (int step = 0; step < kSettleSteps; ++step) {
       Vec<D> n = best.n;
@@ -86,7 +85,7 @@ class CurvedPolish {
   }
 
  private:
-  // Into m_vertices: those that a small turn of n may make the foremost one, which stands first.
+  // Lists in m_vertices those that a small rotation of n may make the support vertex, which comes first.
   void nearVertices(const ShapeView<D>& shape, const Vec<D>& n, WorkDone& work) {
     Real size = 0;  // of a hull that may lie far from its own frame
     if (shape.hull) {
@@ -97,13 +96,13 @@ class CurvedPolish {
       size = 2 * shape.half.norm();
     }
     supportingVertices<D>(shape, n, kTurn * size, m_vertices, work);
-    if (m_vertices.empty()) return;  // not a number
+    if (m_vertices.empty()) return;  // not finite
     const auto higher = [&](const Vec<D>& u, const Vec<D>& v) { return u.dot(n) < v.dot(n); };
     std::iter_swap(m_vertices.begin(), std::max_element(m_vertices.begin(), m_vertices.end(), higher));
   }
 
-  // How many dimensions the straight edges span that lie across n within a small turn: there L has no gradient. m_edge
-  // is the first of them.
+  // Number of dimensions of the straight edges that lie across n within a small rotation: there L has no gradient.
+  // m_edge is the first of them.
   int gatherEdges(const CorePair<D>& pair, const Vec<D>& n, WorkDone& work) {
     int dimensions = 0;
     for (const bool second : {false, true}) {
@@ -124,8 +123,8 @@ class CurvedPolish {
     return dimensions;
   }
 
-  // A ridge need not be a maximum: on one side of it, among the normals of one corner, L may go on rising. There the
-  // pair is that corner and the other core.
+  // A ridge need not be a maximum: on one side of it, among the normals of one corner, L may increase further. There
+  // the pair is that corner and the other core.
   void leaveRidge(const CorePair<D>& pair, const Vec<D>& n, BestAxis<D>& best, WorkDone& work) {
     for (const bool second : {false, true}) {
       const ShapeView<D>& shape = second ? pair.b : pair.a;

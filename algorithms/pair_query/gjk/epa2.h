@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Expanding polygon: the edge of the planar Minkowski difference that is nearest to the origin from inside. It also
-// works for an origin that lies just outside, where GJK's directions are rounding: then it finds the widest separating
-// axis.
+// Expanding polygon: the edge of the planar Minkowski difference nearest to the origin from inside. It also works for
+// an origin just outside, where GJK's directions are rounding: then it finds the widest separating axis.
 #pragma once
 
 #include <vector>
@@ -14,8 +13,8 @@ namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 struct EpaLimits {
   int faces, expansions;  // give up beyond
   Real tolerance;         // m
-  Real part;              // of the depth, which may be left if that is more than the tolerance
-  bool inside;            // whether the simplex holds the origin, but for rounding
+  Real part;              // allowed relative error of the depth, if larger than the tolerance
+  bool inside;            // whether the simplex contains the origin, except for rounding
 
   Real allowed(Real offset) const { return std::max(tolerance, part * std::abs(offset)); }
 };
@@ -31,7 +30,7 @@ class Epa<2, Watch> {
   QueryStatus run(const CorePair<2>& pair, const Simplex<2>& start, const EpaLimits& limits, BestAxis<2>& best,
                   WorkDone& work) {
     if (!seed(pair, start, best, work)) return QueryStatus::converged;  // flat: both normals of its line are tested
-    // Only bounds of true edges end the search: from outside, the polygon's own edges bound nothing from above.
+    // Only bounds of true edges end the search: from outside, the polygon's own edges give no upper bound.
     Real settled = -std::numeric_limits<Real>::infinity();
     for (int expansions = 0;;) {
       std::size_t lowest = m_edges.size();
@@ -69,7 +68,7 @@ class Epa<2, Watch> {
     bool open;
   };
 
-  // The farthest point of the difference along d, of an edge the normal; every support is a bound as well.
+  // The support point of the difference along d, an edge's normal; every support gives a bound, too.
   Vec<2> support(const CorePair<2>& pair, const Vec<2>& d, BestAxis<2>& best, WorkDone& work, int edge = -1) const {
     work[WorkCount::supportCalls] += 2;
     const Vec<2> w = pair.support(-d);
@@ -93,9 +92,9 @@ class Epa<2, Watch> {
     return {from, outward, outward.dot(from), open};
   }
 
-  // Corners beside the edge `at` that w leaves inside: what a memory of others calls a corner may lie within. An edge
-  // that ends in one would be taken for the difference's own when its farthest point is a corner already there. The
-  // edge's new place.
+  // Removes corners beside the edge `at` that w leaves inside: a remembered corner may lie within. An edge that ends in
+  // such a corner would count as the difference's own when its support point is an existing corner. Returns the edge's
+  // new index.
   std::size_t dropCornersWithin(std::size_t at, const Vec<2>& w, Real visible) {
     const auto sees = [&](const Edge& e) { return e.outward.dot(w) - e.offset > visible; };
     const std::size_t n = m_edges.size();
@@ -109,7 +108,7 @@ class Epa<2, Watch> {
     return 0;
   }
 
-  // A triangle that is not flat: from GJK's, or by supports across what there is of it.
+  // A triangle that is not flat: from GJK's, or by supports across the part that exists.
   bool seed(const CorePair<2>& pair, const Simplex<2>& start, BestAxis<2>& best, WorkDone& work) {
     const Real flat = kFlat * pair.scale;
     const Vec<2> u = start.count > 0 ? start[0] : support(pair, Vec<2>::Unit(0), best, work);
@@ -125,7 +124,7 @@ class Epa<2, Watch> {
       }
     }
     Vec<2> e = v - u;
-    if (e.norm() <= flat || !makeUnit<2>(e)) e = Vec<2>::Unit(0);  // one point: any direction will do
+    if (e.norm() <= flat || !makeUnit<2>(e)) e = Vec<2>::Unit(0);  // one point: any direction is used
     const Vec<2> across(-e[1], e[0]);
     const Vec<2> left = support(pair, across, best, work), right = support(pair, -across, best, work);
     const Real rise = across.dot(left - u), fall = -across.dot(right - u);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Expanding polytope (van den Bergen 2001): the face of the Minkowski difference that is nearest to the origin from
-// inside. It also works for an origin that lies just outside, where GJK's directions are rounding: then it finds the
-// widest separating axis.
+// Expanding polytope (van den Bergen 2001): the face of the Minkowski difference nearest to the origin from inside. It
+// also works for an origin just outside, where GJK's directions are rounding: then it finds the widest separating axis.
 #pragma once
 
 #include <vector>
@@ -25,7 +24,7 @@ class Epa<3, Watch> {
     m_count = m_waitingCount = 0, m_doubt = 0;
     m_inside = limits.inside, m_tolerance = limits.tolerance;
     if (!seed(start)) return QueryStatus::converged;  // flat: both normals of its plane are tested
-    // Only bounds of true faces end the search: from outside, the polytope's own faces bound nothing from above.
+    // Only bounds of true faces end the search: from outside, the polytope's own faces give no upper bound.
     Real settled = -std::numeric_limits<Real>::infinity();
     for (int expansions = 0;;) {
       const int lowest = takeLowest();
@@ -48,8 +47,8 @@ class Epa<3, Watch> {
     }
   }
 
-  /// How far below the truth the best bound may be because the corners of a settled face, rounded sums, lie so near to
-  /// one line that its normal leans (m).
+  /// How far (m) the best bound may be below the truth because the corners of a settled face, which are rounded sums,
+  /// are nearly collinear, so that its normal is inaccurate.
   Real doubt() const { return m_doubt; }
 
  private:
@@ -57,14 +56,14 @@ class Epa<3, Watch> {
     Triple outward;
     Real offset;
     int v[3];     // counter-clockwise seen from outside
-    int edge[3];  // across the edge from v[i] to v[i + 1]: 4 x the neighbor, and which of its edges this is
+    int edge[3];  // across the edge from v[i] to v[i + 1]: 4 x the neighbor, and the index of the shared edge in it
     bool gone;
   };
   static constexpr Real kNever = std::numeric_limits<Real>::infinity();
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  // The farthest point of the difference along unit d, of a face the normal; every support is a bound as well.
+  // The support point of the difference along unit d, a face's normal; every support gives a bound, too.
   Vec<3> support(const Vec<3>& d, int face = -1) {
     (*m_work)[WorkCount::supportCalls] += 2;
     const Vec<3> w = m_pair->support(-d);
@@ -94,8 +93,9 @@ class Epa<3, Watch> {
     return m_count++;
   }
 
-  // The planes of the fan of faces from `first` on, around their last corner, each one's second the next one's first;
-  // they become neighbors. False when rounding has torn the visible faces apart: no honest expansion is left.
+  // Makes the planes of the fan of faces from `first` on, around their last corner, each one's second corner the next
+  // one's first, and joins them. Returns false if rounding has torn the visible faces apart and no valid expansion
+  // remains.
   bool openFan(int first) {
     (*m_work)[WorkCount::polytopeFaces] += static_cast<std::uint64_t>(m_count - first);
     const Triple apex = m_points.back();
@@ -129,7 +129,8 @@ class Epa<3, Watch> {
     const Triple& p = m_points[at(point)];
     m_planes.ring[0][at(to)] = p.x, m_planes.ring[1][at(to)] = p.y, m_planes.ring[2][at(to)] = p.z;
   }
-  // The offset is the height of all three corners: a sliver's normal may lean. False: there is no way to go from it.
+  // The offset is the largest of all three corners: a sliver's normal may be inaccurate. Returns false if the face
+  // cannot be expanded.
   bool makePlane(Face& f) const {
     const Triple a = m_points[at(f.v[0])], b = m_points[at(f.v[1])], c = m_points[at(f.v[2])];
     f.outward = cross(b - a, c - a);
@@ -138,11 +139,11 @@ class Epa<3, Watch> {
     f.offset = std::max({dot(f.outward, a), dot(f.outward, b), dot(f.outward, c)});
     return true;
   }
-  // Who holds the origin is no deeper than the best bound says, and faces that are farther need not be looked at.
-  // From outside, one that is farther now may have nearer ones behind it.
+  // If the origin is inside, the depth is no more than the best bound says, and farther faces are skipped. From
+  // outside, a farther face may have nearer ones behind it.
   Real farthestToLook() const { return m_inside && m_best->bound < 0 ? m_tolerance - m_best->bound : kNever; }
-  // Here as in the list of those who wait no branch hangs on where a face lies: half of them would be taken wrongly,
-  // and that costs more than the rest.
+  // No branch depends on the position of a face, here as in the waiting list: half of such branches would be
+  // mispredicted, which costs more than the rest.
   void wait(int face, Real farthest) {
     const Real offset = m_faces[at(face)].offset;
     m_turn[at(face)] = offset;
@@ -150,8 +151,9 @@ class Epa<3, Watch> {
     m_waitingCount += offset <= farthest;
   }
 
-  // The nearest face that is left, of several the oldest; -1: none. A look at all: those that are gone leave the list,
-  // and the bound keeps it short, but from outside and in round cores that share a centre, where nearly all faces wait.
+  // The nearest remaining face, the oldest of several; -1 if there is none. Linear search: removed faces leave the
+  // list, and the bound keeps it short, except from outside and for round cores with a common centre, where nearly all
+  // faces wait.
   int takeLowest() {
     Real least = kNever;
     int lowest = -1, kept = 0;
@@ -180,7 +182,7 @@ class Epa<3, Watch> {
     return kEpsilon * m_pair->scale / height * m_pair->scale;
   }
 
-  // A tetrahedron that is not flat: from GJK's simplex, or by supports across what there is of it.
+  // A tetrahedron that is not flat: from GJK's simplex, or by supports across the part that exists.
   bool seed(const Simplex<3>& start) {
     const Real flat = kFlat * m_pair->scale;
     if (start.count == 4 && seedFrom(start[0], start[1], start[2], start[3], kThinSeed)) return true;
@@ -192,7 +194,7 @@ class Epa<3, Watch> {
       farther(support(-Vec<3>::Unit(k)), length, v);
     }
     Vec<3> e = v - u;
-    if (e.norm() <= flat || !makeUnit<3>(e)) e = Vec<3>::Unit(0);  // one point: any direction will do
+    if (e.norm() <= flat || !makeUnit<3>(e)) e = Vec<3>::Unit(0);  // one point: any direction is used
     const auto width = [&](const Vec<3>& q) { return (q - u).cross(e).norm(); };
     const RealMatrix<3, 2> across = tangents(e);
     for (int k = 0; k < 2; ++k) {
@@ -208,14 +210,15 @@ class Epa<3, Watch> {
     return height(x) > flat && seedFrom(u, v, w, x, 0);
   }
 
-  // Fails when the tetrahedron is flatter than `thinnest`, against the cube of its longest edge from the first corner.
+  // Fails if the tetrahedron is flatter than `thinnest`, relative to the cube of its longest edge from the first
+  // corner.
   bool seedFrom(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, const Vec<3>& d, Real thinnest) {
     const Real volume = (b - a).cross(c - a).dot(d - a);
     const Real longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (d - a).squaredNorm()}));
     if (!(std::abs(volume) > thinnest * longest * longest * longest)) return false;
     m_points.assign({Triple(a), Triple(b), Triple(c), Triple(d)});
     if (volume > 0) std::swap(m_points[1], m_points[2]);
-    // With d below the plane a b c: faces a b c, and d with each edge turned round.
+    // With d below the plane a b c: face a b c, and d with each edge reversed.
     makeRoom();
     addFace(0, 1, 2), addFace(0, 3, 1), addFace(1, 3, 2), addFace(2, 3, 0);
     const Real farthest = farthestToLook();
@@ -227,20 +230,20 @@ class Epa<3, Watch> {
     return true;
   }
 
-  // For the four first, or as many as a walk may make: it takes three steps, and two from each face that it sees.
+  // Room for the first four, or for a walk: three steps, and two for each visible face.
   void makeRoom() {
     const std::size_t most = 3 * at(m_count) + 4;
     if (m_faces.size() < most) m_faces.resize(2 * most), m_turn.resize(2 * most), m_waiting.resize(2 * most);
   }
 
-  // Across these edges the two faces are neighbors.
+  // Makes two faces neighbors across these edges.
   void join(int face, int edge, int other, int otherEdge) {
     m_faces[at(face)].edge[edge] = 4 * other + otherEdge;
     m_faces[at(other)].edge[otherEdge] = 4 * face + edge;
   }
 
-  // A face that w lies beyond, or in whose plane w lies in line with the edge by which we came: the new triangle there
-  // would have no normal.
+  // Whether w lies beyond the face, or in its plane and in line with the entry edge: the new triangle there would have
+  // no normal.
   bool isVisible(const Face& f, int edge, const Triple& w) const {
     const Real beyond = dot(f.outward, w) - f.offset;
     if (beyond > m_visible) return true;
@@ -249,8 +252,8 @@ class Epa<3, Watch> {
     return norm(cross(e, w - a)) <= m_visible * norm(e);
   }
 
-  // Walks over the visible faces from the one behind this edge of it, and makes, in order, a face from each edge of the
-  // horizon to the new point.
+  // Walks over the visible faces from the one behind this edge, and makes, in order, a face from each horizon edge to
+  // the new point.
   void walk(int edge, const Triple& w) {
     constexpr int kNext[3] = {1, 2, 0}, kLast[3] = {2, 0, 1};
     const int face = edge >> 2, k = edge & 3;
@@ -285,8 +288,8 @@ class Epa<3, Watch> {
   std::vector<Triple> m_points;
   std::vector<Face> m_faces;  // the first m_count
   int m_count = 0;
-  std::vector<Real> m_turn;    // the offset of a face that waits, else kNever
-  std::vector<int> m_waiting;  // the first m_waitingCount, with faces that are gone
+  std::vector<Real> m_turn;    // the offset of a waiting face, else kNever
+  std::vector<int> m_waiting;  // the first m_waitingCount, with removed faces
   int m_waitingCount = 0;
 };
 

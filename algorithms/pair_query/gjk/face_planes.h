@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The planes of several triangles at a time, by the instruction set that the machine has: square roots and divisions
-// are most of what a face of a polytope costs.
+// Planes of several triangles at a time, by the instruction set of the machine: square roots and divisions are most of
+// the cost of a polytope's face.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// Up to kFan triangles around an apex, each one's second corner the next one's first, coordinates in rows of their
-/// own, and their planes, with the same numbers from every instruction set and from Triple.
+/// Up to kFan triangles around an apex, each one's second corner the next one's first, with coordinates in separate
+/// rows. Their planes have the same bits on every instruction set and with Triple.
 struct FacePlanes {
   static constexpr int kFan = 8;
   using Row = std::array<Real, kFan>;
@@ -22,7 +22,7 @@ struct FacePlanes {
   Row square{};   // of the normal (b - a) x (c - a) of a triangle a b c
   Row offset{};   // the largest of outward . a, b and c
 
-  /// Of the first `count`.
+  /// Computes the first `count`.
   void find(int count);
 };
 

@@ -5,7 +5,7 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
 #define HWY_TARGET_INCLUDE "algorithms/pair_query/gjk/face_planes_lanes.cpp"
 #include "hwy/foreach_target.h"
-// After the one that includes this file again and again.
+// Must follow foreach_target.h, which includes this file again and again.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,7 +30,7 @@ HWY_INLINE LaneTriple crossed(const LaneTriple& u, const LaneTriple& v) {
   return {hn::Sub(hn::Mul(u.y, v.z), hn::Mul(u.z, v.y)), hn::Sub(hn::Mul(u.z, v.x), hn::Mul(u.x, v.z)),
           hn::Sub(hn::Mul(u.x, v.y), hn::Mul(u.y, v.x))};
 }
-// Added in the order in which Vec::dot adds, in either precision.
+// Adds in the order of Vec::dot, in either precision.
 HWY_INLINE Lanes dotted(const LaneTriple& u, const LaneTriple& v) {
   const Lanes x = hn::Mul(u.x, v.x), y = hn::Mul(u.y, v.y), z = hn::Mul(u.z, v.z);
   return sizeof(Real) == 8 ? hn::Add(hn::Add(x, y), z) : hn::Add(x, hn::Add(y, z));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The search of gjk_epa, for who answers (gjk_epa.cpp) and who shows it (traced.cpp).
+// The search of gjk_epa, shared by the answers (gjk_epa.cpp) and the traced search (traced.cpp).
 #pragma once
 
 #include <utility>
@@ -64,14 +64,13 @@ struct GjkEpaParams {
 template <int D>
 void traceGjkEpa(const GjkEpaParams<D>& params, const PairView<D>& pair, PairTrace<D>& out);
 
-// In each source its own: what both of them had called would be inlined into neither, which cost the answers four
-// instructions in a hundred.
+// Internal linkage; otherwise it is not inlined (+4 % instructions).
 namespace {
 
 // Distance of the cores by GJK (Gilbert, Johnson, Keerthi 1988), depth by EPA (van den Bergen 2001), radii by
-// subtraction. Both only propose directions: what is reported is the bound that the best of them proves (core_pair.h),
-// and the gap to the length of GJK's vector is what decides whether that is the end. Where GJK cannot close the gap
-// because its vector is made of rounding, EPA goes on from its simplex, whichever side of the surface the origin is on.
+// subtraction. Both only propose directions: the result is the bound that the best of them proves (core_pair.h), and
+// the difference to the length of GJK's vector decides when to stop. If GJK cannot close that difference because its
+// vector is mostly rounding, EPA continues from its simplex, whichever side of the surface the origin is on.
 template <int D, class Watch>
 class GjkEpaSearch {
  public:
@@ -97,7 +96,7 @@ class GjkEpaSearch {
     if (memory) m_warmth.remember(best.n, m_last, *memory);
     const Real left = allowedToLeave(pair, best.bound);
     const bool settles = (pair.a.curved || pair.b.curved) && need == QueryNeed::witnesses;
-    const bool first = left <= kShallow * pair.scale;  // Newton's steps are cheaper than a walk to so little
+    const bool first = left <= kShallow * pair.scale;  // Newton's steps are cheaper than expanding for so little
     if (settles && first) m_polish.settle(pair, best, work);
     m_watch([&](auto& t) { t.refined(pair, best, "last steps around features and curved cores"); });
     PairAnswer<D> out = answerFrom<D>(pair, best, status, need, m_touching, work, left);
@@ -116,7 +115,7 @@ class GjkEpaSearch {
   using Measure = typename Params::Measure;
   using Support = typename Params::Support;
 
-  // How much of a distance or depth the tolerances leave (m); 0: no more than roundings.
+  // The error (m) of a distance or depth that the tolerances allow; 0: rounding only.
   Real allowedToLeave(const CorePair<D>& pair, Real bound) const {
     const Real part = bound > 0 ? m_params.tolerance : std::max(m_params.tolerance, m_params.depthTolerance);
     const Real whole = m_params.measure == Measure::size ? pair.scale : std::abs(bound);
@@ -143,8 +142,8 @@ class GjkEpaSearch {
     return nearestOfSimplex(simplex, best);
   }
 
-  // The i-th direction: between the last one and the way to the nearest point and the last support point, both as unit
-  // vectors, as is best for polytopes. Plain, where that has no length.
+  // The i-th direction: between the last one and the vector to the nearest point and the last support point, both
+  // normalised, which is best for polytopes. The plain vector if that has no length.
   static Vec<D> withMomentum(int i, const Vec<D>& nearest, const Vec<D>& last, const Vec<D>& plain, Vec<D>& heading) {
     const Real share = Real(i + 1) / Real(i + 3);
     Vec<D> point = share * nearest + (1 - share) * last;
@@ -158,12 +157,12 @@ class GjkEpaSearch {
                      WorkDone& work) {
     const bool curved = pair.a.curved || pair.b.curved;
     const Real rounding = kBoundRounding * pair.scale * (curved ? kCurvedTolerance : Real(1));
-    // The gap that may be left of a distance or depth of about this length.
+    // The allowed error of a distance or depth of about this length.
     const auto allowed = [&](Real length) {
       const Real whole = m_params.measure == Measure::size ? pair.scale : std::abs(length);
       return std::isfinite(whole) ? std::max(m_params.tolerance * whole, rounding) : rounding;
     };
-    // May the search for a distance end? `last` is the bound of the last direction.
+    // Whether the search for a distance may end. `last` is the bound of the last direction.
     Real last = -std::numeric_limits<Real>::infinity();
     const auto isClosed = [&](Real length) {
       return length - (m_params.gap == Gap::best ? best.bound : last) <= allowed(length);
@@ -179,7 +178,7 @@ class GjkEpaSearch {
     };
     m_warmth.recall(pair, memory);
     Simplex<D> simplex = m_warmth.simplex();
-    // Who was apart, and is asked for no more, is so most likely along the same direction.
+    // Boolean query: first retry the last separating axis.
     const bool began = simplex.count == D + 1 || (simplex.count > 0 && need != QueryNeed::boolean);
     if (!began) simplex.count = 0, simplex.push(support(firstDirection(pair)));
     bool inside = nearestPoint(simplex, nearest), capped = !inside;
@@ -188,12 +187,12 @@ class GjkEpaSearch {
     for (int i = 0; i < m_params.iterations && !inside; ++i) {
       const Real length = std::sqrt(nearest.length2);
       if (need == QueryNeed::boolean && (best.bound > pair.radii() || length < pair.radii())) {
-        if (length < pair.radii()) best.bound = length;  // surely less than the radii: only the sign counts
+        if (length < pair.radii()) best.bound = length;  // certainly less than the radii: only the sign matters
         m_last = nearest.feature;
         return QueryStatus::converged;
       }
-      // Three ends, any of which alone can be missed by rounding: the gap is closed, no new point, no descent. The
-      // length shows only the square of a direction's lean: a bound that gets better is a descent, too.
+      // Three stopping rules, each of which rounding can defeat: the gap is closed, no new point, no descent. The
+      // length shows only the square of a direction's error: an improving bound is a descent, too.
       Vec<D> n;
       if (isClosed(length) || !featureDirection(nearest, n)) capped = false;
       if (!capped) break;
@@ -219,41 +218,41 @@ class GjkEpaSearch {
     m_last = inside ? simplex : nearest.feature;
     m_watch([&](auto& t) { t.nearest(m_last, inside, nearest.v, best); });
     const bool apart = !inside && std::isfinite(nearest.length2);
-    const Real tolerance = allowed(apart ? std::sqrt(nearest.length2) : best.bound);  // as the loop has it
+    const Real tolerance = allowed(apart ? std::sqrt(nearest.length2) : best.bound);  // as in the loop
     if (!inside && std::sqrt(nearest.length2) - best.bound <= tolerance) return QueryStatus::converged;
     if (inside && need == QueryNeed::boolean) {
-      if (best.n.isZero(0)) best.bound = -pair.scale;  // nothing was tried: only the sign counts
+      if (best.n.isZero(0)) best.bound = -pair.scale;  // no direction was tried: only the sign matters
       return QueryStatus::converged;
     }
     if (capped) return QueryStatus::iterationLimit;
-    // From outside EPA goes on with the search for a distance.
+    // From outside, EPA continues the search for a distance.
     const Real depthPart = inside ? std::max(m_params.tolerance, m_params.depthTolerance) : m_params.tolerance;
     const bool ofSize = m_params.measure == Measure::size;
     const EpaLimits limits{m_params.faces, m_params.expansions,
                            ofSize ? std::max(depthPart * pair.scale, rounding) : rounding, ofSize ? Real(0) : depthPart,
                            inside};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
-    // Where a tolerance has been kept, last steps are not owed.
+    // If a tolerance was asked for and met, the last steps are skipped.
     const bool enough = allowedToLeave(pair, best.bound) > 0 && status == QueryStatus::converged;
     if (curved && !enough) m_polish.improve(pair, best, work);
-    // Near contact rounding says on which side GJK's origin is: the bound knows better.
+    // Near contact rounding decides the side of GJK's origin; the bound is more reliable.
     const bool overlaps = best.bound < -tolerance || (inside && best.bound <= tolerance);
-    // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
+    // A needle-shaped face: its edges, which are not rounded sums, give its normal.
     if (overlaps && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, best.n, m_epa.doubt(), best, work);
     if constexpr (D == 3) {
       if (overlaps && best.bound > -kShallow * pair.scale) m_local.improveAcrossEdges(pair, best, work);
     }
     const Real length = std::sqrt(nearest.length2);
-    // Whose origin was inside at once has no length.
+    // No distance if the first simplex holds the origin.
     const auto isShort = [&] { return !overlaps && std::isfinite(length) && length - best.bound > tolerance; };
     if (isShort()) m_local.improve(pair, best.n, length - best.bound, best, work);
-    // The best direction may be an early one, and the last, which rounding spoilt, the nearer one.
+    // The best direction may be an early one; a later direction, spoilt by rounding, may be nearer.
     if (Vec<D> n; isShort() && featureDirection(nearest, n)) {
       ++work[WorkCount::axisTests];
       m_local.improve(pair, n, length - pair.bound(n), best, work);
     }
-    // A bound that is short by a part of the length means a direction that is off by the root of twice that part: where
-    // the length is near rounding, the vertices to try lie far from the plane reached.
+    // A bound that is short by a relative error means a direction that is off by the square root of twice that error.
+    // If the length is near rounding, the vertices to try lie far from the plane reached.
     if (isShort())
       m_local.improve(pair, best.n, std::sqrt(2 * (length - best.bound) / length) * pair.scale, best, work);
     return status;
@@ -263,7 +262,7 @@ class GjkEpaSearch {
   [[no_unique_address]] Watch m_watch;
   HullPair m_hulls;
   PairWarmth<D> m_warmth;
-  Simplex<D> m_last;  // of GJK: what the nearest point lies on, or what holds the origin
+  Simplex<D> m_last;  // of GJK: the feature of the nearest point, or the simplex around the origin
   Epa<D, Watch> m_epa;
   LocalFeatures<D> m_local;
   PlanePair<D> m_plane;

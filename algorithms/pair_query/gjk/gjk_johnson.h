@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// The point of a simplex nearest to the origin by Johnson's sub-algorithm (Gilbert, Johnson, Keerthi 1988): of each
-// subset of the points the cofactors say whether the foot of the origin on their plane lies between them. A recursion
-// over products of points, the same in every dimension, and as ill-conditioned as the square of what it solves.
+// The point of a simplex nearest to the origin by Johnson's sub-algorithm (Gilbert, Johnson, Keerthi 1988): for each
+// subset of the points, cofactors tell whether the projection of the origin lies between them. A recursion over
+// products of points, the same in every dimension, and as ill-conditioned as the square of the problem.
 #pragma once
 
 #include <bit>
@@ -11,7 +11,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// True when the simplex holds the origin; then `best` is untouched. One that is nearly flat holds nothing.
+/// Returns true if the simplex contains the origin; `best` is then untouched. A nearly flat simplex contains nothing.
 template <int D>
 bool nearestByJohnson(const Simplex<D>& s, NearestFeature<D>& best) {
   constexpr unsigned kSubsets = 1u << (D + 1);
@@ -49,7 +49,7 @@ bool nearestByJohnson(const Simplex<D>& s, NearestFeature<D>& best) {
     for (int k = 0; k < D; ++k) full *= size2;
     if (total(all) > full) return true;
   }
-  // Which points, the cofactors say. Where the foot is they would say with half of the digits.
+  // The cofactors decide which points. The position computed from them would have only half of the digits.
   const auto offer = [&](unsigned set) {
     IndexedArray<const Vec<D>*, D> on{};
     std::size_t count = 0;
@@ -72,7 +72,7 @@ bool nearestByJohnson(const Simplex<D>& s, NearestFeature<D>& best) {
       return false;
     }
   }
-  // Rounding has left none: the best of those that the origin has its foot in.
+  // Rounding has left none: take the best of the subsets that contain the origin's projection.
   for (unsigned set = 1; set <= proper; ++set) {
     if (between[set]) offer(set);
   }

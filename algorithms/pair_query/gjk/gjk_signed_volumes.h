@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// The point of a simplex nearest to the origin by signed volumes (Montanari, Petrinic and Barbieri 2017): the foot of
-// the origin is compared with the corners in the coordinate plane, or axis, in which the simplex is largest, by the
-// signs of lengths, areas and volumes. No product of differences is divided by another of its kind but the largest.
+// The point of a simplex nearest to the origin by signed volumes (Montanari, Petrinic and Barbieri 2017): the
+// projection of the origin is compared with the corners in the coordinate plane or axis in which the simplex is
+// largest, by signs of lengths, areas and volumes. Products of differences are divided only by the largest of their
+// kind.
 #pragma once
 
 #include "algorithms/pair_query/gjk/gjk_simplex3.h"
@@ -46,7 +47,7 @@ inline void offerByAreas(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, Near
   offerByLengths<3>(c, a, best);
 }
 
-/// True when the triangle holds the origin; then `best` is untouched.
+/// Returns true if the triangle contains the origin; `best` is then untouched.
 inline bool nearestByVolumes(const Simplex<2>& s, NearestFeature<2>& best) {
   if (s.count == 1) {
     best.offer(s[0], {&s[0]});
@@ -63,7 +64,7 @@ inline bool nearestByVolumes(const Simplex<2>& s, NearestFeature<2>& best) {
   return false;
 }
 
-/// True when the tetrahedron holds the origin; then `best` is untouched. A flat one holds nothing.
+/// Returns true if the tetrahedron contains the origin; `best` is then untouched. A flat one contains nothing.
 inline bool nearestByVolumes(const Simplex<3>& s, NearestFeature<3>& best) {
   if (s.count == 1) {
     best.offer(s[0], {&s[0]});
@@ -78,7 +79,7 @@ inline bool nearestByVolumes(const Simplex<3>& s, NearestFeature<3>& best) {
     return false;
   }
   const auto volume = [](const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) { return u.dot(v.cross(w)); };
-  // Of the tetrahedra that the origin makes with each face; together they are the whole.
+  // Volumes of the tetrahedra of the origin and each face; they sum to the whole.
   const Real ofA = volume(s[1], s[2], s[3]), ofB = volume(s[0], s[3], s[2]), ofC = volume(s[0], s[1], s[3]),
              ofD = volume(s[0], s[2], s[1]);
   const Real whole = volume(s[1] - s[0], s[2] - s[0], s[3] - s[0]);

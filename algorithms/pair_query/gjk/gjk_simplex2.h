@@ -19,8 +19,8 @@ struct Simplex {
     for (Vec<D>& v : w) v.setZero();
   }
   Simplex(const Simplex& other) { *this = other; }
-  /// Number by number, as triple.h has it: points are copied when they have just been made. All of them: how many there
-  /// are, no processor foresees.
+  /// Copies number by number (triple.h), because points are copied just after they are made. Copies all of them,
+  /// because their count is unpredictable.
   Simplex& operator=(const Simplex& other) {
     for (std::size_t i = 0; i < w.size(); ++i) {
       for (int k = 0; k < D; ++k) w[i][k] = other.w[i][k];
@@ -44,7 +44,7 @@ struct Simplex {
   }
 };
 
-/// What the nearest point lies on, and where it is.
+/// The feature with the nearest point, and the point.
 template <int D>
 struct NearestFeature {
   Real length2 = std::numeric_limits<Real>::infinity();
@@ -59,8 +59,8 @@ struct NearestFeature {
   }
 };
 
-/// The foot of the origin on the line through a and b, which differ: across the edge to the last bit, from the end that
-/// is nearer. A long edge far from the origin otherwise leaves its rounding in the direction.
+/// The projection of the origin on the line through a and b, which differ: orthogonal to the edge to the last bit,
+/// computed from the nearer end. A long edge far from the origin would otherwise leave its rounding in the direction.
 template <int D>
 Vec<D> footOnLine(const Vec<D>& a, const Vec<D>& b) {
   Vec<D> e = b - a;
@@ -78,7 +78,7 @@ void offerSegment(const Vec<D>& a, const Vec<D>& b, NearestFeature<D>& best) {
   best.offer(footOnLine<D>(a, b), {&a, &b});
 }
 
-/// True when the triangle holds the origin; then `best` is untouched.
+/// Returns true if the triangle contains the origin; `best` is then untouched.
 inline bool nearestOfSimplex(const Simplex<2>& s, NearestFeature<2>& best) {
   if (s.count == 1) {
     best.offer(s[0], {&s[0]});
@@ -97,8 +97,8 @@ inline bool nearestOfSimplex(const Simplex<2>& s, NearestFeature<2>& best) {
   return false;
 }
 
-/// The direction from the origin to the nearest point, from the feature rather than from the point, whose difference is
-/// mostly rounding near contact; false when only the point is there, at the origin.
+/// The direction from the origin to the nearest point, computed from the feature instead of from the point, whose
+/// difference is mostly rounding near contact. False if only the point at the origin remains.
 inline bool featureDirection(const NearestFeature<2>& nearest, Vec<2>& n) {
   n = nearest.v;
   if (nearest.feature.count == 2) {

@@ -7,8 +7,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// The foot of the origin on the plane of a, b and c with the unit normal n. The height is that of the nearest corner:
-/// a normal of rounding costs least there.
+/// The projection of the origin on the plane of a, b and c with the unit normal n. The height is that of the nearest
+/// corner, where an inaccurate normal costs least.
 inline Triple footOnPlane(const Triple& a, const Triple& b, const Triple& c, const Triple& n) {
   Triple near = a;
   if (dot(b, b) < dot(near, near)) near = b;
@@ -19,7 +19,7 @@ inline Vec<3> footOnPlane(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, con
   return footOnPlane(Triple(a), Triple(b), Triple(c), Triple(n)).vector();
 }
 
-/// The nearest point of a simplex in space: what it lies on are numbers of points, since points are long to copy.
+/// The nearest point of a simplex in 3D: features are stored as indices of points, since points are expensive to copy.
 class NearestOf3 {
  public:
   NearestOf3(const Simplex<3>& simplex, Real length2)
@@ -34,7 +34,7 @@ class NearestOf3 {
     m_length2 = squared, m_foot = foot, m_count = count, m_on[0] = i, m_on[1] = j, m_on[2] = k;
   }
   void offerPoint(int i) { offer(m_w[i], 1, i, 0, 0); }
-  /// As offerSegment in the plane.
+  /// Like offerSegment in 2D.
   void offerSegment(int i, int j) {
     const Triple a = m_w[i], b = m_w[j];
     Triple e = b - a;
@@ -44,8 +44,8 @@ class NearestOf3 {
     if (makeUnit(e)) removeAlong(foot, e);
     offer(foot, 2, i, j, 0);
   }
-  /// Sides are told by planes through the edges along the normal, which keeps its meaning on slivers where barycentric
-  /// coordinates from dot products do not; where it does not either, the three edges are there.
+  /// Planes through the edges along the normal decide the sides: they stay valid on slivers where barycentric
+  /// coordinates from dot products do not. If they fail, too, the three edges remain.
   void offerTriangle(int i, int j, int k) {
     const Triple a = m_w[i], b = m_w[j], c = m_w[k], n = cross(b - a, c - a);
     const Real ab = dot(n, cross(a, b - a)), bc = dot(n, cross(b, c - b)), ca = dot(n, cross(c, a - c));
@@ -55,7 +55,7 @@ class NearestOf3 {
     if (!(bc > 0)) offerSegment(j, k);
     if (!(ca > 0)) offerSegment(k, i);
   }
-  /// Nothing is written when nothing nearer was offered.
+  /// Writes nothing if nothing nearer was offered.
   void tell(NearestFeature<3>& best) const {
     if (m_count == 0) return;
     best.length2 = m_length2, best.v = m_foot.vector(), best.feature.count = 0;
@@ -71,7 +71,7 @@ class NearestOf3 {
   int m_on[3] = {}, m_count = 0;
 };
 
-/// True when the tetrahedron holds the origin; then `best` is untouched. A flat one holds nothing.
+/// Returns true if the tetrahedron contains the origin; `best` is then untouched. A flat one contains nothing.
 inline bool nearestOfSimplex(const Simplex<3>& s, NearestFeature<3>& best) {
   NearestOf3 nearest(s, best.length2);
   bool inside = false;
@@ -86,7 +86,7 @@ inline bool nearestOfSimplex(const Simplex<3>& s, NearestFeature<3>& best) {
       nearest.offerTriangle(0, 1, 2);
       break;
     default: {
-      // A face is passed over when the origin lies on its inner side, where the fourth corner is.
+      // Skips a face if the origin lies on its inner side, the side of the fourth corner.
       const auto inner = [&](int i, int j, int k, int l) {
         const Triple a = nearest.point(i), n = cross(nearest.point(j) - a, nearest.point(k) - a);
         const Real corner = dot(n, nearest.point(l) - a), origin = -dot(n, a);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The last resort of an iteration that rounding has stopped short: the direction it reached is good enough to name the
-// few vertices near contact, and among these every direction that can be the answer is tried.
+// Fallback for an iteration that rounding has stopped early: its direction is good enough to select the few vertices
+// near contact, and all candidate directions among these are tried.
 #pragma once
 
 #include <span>
@@ -45,8 +45,8 @@ class LocalFeatures {
     }
   }
 
-  /// Cores that barely overlap: a facet of the difference may be a needle that was lost among rounded sums. The edges
-  /// that leave the features at contact are not sums, and give the normals of all facets there.
+  /// For cores that barely overlap: a facet of the difference may be a needle that rounded sums have lost. The edges at
+  /// the contact are not sums, and give the normals of all facets there.
   void improveAcrossEdges(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& work) {
     const Real band = -kGapBand * best.bound + kFeatureBand * pair.scale;
     for (int round = 0; round < kMostEdgeRounds; ++round) {
@@ -66,7 +66,7 @@ class LocalFeatures {
   }
 
  private:
-  // Unit edges with an end within `band` of the core's farthest along n.
+  // Unit edges with an end within `band` of the core's support vertex along n.
   static void edgesAt(const ShapeView<3>& shape, const Vec<3>& n, Real band, std::vector<Vec<3>>& out, WorkDone& work) {
     out.clear();
     switch (shape.core()) {
@@ -77,7 +77,7 @@ class LocalFeatures {
           if (shape.half[k] > 0) out.push_back(Vec<3>::Unit(k));
         }
         return;
-      case CoreClass::curved:  // has no facets that could be lost
+      case CoreClass::curved:  // has no facets to lose
       case CoreClass::plane:
         return;
       case CoreClass::hull:

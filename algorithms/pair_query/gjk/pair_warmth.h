@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// What the search for a direction remembers of a pair: the best direction, and the corners of both shapes that the last
-// simplex was made of. A pair that has hardly moved has the same nearest feature, or still holds the origin in the same
-// simplex, so that one support point proves it, or none is needed.
+// The cache of a pair's direction search: the best direction, and the corners of both shapes in the last simplex. A
+// pair that has hardly moved has the same nearest feature, or the same simplex around the origin, so that one support
+// point proves it, or none is needed.
 #pragma once
 
 #include <bit>
@@ -13,8 +13,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// Corners of a core are numbered: those of a hull as its vertices, of a box and a segment by the bits of their signs.
-/// A curved core has none, and of a hull with too many the others are not remembered.
+/// Numbers of corners: of a hull its vertices, of a box and a segment the bits of their signs. A curved core has none,
+/// and of a hull with too many vertices the others are not remembered.
 inline constexpr std::uint16_t kNoCorner = 0xffff;
 
 struct CornerPair {
@@ -22,7 +22,7 @@ struct CornerPair {
   bool operator==(const CornerPair&) const = default;
 };
 
-/// How many corners of this core have numbers.
+/// Number of corners of this core that have numbers.
 template <int D>
 int cornerCount(const ShapeView<D>& shape) {
   switch (shape.core()) {
@@ -50,7 +50,7 @@ Vec<D> cornerOf(const ShapeView<D>& shape, int number) {
   return v;
 }
 
-/// `farthest` with the number of the corner, kNoCorner where there is none.
+/// The support point with the number of its corner, or kNoCorner.
 template <int D>
 Vec<D> supportCorner(const ShapeView<D>& shape, const Vec<D>& d, std::uint16_t& number, int* climb) {
   int corner = -1;
@@ -66,7 +66,7 @@ Vec<D> supportCorner(const ShapeView<D>& shape, const Vec<D>& d, std::uint16_t& 
 template <int D>
 class PairWarmth {
  public:
-  /// Reads what is remembered. Bytes that cannot be of this pair are nothing.
+  /// Reads the cache. Ignores bytes that cannot belong to this pair.
   void recall(const CorePair<D>& pair, const PairMemory* memory) {
     m_seen.clear();
     m_direction.setZero(), m_simplex.count = 0;
@@ -92,10 +92,10 @@ class PairWarmth {
 
   /// Of any length; zero: none.
   const Vec<D>& direction() const { return m_direction; }
-  /// The corners of the last simplex where they are now; empty: none.
+  /// The present positions of the corners of the last simplex; empty: none.
   const Simplex<D>& simplex() const { return m_simplex; }
 
-  /// CorePair::support, noted if there is a memory.
+  /// CorePair::support; records the corners if there is a cache.
   Vec<D> support(const CorePair<D>& pair, const Vec<D>& n) {
     if (!m_kept) return pair.support(n);
     CornerPair c;
@@ -114,10 +114,10 @@ class PairWarmth {
     return m_seen.back().point;
   }
 
-  /// `last` is made of what `support` returned and of the remembered simplex.
+  /// `last` consists of results of `support` and of the remembered simplex.
   void remember(const Vec<D>& n, const Simplex<D>& last, PairMemory& memory) const {
     Stored stored;
-    const Vec<D>& best = n.isZero(0) ? m_direction : n;  // who was inside at once has tried none
+    const Vec<D>& best = n.isZero(0) ? m_direction : n;  // no direction was tried if the origin was inside at once
     for (int k = 0; k < D; ++k) stored.direction[k] = static_cast<float>(best[k]);
     for (int i = 0; i < last.count; ++i) {
       const auto of = std::find_if(m_seen.begin(), m_seen.end(), [&](const Seen& s) { return s.point == last[i]; });

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Three numbers in registers, for the inner loops of 3D searches. Eigen reads a vector of doubles as a pair and one
-// more; where the three have just been written one by one, as a cross product is, that read waits until they have left
-// for memory, and that was half of the time that a face of a polytope took. The same numbers as Eigen's, to the last
-// bit.
+// Three numbers in registers, for the inner loops of 3D searches. Eigen reads a vector of doubles as a pair and a
+// single number. After the three were written one by one, as by a cross product, that read waits for the store (no
+// store forwarding), which took half of the time of a polytope's face. The bits are the same as Eigen's.
 #pragma once
 
 #include "algorithms/pair_query/core/core_pair.h"
@@ -45,12 +44,12 @@ inline Triple operator*(const Rot<3>& q, const Triple& v) {
   return v + q.w * t + cross(u, t);
 }
 
-/// As of Vecs.
+/// Like the function for Vec.
 inline void removeAlong(Triple& n, const Triple& e) {
   n = n - dot(n, e) * e;
   n = n - dot(n, e) * e;
 }
-/// a . b of vectors that may have just been written.
+/// a . b of vectors that may just have been written.
 template <int D>
 Real along(const Vec<D>& a, const Vec<D>& b) {
   if constexpr (D == 3) {
@@ -60,7 +59,7 @@ Real along(const Vec<D>& a, const Vec<D>& b) {
   }
 }
 
-/// As of a Vec.
+/// Like the function for Vec.
 inline bool makeUnit(Triple& v) {
   Real square = dot(v, v);
   if (!(square > kSafeSquare && square < 1 / kSafeSquare)) [[unlikely]] {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Balls, as ClosedForm::balls has them.
+// Balls, as in ClosedForm::balls.
 #include "algorithms/pair_query/lanes/pair_lanes.h"
 
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)

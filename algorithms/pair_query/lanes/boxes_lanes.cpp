@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Boxes, as SatBoxes has them (sat_boxes3.h says why each step is there). Pairs whose features meet in more than a
-// point are left: their witness is the middle of a polygon.
+// Boxes, as in SatBoxes (sat_boxes3.h explains each step). Pairs with features that meet in more than a point are left
+// to the scalar code: their closest point is the middle of a polygon.
 #include "algorithms/pair_query/lanes/pair_lanes.h"
 
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
@@ -21,13 +21,13 @@ class BoxLanes {
     m_axis = m_tests = all(0);
     m_n = {{all(0), all(0), all(0)}};
     m_short = hn::Not(none == none);
-    m_left = hn::Not(in.halfA[0] > all(0));  // flat boxes have no edges along what they lack
+    m_left = hn::Not(in.halfA[0] > all(0));  // flat boxes lack edges along their flat axes
     for (int k = 0; k < 3; ++k) {
       m_left = hn::Or(m_left, hn::Not(hn::And(in.halfA[k] > all(0), in.halfB[k] > all(0))));
     }
   }
 
-  /// The best bound; lanes that are left have none.
+  /// Finds the best bound; lanes that are left to the scalar code have none.
   HWY_INLINE void run() {
     const LanePairs& in = m_in;
     const Turn& r = in.r;
@@ -62,7 +62,7 @@ class BoxLanes {
     const Mask wider = gap > m_widest;
     m_widest = choose(wider, gap, m_widest), m_axis = choose(wider, all(static_cast<Real>(axis)), m_axis);
   }
-  // The common normal of edge i of A and j of B, any length, as Eigen's product has it with a unit vector.
+  // The common normal of edge i of A and j of B, of any length, computed as Eigen's product with a unit vector.
   HWY_INLINE Lane3 across(int i, int j) const {
     const int k = (i + 1) % 3, l = (i + 2) % 3;
     const Lane zero = hn::Zero(Tag());
@@ -73,7 +73,8 @@ class BoxLanes {
     n[l] = r.v[k][j] - zero * r.v[i][j];
     return n;
   }
-  // Edge e / 3 of A and e % 3 of B, numbers that the compiler must know: it does not unroll a loop over nine by itself.
+  // Edge e / 3 of A and e % 3 of B. The indices must be compile-time constants: the compiler does not unroll a loop
+  // over nine by itself.
   template <int e>
   HWY_INLINE void measureEdges(const Turn& flat) {
     constexpr int i = e / 3, j = e % 3, k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
@@ -101,7 +102,7 @@ class BoxLanes {
     const Mask wider = hn::AndNot(hn::Or(narrower, close), hn::And(crossed, distance > m_widest));
     m_widest = choose(wider, distance, m_widest), m_axis = choose(wider, all(static_cast<Real>(6 + e)), m_axis);
   }
-  // All roots before the first comparison: one after the other, they would wait for each other.
+  // All square roots precede the first comparison: interleaved, they would wait for each other.
   template <int... e>
   HWY_INLINE void offerAllEdges(const Turn& flat, std::integer_sequence<int, e...>) {
     (measureEdges<e>(flat), ...);
@@ -169,13 +170,13 @@ class BoxLanes {
     return hn::Or(out, hn::And(cross, hn::Abs(ofB(onB) + t) <= ofB(in.halfB)));
   }
 
-  // A box's corners in the other's frame, as far behind the foremost along the best axis as `lag` says (m).
+  // A box's corners in the other's frame, with their distance `lag` (m) behind the support corner along the best axis.
   struct Corners {
     Lane3 q[8];
     Lane lag[8];
     Lane3 low, high;  // of the other box
 
-    /// From the corner to the nearest point of the other box.
+    /// Vector from the corner to the nearest point of the other box.
     HWY_INLINE Lane3 toOther(int c) const {
       Lane3 v;
       for (int k = 0; k < 3; ++k) {
@@ -233,7 +234,7 @@ class BoxLanes {
   }
   HWY_INLINE void tryTied(Mask tied, Lane tie) {
     const Lane proved = m_bound;
-    const Corners both[2] = {corners(true), corners(false)};  // along the axis that is the best now
+    const Corners both[2] = {corners(true), corners(false)};  // along the best axis so far
     for (const int side : {0, 1}) {
       for (int i = 0; i < 8; ++i) {
         const Mask near = hn::AndNot(proved + both[side].lag[i] > tie, tied);
@@ -247,7 +248,7 @@ class BoxLanes {
 
   const LanePairs& m_in;
   QueryNeed m_need;
-  Lane m_widest, m_axis;  // axes by the numbers of SatBoxes
+  Lane m_widest, m_axis;  // axes numbered as in SatBoxes
   Lane m_gap[9], m_length2[9], m_distance[9];
   Lane m_bound, m_tests;
   Lane3 m_n;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// What the kernels for many pairs at once share: one pair per lane, in 3D, once for each instruction set. Each function
-// says what its scalar twin says, in the same order, so that a lane holds the same bits: no fused multiply-adds, and a
-// sum of three begins where Eigen's does. Where the twin would branch into something rare, the lane is left to it.
+// Shared by the kernels for many pairs at once: one pair per SIMD lane, in 3D, once for each instruction set. Each
+// function repeats its scalar version in the same order, so that a lane has the same bits: no fused multiply-adds, and
+// sums of three start where Eigen's do. Where the scalar version would take a rare branch, the lane is left to it.
 #if defined(LPC_PAIR_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LPC_PAIR_LANES_INL_H
 #undef LPC_PAIR_LANES_INL_H
@@ -16,7 +16,7 @@
 #include "algorithms/pair_query/tolerances.h"
 #include "framework/stage/stage_narrowphase.h"
 
-#if HWY_TARGET != HWY_SCALAR  // one lane: the scalar code has that
+#if HWY_TARGET != HWY_SCALAR  // one lane: that is the scalar code
 HWY_BEFORE_NAMESPACE();
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
@@ -44,7 +44,7 @@ HWY_INLINE Lane3 choose(Mask m, const Lane3& yes, const Lane3& no) {
 }
 HWY_INLINE bool any(Mask m) { return !hn::AllFalse(Tag(), m); }
 
-/// A sum as Eigen makes it of what it takes two at a time (in f64), and of what it takes one by one.
+/// Sums as Eigen does, with entries that it takes two at a time (in f64) and one by one.
 HWY_INLINE Lane sum(Lane a, Lane b, Lane c) { return sizeof(Real) == 8 ? (a + b) + c : a + (b + c); }
 HWY_INLINE Lane sumOneByOne(Lane a, Lane b, Lane c) { return a + (b + c); }
 
@@ -75,15 +75,15 @@ HWY_INLINE Lane3 withSignOf(const Lane3& half, const Lane3& n) {
            choose(n[2] >= zero, half[2], hn::Neg(half[2]))}};
 }
 
-/// In as few pieces as the registers allow: what is stored in two is not handed on to a load of one.
+/// Copies in as few pieces as the registers allow: two stores are not forwarded to one load.
 HWY_INLINE void copyFour(const Real* from, Real* to) {
   for (std::size_t k = 0; k < 4; k += hn::Lanes(Four())) hn::StoreU(hn::LoadU(Four(), from + k), Four(), to + k);
 }
 
-/// Squares of which a root may be taken as they are: makeUnit of core_pair.h.
+/// Squares of safe size for a direct square root: makeUnit of core_pair.h.
 HWY_INLINE Mask isSafeSquare(Lane square) { return hn::And(square > all(kSafeSquare), square < all(1 / kSafeSquare)); }
 
-/// As many pairs as there are lanes, taken apart.
+/// As many pairs as there are lanes, transposed.
 struct LanePairs {
   Lane radiusA, radiusB;
   Lane3 halfA, halfB, p;
@@ -91,7 +91,7 @@ struct LanePairs {
   Lane scale;
 
   HWY_INLINE explicit LanePairs(const PairView<3>* pairs) {
-    // Four numbers that lie one after the other, of each pair; then each of the four in its lanes.
+    // Loads four consecutive numbers of each pair, then transposes them into lanes.
     static_assert(offsetof(ShapeView<3>, half) == offsetof(ShapeView<3>, radius) + sizeof(Real));
     static_assert(offsetof(Pose<3>, q) == 3 * sizeof(Real) && sizeof(Pose<3>) == 7 * sizeof(Real));
     HWY_ALIGN Real four[4][4 * kLanes];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Pairs by the handful: one in each lane of the widest registers that this processor has (Highway chooses when the
-// program runs). The answers are those of closed_form.cpp and sat.cpp, bit for bit, whatever the registers.
+// Many pairs at once, one in each lane of the widest registers of this processor (Highway chooses at run time). The
+// answers are those of closed_form.cpp and sat.cpp, bit for bit, whatever the registers.
 #pragma once
 
 #include <bit>
@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// How a method takes its pairs.
+/// Whether a method uses SIMD lanes.
 enum class LaneUse : std::uint8_t { automatic, scalar };
 inline void visitLanes(ParamVisitor& v, LaneUse& lanes) {
   v.choice("lanes", lanes, {"auto", "scalar"}, "several pairs at once where there are many, or one after the other");
@@ -21,18 +21,18 @@ inline void visitLanes(ParamVisitor& v, LaneUse& lanes) {
 /// Fewer pairs than this are not worth it.
 inline constexpr std::size_t kFewestLanePairs = 8;
 
-/// So many pairs are asked at once at most: as many as there are bits that tell which are left.
+/// The largest number of pairs per call: the number of bits that tell which are left.
 inline constexpr std::size_t kMostLanePairs = 64;
 
-/// Bit i of the result: pair i is not answered, but left to the scalar code. All pairs are of the kinds named.
+/// Bit i of the result: pair i is left to the scalar code. All pairs are of the named kinds.
 std::uint64_t ballsInLanes(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers);
 std::uint64_t segmentsInLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
                               WorkDone& work);
 std::uint64_t boxesInLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
                            WorkDone& work);
 
-/// Has pairs answered by `inLanes` (in 3D, where it is allowed and there are enough of them), and by `oneByOne` what
-/// that leaves: one pair does not pay for the many.
+/// Answers pairs by `inLanes` (in 3D, if allowed and if there are enough of them), and the remaining ones by
+/// `oneByOne`; a rare slow pair thus does not slow down the others.
 template <int D, class InLanes, class OneByOne>
 void forMostInLanes(LaneUse use, std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers,
                     InLanes&& inLanes, OneByOne&& oneByOne) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Rounded segments, as ClosedForm::segmentSegment has them. Segments that are parallel, or have a stretch in common
-// that they meet along, are left.
+// Rounded segments, as in ClosedForm::segmentSegment. Parallel segments, and segments that meet along a common
+// interval, are left to the scalar code.
 #include <bit>
 
 #include "algorithms/pair_query/lanes/pair_lanes.h"
@@ -19,7 +19,7 @@ class SegmentLanes {
  public:
   HWY_INLINE explicit SegmentLanes(const PairView<3>* pairs) : m_in(pairs), m_u(column(m_in.r, 0)) {}
 
-  /// The direction of the difference of the nearest points; the mask is of the lanes in which it is enough.
+  /// Tries the direction of the difference of the closest points; the mask has the lanes in which it suffices.
   HWY_INLINE Mask takeDifference(QueryNeed need) {
     const Lane zero = hn::Zero(Tag()), lA = m_in.halfA[0], lB = m_in.halfB[0];
     const Lane3 &p = m_in.p, &u = m_u;
@@ -39,7 +39,7 @@ class SegmentLanes {
     return hn::And(m_known, enough);
   }
 
-  /// All the other directions that segmentSegment tries; the mask is of the lanes that could be tried in all.
+  /// Tries all other directions of segmentSegment; the mask has the lanes in which all could be tried.
   HWY_INLINE Mask tryOthers() {
     const Lane zero = hn::Zero(Tag()), lA = m_in.halfA[0], lB = m_in.halfB[0];
     const Lane3 ownAxis = {{all(1), zero, zero}};
@@ -101,8 +101,8 @@ class SegmentLanes {
   Mask m_known;
 };
 
-// Few pairs need more than one direction, but twenty times the work: they are brought together, so that all lanes have
-// some. The last handful may be short of pairs, and takes its first one again.
+// Few pairs need more than one direction, but twenty times the work: they are collected, so that all lanes are busy.
+// The last group may be incomplete, and then repeats its first pair.
 std::uint64_t searchSegments(std::span<const PairView<3>> pairs, std::uint64_t asked, QueryNeed need,
                              std::span<PairAnswer<3>> answers, WorkDone& work) {
   const std::size_t n = hn::Lanes(Tag());

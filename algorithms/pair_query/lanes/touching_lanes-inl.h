@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Witnesses of many pairs of boxes and segments at once: TouchingBoxes and TouchingPoint::place, a pair in each lane.
+// Closest points of many pairs of boxes and segments at once: TouchingBoxes and TouchingPoint::place, one pair per
+// lane.
 #if defined(LPC_TOUCHING_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LPC_TOUCHING_LANES_INL_H
 #undef LPC_TOUCHING_LANES_INL_H
@@ -13,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query { namespace HWY_NAMESPACE {
 
-/// kAxes: how many axes the cores extend along, 1 of segments.
+/// kAxes: number of axes along which the cores extend, 1 for segments.
 template <int kAxes>
 class TouchingLanes {
  public:
@@ -21,7 +22,7 @@ class TouchingLanes {
     m_band = all(kFeatureBand) * pair.scale;
   }
 
-  /// The answers that have the bound along n; the mask is of those lanes that have witnesses.
+  /// Writes the answers that have the bound along n; the mask has the lanes with closest points.
   HWY_INLINE Mask find(Lane bound, LaneAnswers& out) const {
     const LanePairs& in = m_pair;
     const Lane3 back = -turnedBack(in.r, m_n);
@@ -44,7 +45,7 @@ class TouchingLanes {
 
  private:
   struct Feature {
-    Mask free[3];  // the axes that it extends along
+    Mask free[3];  // the axes along which it extends
     Mask corner, edge;
   };
   HWY_INLINE Feature feature(const Lane3& half, const Lane3& n) const {
@@ -94,7 +95,7 @@ class TouchingLanes {
   }
   HWY_INLINE void place(const Lane3& common, Lane bound, LaneAnswers& out) const {
     const Lane zero = hn::Zero(Tag());
-    Lane3 foremost = withSignOf(m_pair.halfA, m_n);  // coreSupport: a segment's has no extent across it
+    Lane3 foremost = withSignOf(m_pair.halfA, m_n);  // coreSupport: a segment has no extent across it
     for (int k = kAxes; k < 3; ++k) foremost[k] = zero;
     out.normal = m_n;
     out.distance = bound - (m_pair.radiusA + m_pair.radiusB);

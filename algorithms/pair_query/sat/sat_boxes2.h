@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// Separating axes of two cores that are boxes in 2D, flat ones included: a point is a box without extent, a segment has
-// one.
+// Separating axes of two 2D cores that are boxes, flat ones included: a point is a box of zero size, a segment has one
+// extent.
 #pragma once
 
 #include "algorithms/pair_query/core/core_pair.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// All of the pair's candidate directions and the best bound: the signed distance of the cores.
+/// All candidate directions of the pair and the best bound: the signed distance of the cores.
 template <class Watch = NoWatch>
 class SatBoxes2 {
   static constexpr int D = 2;
@@ -26,9 +26,9 @@ class SatBoxes2 {
     }
     m_work[WorkCount::axisTests] += 2 * D;
     takeWidest(widest.axis);
-    // Apart, an axis proves the distance only where the nearest features are vertex and face: what is left are pairs
-    // of vertices. Flat cores in one plane are apart at a bound of zero, but for rounding.
-    if (m_need == QueryNeed::boolean && m_best.bound > m_pair.radii()) return;  // any axis proves the side
+    // For cores that are apart, an axis proves the distance only if the nearest features are vertex and face: pairs of
+    // vertices remain. Flat cores in one plane are apart at a bound of zero, except for rounding.
+    if (m_need == QueryNeed::boolean && m_best.bound > m_pair.radii()) return;  // any axis decides the side
     if (m_best.bound > -kBoundRounding * m_pair.scale) tryCorners();
   }
 
@@ -52,7 +52,7 @@ class SatBoxes2 {
     });
   }
 
-  // Both signs at once: boxes are their own mirror images. What is reported is the bound of the very vector that is.
+  // Both signs at once: boxes are their own mirror images. The reported bound is that of the reported vector itself.
   void take(const Vec<D>& n) {
     const Real along = n.dot(m_pair.p);
     const Real reach = m_hA.dot(n.cwiseAbs()) + m_hB.dot((m_pair.r.transpose() * n).cwiseAbs());
@@ -77,14 +77,15 @@ class SatBoxes2 {
     m_watch([&](auto& t) { t.refined(m_pair, m_best, "the widest axis's own vector"); });
   }
 
-  // A box's corners in the other's frame, and how far each lies behind the foremost along the best axis: from the other
-  // box it is farther than the bound by as much, at least. A core's corners count once, `flat` axes have one end.
+  // A box's corners in the other's frame, with their distance behind the support corner along the best axis; a corner
+  // is farther from the other box than the bound by at least this distance. A core's corners count once: `flat` axes
+  // have one end.
   struct Corners {
     std::array<Vec<D>, kCorners> q;
     std::array<Real, kCorners> lag;
     Vec<D> other;  // half extents
 
-    // From the corner to the nearest point of the other box.
+    // Vector from the corner to the nearest point of the other box.
     Vec<D> toOther(std::size_t i) const { return q[i].cwiseMax(-other).cwiseMin(other) - q[i]; }
   };
   Corners corners(bool ofA) const {
@@ -127,9 +128,9 @@ class SatBoxes2 {
     m_best.tryDirection(m_pair, toB(nearest, nearestOfA), m_work, m_watch);
     const Real least = std::sqrt(least2);
     if (m_best.bound >= least - slack) return;
-    // Among features that tie, rounding decides which is nearest, but not which direction proves most.
+    // Among equally near features rounding decides which is nearest, but not which direction proves most.
     const Real tie = least + kTiePart * least + kTieRounding * m_pair.scale;
-    const Real proved = m_best.bound;  // another direction may prove more meanwhile
+    const Real proved = m_best.bound;  // another direction may have proved more
     const std::array<Corners, 2> both = {corners(true), corners(false)};
     for (const bool ofA : {true, false}) {
       const Corners& all = both[ofA ? 0 : 1];

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Zlib
-// Separating axes of two cores that are boxes in 3D, flat ones included: a point is a box without extent, a segment has
-// one. All numbers in registers (triple.h): the arithmetic is half of what reading vectors back from memory took.
+// Separating axes of two 3D cores that are boxes, flat ones included: a point is a box of zero size, a segment has one
+// extent. All numbers are in registers (triple.h): the arithmetic is half of the time that reading vectors back from
+// memory took.
 #pragma once
 
 #include "algorithms/pair_query/core/touching_boxes3.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// All of the pair's candidate directions and the best bound: the signed distance of the cores.
+/// All candidate directions of the pair and the best bound: the signed distance of the cores.
 template <class Watch = NoWatch>
 class SatBoxes3 {
  public:
@@ -26,7 +27,7 @@ class SatBoxes3 {
   // Axes by number: A's, B's, then the common normals of edge i of A and j of B.
   struct Widest {
     Real gap = -std::numeric_limits<Real>::infinity();
-    Real square = 0;  // of the gap, with its sign: an axis that is clearly behind it is seen without a root
+    Real square = 0;  // of the gap, with its sign: an axis that is clearly worse is rejected without a root
     int axis = 0;
 
     void offer(Real offered, int number) {
@@ -46,10 +47,10 @@ class SatBoxes3 {
     offerAllEdges(flatBack, widest, std::make_integer_sequence<int, 9>());
     takeWidest(widest.axis);
     m_work[WorkCount::axisTests] += static_cast<std::uint64_t>(m_tests);
-    // Apart, an axis proves the distance only where the nearest features are vertex and face or edge and edge: what is
-    // left are pairs of vertices, and of a vertex and an edge. Flat cores in one plane are apart at a bound of zero,
-    // but for rounding.
-    if (m_need == QueryNeed::boolean && m_bound > m_pair.radii()) return;  // any axis proves the side
+    // For cores that are apart, an axis proves the distance only if the nearest features are vertex and face, or edge
+    // and edge: pairs of vertices, and of a vertex and an edge, remain. Flat cores in one plane are apart at a bound of
+    // zero, except for rounding.
+    if (m_need == QueryNeed::boolean && m_bound > m_pair.radii()) return;  // any axis decides the side
     if (m_bound > -kBoundRounding * m_pair.scale && (m_short || !isAttained(widest.axis))) tryCorners();
   }
 
@@ -64,10 +65,10 @@ class SatBoxes3 {
     offer(widest, std::abs(in.p[k]) - (in.hA[k] + (f.x * in.hB.x + (f.y * in.hB.y + f.z * in.hB.z))), k);
     offer(widest, std::abs(dot(in.r[k], in.p)) - (in.hB[k] + dot(flatBack[k], in.hA)), 3 + k);
   }
-  // Edges parallel to within rounding have no common normal but noise. Their axes are left out only to save time: by
-  // core_pair.h no direction can claim more than is true, and the true optimum is then a face normal's. The common
-  // normal e_i x r_j has no part along e_i: with (i, k, l) in turn it is -r(l, j) along k and r(k, j) along l. The
-  // numbers are the compiler's: asked by a loop, the nine take twice as long.
+  // Edges parallel within rounding have a common normal of noise. Their axes are skipped only to save time: by
+  // core_pair.h no direction can claim more than is true, and the optimum is then a face normal. The common normal e_i
+  // x r_j has no component along e_i: with (i, k, l) in cyclic order it is -r(l, j) along k and r(k, j) along l.
+  // Indices are compile-time constants: in a loop, the nine take twice as long.
   template <int e>
   void offerEdges(const Triple* flat, Widest& widest) {
     constexpr int i = e / 3, j = e % 3, k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
@@ -105,11 +106,11 @@ class SatBoxes3 {
   }
   static Triple across(int i, const Triple& u) { return cross(unit(i), u); }
 
-  // Both signs at once: boxes are their own mirror images. What is reported is the bound of the very vector that is.
+  // Both signs at once: boxes are their own mirror images. The reported bound is that of the reported vector itself.
   Real take(const Triple& n) {
     const Real along = dot(n, m_boxes.p);
     const Real reach = dot(m_boxes.hA, sizes(n)) + dot(m_boxes.hB, sizes(m_boxes.back(n)));
-    // A branch on the side would be a coin's toss.
+    // A branch on the side would be mispredicted half of the time.
     const Real bound = std::abs(along) - reach;
     takeBound(std::copysign(Real(1), along + 0) * n, bound);
     return bound;
@@ -128,7 +129,7 @@ class SatBoxes3 {
     return {n.x / length, n.y / length, n.z / length};
   }
 
-  // For who looks.
+  // For traces.
   BestAxis<3> best() const { return {m_n.vector(), m_bound}; }
   Vec<3> facing(const Triple& n) const { return (dot(n, m_boxes.p) < 0 ? -n : n).vector(); }
   void show(auto& t, const Widest& widest, Real gap, int number) const {
@@ -145,8 +146,8 @@ class SatBoxes3 {
     m_watch([&](auto& t) { t.axis(m_pair, n.vector(), bound, best(), "between the nearest features"); });
   }
 
-  // Do the features that the axis belongs to lie above each other: a vertex above the face, or edges that cross? Then
-  // their distance is the bound, and no corner is nearer.
+  // Whether the features of the axis lie above each other: a vertex above the face, or edges that cross. Then their
+  // distance is the bound, and no corner is nearer.
   bool isAttained(int number) const {
     const BoxPair3& in = m_boxes;
     const Triple back = -in.back(m_n), onA = in.foremost(in.hA, m_n), onB = in.foremost(in.hB, back);
@@ -155,7 +156,7 @@ class SatBoxes3 {
     if (number < 3) return isAbove(number, from, in.hA);
     const int i = (number - 6) / 3, j = (number - 6) % 3;
     const Triple &u = in.r[j], &e = unit(i), &f = unit(j);
-    const Triple w = from - onA;  // w + t u - s e_i is across both lines
+    const Triple w = from - onA;  // w + t u - s e_i is orthogonal to both lines
     const Real cosine = dot(e, u), sine2 = dot(u, u) - cosine * cosine, alongA = dot(e, w), alongB = dot(w, u);
     if (!(sine2 > kCrossingSine * kCrossingSine)) return false;
     const Real t = (alongA * cosine - alongB) / sine2, s = alongA + t * cosine;
@@ -169,8 +170,8 @@ class SatBoxes3 {
   // A box's corners in the other's frame. Along an axis without extent both ends are one corner.
   struct Corners {
     Real x[kCorners], y[kCorners], z[kCorners];
-    Real length2[kCorners];  // of the way to the other box
-    Real lag[kCorners];      // how far behind the foremost along the best axis
+    Real length2[kCorners];  // of the vector to the other box
+    Real lag[kCorners];      // distance behind the support corner along the best axis
   };
   void corners(bool ofA, Corners& out) const {
     const BoxPair3& in = m_boxes;
@@ -195,13 +196,12 @@ class SatBoxes3 {
       out.z[i + count] = out.z[i] - edge.z, out.lag[i + count] = out.lag[i] + behind;
     }
   }
-  // The larger of zero and how far x lies beyond the half extent, without a branch. What overflows has an infinite
-  // square anyway.
+  // The larger of zero and x less the half extent, without a branch. An overflow has an infinite square anyway.
   static Real beyond(Real x, Real half) {
     const Real far = std::abs(x) - half;
     return (far + std::abs(far)) / 2;
   }
-  // From the corner to the nearest point of the other box.
+  // Vector from the corner to the nearest point of the other box.
   Triple toOther(const Corners& c, int i, bool ofA) const {
     const Triple &h = ofA ? m_boxes.hB : m_boxes.hA, q(c.x[i], c.y[i], c.z[i]);
     const auto way = [](Real x, Real half) {
@@ -228,9 +228,9 @@ class SatBoxes3 {
     tryDirection(toB(toOther(both[nearest / kCorners], nearest % kCorners, nearest < kCorners), nearest < kCorners));
     const Real least = std::sqrt(least2);
     if (m_bound >= least - slack) return;
-    // Among features that tie, rounding decides which is nearest, but not which direction proves most.
+    // Among equally near features rounding decides which is nearest, but not which direction proves most.
     const Real tie = least + kTiePart * least + kTieRounding * m_pair.scale;
-    const Real proved = m_bound;  // another direction may prove more meanwhile
+    const Real proved = m_bound;  // another direction may have proved more
     corners(true, both[0]), corners(false, both[1]);
     for (int i = 0; i < 2 * kCorners; ++i) {
       const Corners& c = both[i / kCorners];
@@ -249,7 +249,7 @@ class SatBoxes3 {
   Triple m_n;
   Real m_bound = -std::numeric_limits<Real>::infinity();
   int m_tests = 0;
-  bool m_short = false;  // an axis without a number has been tried
+  bool m_short = false;  // an axis that is not finite was tried
 };
 
 }}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A spatial core as separating axes see it: corners, planes of its faces, edges. Of a hull they are the hull's own, of
-// the others they are made here.
+// A 3D core as separating axes see it: corners, planes of its faces, edges. Those of a hull are its own; those of other
+// shapes are made here.
 #pragma once
 
 #include <span>
@@ -20,7 +20,7 @@ class SatCore {
     Real offset = 0;
   };
 
-  /// A's core, in whose frame all is said.
+  /// A's core; all results are in its frame.
   void start(const ShapeView<3>& shape) { read(shape), m_p.setZero(), m_placed = true; }
   /// B's core.
   void start(const ShapeView<3>& shape, const Vec<3>& p, const Mat<3>& r) {
@@ -46,7 +46,7 @@ class SatCore {
     return {n, f.offset + n.dot(m_p)};
   }
 
-  /// The vertex that lies farthest along n.
+  /// The support vertex along n.
   int foremost(const Vec<3>& n) const {
     const Vec<3> d = m_placed ? n : Vec<3>(m_r.transpose() * n);
     std::size_t best = 0;
@@ -77,7 +77,7 @@ class SatCore {
   Vec<3> centre = Vec<3>::Zero();  // of a ball within the core
   Real inner = 0;                  // its radius (m)
 
-  /// Makes `heights`, those of the point q above all planes (m), and tells whose is the largest.
+  /// Makes `heights`, those of the point q above all planes (m), and returns the index of the largest.
   int measure(const Vec<3>& q) {
     const Vec<3> own = m_placed ? q : Vec<3>(m_r.transpose() * (q - m_p));
     heights.resize(m_faces.size());
@@ -86,10 +86,10 @@ class SatCore {
     return static_cast<int>(std::max_element(heights.begin(), heights.end()) - heights.begin());
   }
   std::vector<Real> heights;
-  std::vector<int> below;  // the vertex of the other core that bounds what the face proves; -1: it was not tested
+  std::vector<int> below;  // the vertex of the other core that limits what the face proves; -1: not tested
 
  private:
-  // What is no hull is made once, and then given its sizes.
+  // Cores other than hulls are made once, and then resized.
   void read(const ShapeView<3>& shape) {
     const Vec<3>& h = shape.half;
     switch (shape.core()) {
@@ -129,7 +129,7 @@ class SatCore {
     m_corners = hull.vertices, m_faces = hull.faces, m_edges = hull.edges, m_loop = hull.loop;
   }
 
-  // Corner number `bits` has the signs of its bits; face 2 k looks along axis k, 2 k + 1 back.
+  // Corner number `bits` has the signs of its bits; face 2 k faces along axis k, 2 k + 1 against it.
   void makeBox() {
     m_box.vertices.assign(8, Vec<3>::Zero());
     for (int k = 0; k < 3; ++k) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Two features of spatial cores that may be the ones that face each other: the normal they have in common, and the way
-// between them.
+// Two features of 3D cores that may face each other: their common normal, and the vector between them.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +16,7 @@ struct SatFeatures {
   std::int32_t a = 0, b = 0;
 };
 
-/// As who looks at the search reads them.
+/// In words, for traces.
 inline std::string words(const SatFeatures& f) {
   using enum SatFeatures::Kind;
   const auto two = [&](const char* a, const char* b) {
@@ -42,7 +41,7 @@ inline std::string words(const SatFeatures& f) {
   return "foremost vertices";
 }
 
-/// An edge that is looked at.
+/// A candidate edge.
 struct SatRidge {
   int number;
   Vec<3> v0, v1;
@@ -59,7 +58,7 @@ struct SatRidge {
   }
 };
 
-/// From q to the edge's nearest point; across the edge to the last bit where that is inside.
+/// Vector from q to the edge's nearest point; orthogonal to the edge to the last bit if the point is inside.
 inline Vec<3> toEdge(const SatRidge& e, const Vec<3>& q) {
   const Vec<3> from0 = e.v0 - q, from1 = e.v1 - q;
   if (from0.dot(e.direction) >= 0) return from0;
@@ -69,7 +68,7 @@ inline Vec<3> toEdge(const SatRidge& e, const Vec<3>& q) {
   return v;
 }
 
-/// From a to b; of edges that are parallel to within rounding some way.
+/// From a to b; for edges that are parallel within rounding, some vector.
 inline Vec<3> betweenEdges(const SatRidge& a, const SatRidge& b) {
   const Vec<3> w = b.v0 - a.v0;
   const Real cosine = a.direction.dot(b.direction), sine2 = a.direction.cross(b.direction).squaredNorm();
@@ -80,12 +79,12 @@ inline Vec<3> betweenEdges(const SatRidge& a, const SatRidge& b) {
   return -toEdge(a, onA + toB);
 }
 
-/// From q to the face's plane, straight, where q stands above the face, else to its rim.
+/// From q to the face's plane along its normal if q is above the face, else to its rim.
 inline Vec<3> toFace(const SatCore& core, int number, const Vec<3>& q) {
   const SatCore::Face& f = core.faces()[number];
   const SatCore::Plane plane = core.plane(f);
   const std::span<const int> loop = core.loop(f);
-  bool above = loop.size() > 2;  // the side of a triangle is a line: nothing stands above it
+  bool above = loop.size() > 2;  // the side of a triangle is a line: nothing is above it
   Vec<3> u = core.vertex(loop.back()), nearest = u - q;
   for (const int next : loop) {
     const Vec<3> v = core.vertex(next);
@@ -102,7 +101,7 @@ inline Vec<3> toFace(const SatCore& core, int number, const Vec<3>& q) {
   return above ? Vec<3>(-(plane.n.dot(q) - plane.offset) * plane.n) : nearest;
 }
 
-/// Are there such features?
+/// Whether such features exist.
 inline bool exist(const SatFeatures& f, const SatCore& a, const SatCore& b) {
   using enum SatFeatures::Kind;
   const auto vertex = [](int i, const SatCore& core) { return i >= 0 && i < core.vertexCount(); };
@@ -127,7 +126,7 @@ inline bool exist(const SatFeatures& f, const SatCore& a, const SatCore& b) {
   return false;  // a number from a file
 }
 
-/// From A's feature to B's: the shortest way, or some way. Of any two features it is one that is attained, so that the
+/// From A's feature to B's: the shortest vector, or some vector. It is attained by two points of the features, so the
 /// cores are no farther apart.
 inline Vec<3> wayBetween(const SatFeatures& f, const SatCore& a, const SatCore& b) {
   using enum SatFeatures::Kind;
@@ -150,7 +149,7 @@ inline Vec<3> wayBetween(const SatFeatures& f, const SatCore& a, const SatCore& 
   return b.vertex(0) - a.vertex(0);
 }
 
-/// Their common normal from A to B, unit; of two edges of either sign. False where they have none.
+/// Their common unit normal from A to B; for two edges of either sign. False if they have none.
 inline bool commonNormal(const SatFeatures& f, const SatCore& a, const SatCore& b, const Vec<3>& way, Vec<3>& n) {
   using enum SatFeatures::Kind;
   switch (f.kind) {

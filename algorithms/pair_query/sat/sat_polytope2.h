@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Separating axes of two planar cores of any kind: edge normals, and where these fall short, the nearest two vertices.
+// Separating axes of two 2D cores of any kind: edge normals, and if these do not suffice, the nearest two vertices.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,8 @@ class SatPolytope<2, Watch> {
     fill(pair.b, pair.p, pair.r, m_b);
     testNormals(pair, m_a, m_b, 1, best, work);
     testNormals(pair, m_b, m_a, -1, best, work);
-    // Apart, the nearest features are a vertex and an edge, whose normal has been tested, or two vertices.
+    // For cores that are apart, the nearest features are two vertices, or a vertex and an edge; normals of edges have
+    // been tested.
     if (best.bound <= -kBoundRounding * pair.scale) return;
     Real least = std::numeric_limits<Real>::infinity();
     for (const Vec<2>& a : m_a.vertices) {
@@ -70,13 +71,13 @@ class SatPolytope<2, Watch> {
     }
   }
 
-  // The outward normals of `of`; sign 1 when that is A, so that n points from A to B.
+  // The outward normals of `of`; sign 1 if that is A, so that n points from A to B.
   void testNormals(const CorePair<2>& pair, const Core& of, const Core& other, Real sign, BestAxis<2>& best,
                    WorkDone& work) const {
     work[WorkCount::axisTests] += of.normals.size();
     for (std::size_t i = 0; i < of.normals.size(); ++i) {
       const Vec<2>& n = of.normals[i];
-      // A rounded normal may lean out over the next vertex: both ends of the edge hold the line.
+      // A rounded normal may lean out over the next vertex: the larger end of the edge is its offset.
       const Real offset = std::max(n.dot(of.vertices[i]), n.dot(of.vertices[(i + 1) % of.vertices.size()]));
       Real bound = std::numeric_limits<Real>::infinity();
       for (const Vec<2>& v : other.vertices) {

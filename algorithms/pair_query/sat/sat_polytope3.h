@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Separating axes of two spatial cores of any kind: face normals, common normals of edges whose Gauss arcs cross
-// (Gregorius 2013), and for cores that are apart the directions between vertices and edges.
+// Separating axes of two 3D cores of any kind: face normals, common normals of edges whose Gauss arcs cross (Gregorius
+// 2013), and for cores that are apart the directions between vertices and edges.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@ class SatPolytope<3, Watch> {
  public:
   explicit SatPolytope(const Watch& watch = {}) : m_watch(watch) {}
 
-  /// `memory`, which may be null, holds the features whose axis was the best one.
+  /// `memory`, which may be null, holds the features of the best axis.
   void run(const CorePair<3>& pair, QueryNeed need, PairMemory* memory, BestAxis<3>& best, WorkDone& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
     m_sideAlone = need == QueryNeed::boolean;
     m_slack = kBoundRounding * pair.scale;
     m_features = {};
     m_a.start(pair.a), m_b.start(pair.b, pair.p, pair.r);
-    const bool somewhere = pair.p.allFinite() && pair.r.allFinite();  // else no bound would end the search
+    const bool somewhere = pair.p.allFinite() && pair.r.allFinite();  // otherwise no bound would end the search
     if (somewhere && !(memory && recall(*memory))) search();
     if (!std::isfinite(best.bound)) best.tryDirection(pair, Vec<3>::Unit(0), work, m_watch);
     if (memory) remember(*memory);
@@ -33,12 +33,12 @@ class SatPolytope<3, Watch> {
   using Kind = SatFeatures::Kind;
   using Plane = SatCore::Plane;
 
-  // Axes that prove no more than this are of no use. Where the side alone is asked, some face or pair of edges says
-  // that the cores are apart, or none does.
+  // Axes that prove no more than this are useless. If only the side is wanted, either some face or pair of edges proves
+  // separation, or none does.
   Real least() const { return m_sideAlone ? std::max(m_best->bound, -m_slack) : m_best->bound; }
   bool isEnough() const { return m_sideAlone && m_best->bound > m_pair->radii(); }
 
-  // `all`: no vertex lies lower.
+  // `all`: no vertex is lower.
   void take(const Vec<3>& n, Real bound, const SatFeatures& features, bool all = true) {
     if (bound > m_best->bound) m_features = features;
     m_best->take(n, bound);
@@ -52,8 +52,8 @@ class SatPolytope<3, Watch> {
     std::array<std::int32_t, 5> none{};
   };
 
-  // The features that were best: whether they are is proved anew, so that any others are as good. True when they, or
-  // others near by, answer all; else what they prove is where the search starts from.
+  // Starts from the best features of the last query; whether they are best is proved anew, so that wrong ones do no
+  // harm. Returns true if they, or features near by, answer the query; else the search starts from what they prove.
   bool recall(const PairMemory& memory) {
     const SatFeatures f = std::bit_cast<Stored>(memory.bytes).features;
     if (!exist(f, m_a, m_b)) return false;
@@ -74,7 +74,7 @@ class SatPolytope<3, Watch> {
 
   void search() {
     Vec<3> n = m_pair->p;
-    if (m_features.kind == Kind::none && makeUnit<3>(n)) project(n, {});  // most axes prove less, and are done with
+    if (m_features.kind == Kind::none && makeUnit<3>(n)) project(n, {});  // most axes prove less and are done
     if (isEnough()) return;
     m_a.fill(), m_b.fill();
     testFaces();
@@ -93,7 +93,7 @@ class SatPolytope<3, Watch> {
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  // Both cores' foremost vertices along the unit vector n.
+  // Both cores' support vertices along the unit vector n.
   std::pair<int, int> project(const Vec<3>& n, const SatFeatures& features) {
     ++(*m_work)[WorkCount::axisTests];
     const int a = m_a.foremost(n), b = m_b.foremost(-n);
@@ -101,8 +101,8 @@ class SatPolytope<3, Watch> {
     return {a, b};
   }
 
-  // Most faces prove less than the best because of the ball in the other core: a plane proves no more than it leaves.
-  // The faces that look at its centre the most come first, since the more is proved the more are left out.
+  // The ball in the other core rejects most faces: a face proves no more than its plane leaves beside the ball. Faces
+  // that look most towards the ball's centre come first, since a better bound rejects more faces.
   void testFaces() {
     const int first[2] = {m_a.measure(m_b.centre), m_b.measure(m_a.centre)};
     for (const bool ofA : {true, false}) {
@@ -121,10 +121,10 @@ class SatPolytope<3, Watch> {
       }
     }
   }
-  // A plane with the ball's centre no higher than this proves no more than the best.
+  // A face with the ball's centre no higher than this above its plane proves no more than the best.
   Real lowFor(const SatCore& other) const { return least() + other.inner - kFaceRounding * m_pair->scale; }
 
-  // Of the vertices of the other core those are asked first that proved enough before, the last one foremost.
+  // Tests first those vertices of the other core that rejected earlier faces, the latest one first.
   void testFace(bool ofA, int face) {
     SatCore &of = ofA ? m_a : m_b, &other = ofA ? m_b : m_a;
     const Plane plane = of.plane(of.faces()[at(face)]);
@@ -155,10 +155,10 @@ class SatPolytope<3, Watch> {
          ofA ? SatFeatures{Kind::faceOfA, face, low[0]} : SatFeatures{Kind::faceOfB, low[0], face}, all);
   }
 
-  // The edges whose normals may still prove more than the best. All normals of an edge are sums of those of its faces,
-  // made unit. If some point of the other core lies so low that both of these prove no more than c, then so does every
-  // one between: of a negative c a longer sum makes less, of a positive one at most 1 / cos(half the angle) times as
-  // much. Such a point is a vertex that told it of a face, or the centre of the ball, which reaches lower by its
+  // Selects the edges with normals that may still prove more than the best. All normals of an edge are normalised sums
+  // of those of its two faces. If some point of the other core is so low that both of these prove no more than c, so
+  // does every normal between: for negative c a longer sum proves less, for positive c at most 1 / cos(half the angle)
+  // times as much. Such a point is a vertex that rejected a face, or the centre of the ball, which reaches lower by its
   // radius.
   void pickRidges(const SatCore& of, const SatCore& other, std::vector<SatRidge>& out) const {
     const Real low = lowFor(other), surely = std::min(low, Real(0));
@@ -187,8 +187,8 @@ class SatPolytope<3, Watch> {
     return false;
   }
 
-  // Do the arcs of normals of a and of -b meet on the sphere? Inclusive: an arc missed by rounding ends on a face
-  // normal, which has been tested, and an arc taken wrongly costs one more test.
+  // Whether the arcs of normals of a and of -b meet on the sphere. Inclusive: an arc missed by rounding ends on a face
+  // normal, which has been tested, and an arc accepted wrongly costs one more test.
   static bool arcsMayCross(const SatRidge& a, const SatRidge& b) {
     if (a.bare && b.bare) return true;
     if (a.bare) return !sameSide(b.n0.dot(a.direction), b.n1.dot(a.direction), kArcSine);
@@ -200,8 +200,8 @@ class SatPolytope<3, Watch> {
   }
   static bool sameSide(Real x, Real y, Real near) { return (x > near && y > near) || (x < -near && y < -near); }
 
-  // Nearly parallel edges give an axis of noise, exactly parallel ones none. Neither can do harm: the two points on the
-  // edges only bound from above what the axis could prove, and then the whole cores are projected (core_pair.h).
+  // Nearly parallel edges give an axis of noise, exactly parallel ones none. Neither does harm: the two points on the
+  // edges only give an upper bound of the axis, and then the whole cores are projected (core_pair.h).
   void testEdges(const SatRidge& a, const SatRidge& b) {
     Vec<3> n = a.direction.cross(b.direction);
     if (n.squaredNorm() <= kParallelSine * kParallelSine || !makeUnit<3>(n)) return;
@@ -230,9 +230,9 @@ class SatPolytope<3, Watch> {
 
   // --- cores that are apart ------------------------------------------------------------------------------------------
 
-  // The way between two features is no shorter than the distance, and what its direction proves is no longer: where
-  // they meet, both are the distance. Else the features around the foremost vertices may have a shorter way. False
-  // when they have none; then m_way is the shortest that is known.
+  // The vector between two features is no shorter than the distance, and its direction proves no more than the
+  // distance: if both agree, they are the distance. Else the features around the support vertices may be nearer.
+  // Returns false if there are none; m_way is then the shortest known vector.
   bool closeGap(SatFeatures features) {
     const bool known = features.kind != Kind::none;
     if (!known) (*m_work)[WorkCount::supportCalls] += 2;
@@ -250,7 +250,7 @@ class SatPolytope<3, Watch> {
     return false;
   }
 
-  // The features at vertex a of A and b of B with the shortest way, if it is shorter than m_way.
+  // The features at vertex a of A and b of B with the shortest vector, if it is shorter than m_way.
   SatFeatures shorten(int a, int b) {
     SatFeatures nearest;
     Real least2 = m_way.squaredNorm();
@@ -266,7 +266,7 @@ class SatPolytope<3, Watch> {
         const SatCore::Edge& e = core.edges()[at(number)];
         offer(ofA ? SatFeatures{Kind::edgeVertex, number, b} : SatFeatures{Kind::vertexEdge, a, number});
         if (e.faceA < 0) continue;
-        // Of the two faces of an edge the one to its left; from the vertex on all of them are to the left of one.
+        // Of the two faces of an edge, the one to its left; seen from the vertex, each face is to the left of one edge.
         const int face = e.v0 == (ofA ? a : b) ? e.faceA : e.faceB;
         offer(ofA ? SatFeatures{Kind::faceOfA, face, b} : SatFeatures{Kind::faceOfB, a, face});
       }
@@ -274,8 +274,8 @@ class SatPolytope<3, Watch> {
     return nearest;
   }
 
-  // Vertex against vertex or edge. With L the best bound, n its axis and U any distance that is attained, the nearest
-  // points lie no deeper than U - L behind the supporting planes of n; all other features are left out.
+  // Vertex against vertex or edge. With L the best bound, n its axis and U any attained distance, the nearest points
+  // lie no deeper than U - L behind the support planes of n; all other features are skipped.
   void tryVertices() {
     const Vec<3> n = m_best->n;
     const Real slab = m_way.norm() + kAttainedRounding * m_pair->scale - m_best->bound;
@@ -304,7 +304,7 @@ class SatPolytope<3, Watch> {
     }
   }
 
-  // f(pB - pA, features) for each picked vertex with each picked edge or vertex of the other core.
+  // Calls f(pB - pA, features) for each selected vertex with each selected edge or vertex of the other core.
   template <class F>
   void forDifferences(F&& f) {
     for (const int a : m_verticesA) {
@@ -324,13 +324,14 @@ class SatPolytope<3, Watch> {
   WorkDone* m_work = nullptr;
   bool m_sideAlone = false;
   Real m_slack = 0;        // m
-  SatFeatures m_features;  // whose axis is the best
+  SatFeatures m_features;  // features of the best axis
   Vec<3> m_way = Vec<3>::Zero();
   SatCore m_a, m_b;
-  std::array<std::array<int, kLowVertices>, 2> m_low{};  // of B's vertices, which are low for a face of A, second
+  std::array<std::array<int, kLowVertices>, 2>
+      m_low{};  // low vertices of B for faces of A, second; of A for faces of B, first
   std::array<std::size_t, 2> m_known{};
   std::vector<int> m_verticesA, m_verticesB;
-  std::vector<SatRidge> m_ridgesA, m_ridgesB;  // those that may matter
+  std::vector<SatRidge> m_ridgesA, m_ridgesB;  // edges that may matter
 };
 
 }}}  // namespace lpc::LPC_PRECISION::pair_query

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The searches of gjk_epa and sat with somebody who looks: in a source of its own, so that those who do not are
-// compiled as if nobody could.
+// Traced instantiations, kept out of the untraced inlining.
 #include "algorithms/pair_query/gjk/gjk_epa.h"
 #include "algorithms/pair_query/sat/sat_answers.h"
 #include "algorithms/pair_query/trace/tracer.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Writes down what a search does, for who looks at it (watch.h).
+// Records the steps of a search (watch.h).
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ class Tracer {
     return part(what, static_cast<std::size_t>(number), ofA);
   }
 
-  /// An axis was projected; `all`: by all vertices that count, else what it proves is no more than the bound.
+  /// An axis was projected; `all`: over all relevant vertices, otherwise the bound is only an upper bound.
   void axis(const CorePair<D>& pair, const Vec<D>& n, Real bound, const BestAxis<D>& best, std::string words,
             bool all = true) const {
     TraceStep<D>& step = add(TraceKind::axis, std::move(words), best);
@@ -35,7 +35,7 @@ class Tracer {
     step.atMost = !all;
   }
 
-  /// GJK asked for w, the farthest point of the difference against n.
+  /// GJK queried w, the support point of the difference against n.
   void support(const CorePair<D>& pair, const NearestFeature<D>& nearest, const Vec<D>& n, const Vec<D>& w, Real bound,
                const BestAxis<D>& best) const {
     TraceStep<D>& step = add(TraceKind::support, "GJK", best);
@@ -51,7 +51,7 @@ class Tracer {
     if (!inside) step.nearest = v;
   }
 
-  /// EPA asked for w; the polytope is for the caller to show.
+  /// EPA queried w; the caller adds the polytope.
   TraceStep<D>& expansion(const CorePair<D>& pair, const Vec<D>& n, const Vec<D>& w, const BestAxis<D>& best,
                           bool ofFace) const {
     TraceStep<D>& step = add(TraceKind::expansion, ofFace ? "EPA" : "EPA's first corners", best);
@@ -60,7 +60,7 @@ class Tracer {
     return step;
   }
 
-  /// The best axis may have become another one by steps that are not shown one by one.
+  /// The best axis may have changed by steps that are not recorded one by one.
   void refined(const CorePair<D>& pair, const BestAxis<D>& best, const char* words) const {
     const auto& steps = m_out->steps;
     if (!steps.empty() && steps.back().best == best.bound && steps.back().bestAxis == best.n) return;
@@ -78,12 +78,12 @@ class Tracer {
   static void show(const Simplex<D>& simplex, TraceStep<D>& step) {
     for (int i = 0; i < simplex.count; ++i) step.corners.push_back(simplex[i]);
   }
-  // In A's frame, by a look at all vertices: a climb would go on from here.
+  // In A's frame, by brute force: a climb would change the start of the next one.
   static void ask(const CorePair<D>& pair, const Vec<D>& n, Real bound, TraceStep<D>& step) {
     const Vec<D> back = -(pair.r.transpose() * n);
     step.direction = n, step.bound = bound;
     step.supportA = farthest(pair.a, n), step.supportB = pair.p + pair.r * farthest(pair.b, back);
-    WorkDone ofLooking;  // not the search's
+    WorkDone ofLooking;  // not counted as the search's work
     supportingVertices<D>(pair.a, n, kFeatureBand * pair.scale, step.featureA, ofLooking);
     supportingVertices<D>(pair.b, back, kFeatureBand * pair.scale, step.featureB, ofLooking);
     for (Vec<D>& v : step.featureB) v = pair.p + pair.r * v;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Who looks at a search. A kernel says `watch([&](auto& t) { t.axis(...); })` where there is something to see. Nobody
-// looks, by default: then what is in the braces is not even compiled, and the kernel is as it was. Else `t` is a Tracer
+// Observing a search. A kernel says `watch([&](auto& t) { t.axis(...); })` where a step may be recorded. By default
+// there is no observer, and the lambda is not even compiled, so the kernel is unchanged. Otherwise `t` is a Tracer
 // (tracer.h).
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Anderson's acceleration of s = f(s) (Walker and Ni 2011): the next guess is where a line through the last ones would
-// have no change, by least squares. Of an f that is linear it is the solution once there are as many guesses as
+// Anderson acceleration of s = f(s) (Walker and Ni 2011): the next guess is the point at which a least-squares line
+// through the last guesses predicts no change. For linear f it is the solution once there are as many guesses as
 // dimensions.
 #pragma once
 
@@ -19,7 +19,7 @@ class Anderson {
 
   void begin() { m_count = 0, m_fresh = true; }
 
-  /// s becomes the next guess; `to` is f(s).
+  /// Replaces s by the next guess; `to` is f(s).
   void next(std::vector<double>& s, const std::vector<double>& to) {
     const std::size_t n = s.size();
     m_change.resize(n);
@@ -33,7 +33,7 @@ class Anderson {
     m_fresh = false;
     m_lastChange = m_change, m_lastTo = to;
     s = to;
-    // The newest first; a change that says little new is left out.
+    // Newest first; a change that adds little information is omitted.
     std::size_t used = 0;
     for (std::size_t k = 0; k < std::min(m_count, kDepth); ++k) {
       Column& q = m_basis[used];
@@ -53,8 +53,8 @@ class Anderson {
 
  private:
   static constexpr std::size_t kDepth = 8;
-  static constexpr double kNew = 1e-12;  // of a change's square: less is rounding
-  static constexpr double kFar = 1e-6;   // the same, of what is to be undone: less is a leap
+  static constexpr double kNew = 1e-12;  // of a change's square; below it is rounding
+  static constexpr double kFar = 1e-6;   // the same for the change to be undone; below it the step would be a leap
   struct Column {
     std::vector<double> change, to;
   };

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Sparse matrices of S x S blocks, one node per body. A symmetric one is factored as L L^T, one with a symmetric
-// pattern as L U. factor() and solve() are linear in a tower. Nodes are eliminated in the order of the fewest
-// neighbours left, so that neighbours become neighbours of each other as seldom as they can; analyse() looks for each
-// among all that are left, n^2 comparisons, and keeps n^2 bits. Every sum has one order, and arrays keep their
-// capacity.
+// Sparse matrices of S x S blocks, one node per body. A symmetric matrix is factored as L L^T, one with a symmetric
+// pattern as L U. factor() and solve() are linear for a tower. Nodes are eliminated in the order of fewest remaining
+// neighbours (minimum degree), which keeps fill-in low. analyse() searches all remaining nodes for each, n^2
+// comparisons, and keeps n^2 bits. Every sum has one fixed order, and arrays keep their capacity.
 #pragma once
 
 #include <algorithm>
@@ -20,10 +19,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// Which blocks there are, and in which order nodes are eliminated.
+/// The blocks of a matrix and the order in which nodes are eliminated.
 class BlockPattern {
  public:
-  /// Nodes and which of them have a block between them, in any order and more than once.
+  /// Sets the number of nodes and the pairs of nodes that have a block, in any order, repeated or not.
   void analyse(std::size_t nodes, std::span<const std::pair<int, int>> edges) {
     m_nodes = nodes, m_words = (nodes + 63) / 64;
     m_near.assign(nodes * m_words, 0), m_place.assign(nodes, nodes), m_start.assign(1, 0), m_row.clear();
@@ -39,7 +38,7 @@ class BlockPattern {
       }
       eliminate(least, p);
     }
-    // Rows were written as nodes, and are wanted as places.
+    // Rows were stored as nodes; they become places in the order of elimination.
     for (std::size_t p = 0; p < nodes; ++p) {
       for (std::size_t k = m_start[p]; k < m_start[p + 1]; ++k) m_row[k] = m_place[m_row[k]];
       std::sort(m_row.begin() + static_cast<std::ptrdiff_t>(m_start[p]),
@@ -49,7 +48,7 @@ class BlockPattern {
 
   struct Between {
     std::size_t at;
-    bool turned;  // rows of the block are of the second node
+    bool turned;  // rows of the block belong to the second node
   };
   Between between(int first, int second) const {
     const std::size_t p = m_place[first], q = m_place[second];
@@ -60,8 +59,8 @@ class BlockPattern {
 
  protected:
   std::size_t m_nodes = 0;
-  IndexedVector<std::size_t> m_place;       // of a node in the order of elimination
-  std::vector<std::size_t> m_start, m_row;  // of each column, by place: places below that are not zero
+  IndexedVector<std::size_t> m_place;       // place of each node in the order of elimination
+  std::vector<std::size_t> m_start, m_row;  // of each column, by place: the places below it that are not zero
 
  private:
   std::uint64_t* near(std::size_t node) { return m_near.data() + node * m_words; }
@@ -75,7 +74,7 @@ class BlockPattern {
     return bits;
   }
 
-  // Its neighbours become neighbours of each other.
+  // Makes the neighbours of a node neighbours of each other.
   void eliminate(std::size_t node, std::size_t place) {
     m_place[node] = place;
     for (std::size_t w = 0; w < m_words; ++w) {
@@ -94,7 +93,7 @@ class BlockPattern {
   }
 
   std::size_t m_words = 0;
-  std::vector<std::uint64_t> m_near;  // a bit per pair of nodes
+  std::vector<std::uint64_t> m_near;  // one bit per pair of nodes
   std::vector<int> m_degree;
 };
 
@@ -103,9 +102,9 @@ class BlockCholesky : public BlockPattern {
  public:
   using Block = std::array<double, S * S>;  // row by row
 
-  std::uint64_t multiplyAdds = 0;  // of the last factorisation, square roots and divisions among them
+  std::uint64_t multiplyAdds = 0;  // of the last factorisation, with square roots and divisions
 
-  /// A becomes so many times 1.
+  /// Sets A to a multiple of the identity.
   void set(double diagonal) {
     m_diagonal.resize(m_nodes), m_below.resize(m_row.size());
     for (Block& block : m_below) block.fill(0);
@@ -117,7 +116,7 @@ class BlockCholesky : public BlockPattern {
   Block& diagonal(int node) { return m_diagonal[m_place[node]]; }
   Block& below(std::size_t at) { return m_below[at]; }
   std::size_t entries() const { return (m_nodes + m_row.size()) * S * S; }
-  /// The sum of all squares of A.
+  /// Sum of the squares of all entries of A.
   double squares() const {
     double sum = 0;
     for (const Block& block : m_diagonal) {
@@ -153,7 +152,7 @@ class BlockCholesky : public BlockPattern {
       for (std::size_t k = m_start[p]; k < m_start[p + 1]; ++k) {
         subtract(m_below[k], m_below[k], m_diagonal[m_row[k]]);
         products += m_start[p + 1] - k;
-        std::size_t to = m_start[m_row[k]];  // its column has the rows that come here, and others between them
+        std::size_t to = m_start[m_row[k]];  // its column holds the rows that are needed here, and others between them
         for (std::size_t m = k + 1; m < m_start[p + 1]; ++m) {
           while (m_row[to] < m_row[m]) ++to;
           subtract(m_below[m], m_below[k], m_below[to]);
@@ -164,7 +163,7 @@ class BlockCholesky : public BlockPattern {
   }
   std::uint64_t multiplyAddsOfSolve() const { return m_nodes * S * (S + 1) + m_row.size() * 2 * S * S; }
 
-  /// x becomes A^-1 x; S numbers per node.
+  /// Replaces x by A^-1 x; S numbers per node.
   void solve(std::vector<double>& x) {
     m_x.resize(x.size());
     for (std::size_t i = 0; i < m_nodes; ++i) {
@@ -214,11 +213,11 @@ class BlockCholesky : public BlockPattern {
     }
   }
 
-  std::vector<Block> m_diagonal, m_below;  // of the factor, when it is made
+  std::vector<Block> m_diagonal, m_below;  // of the factor, once it is made
   std::vector<double> m_x;
 };
 
-/// Rows are exchanged within the blocks of the diagonal only: ask the residual whether that was enough.
+/// Rows are exchanged only within the diagonal blocks: check the residual to see whether that was enough.
 template <std::size_t S>
 class BlockLu : public BlockPattern {
  public:
@@ -226,7 +225,7 @@ class BlockLu : public BlockPattern {
 
   std::uint64_t multiplyAdds = 0;  // of the last factorisation
 
-  /// A becomes so many times 1.
+  /// Sets A to a multiple of the identity.
   void set(double diagonal) {
     m_diagonal.resize(m_nodes), m_below.resize(m_row.size()), m_above.resize(m_row.size());
     for (Block& block : m_below) block.fill(0);
@@ -237,12 +236,12 @@ class BlockLu : public BlockPattern {
     }
   }
   Block& diagonal(int node) { return m_diagonal[m_place[node]]; }
-  /// Rows are of the node that is eliminated later.
+  /// Block with the rows of the node that is eliminated later.
   Block& below(std::size_t at) { return m_below[at]; }
-  /// Columns are.
+  /// Block with the columns of the node that is eliminated later.
   Block& above(std::size_t at) { return m_above[at]; }
 
-  /// False: singular.
+  /// Returns false if A is singular.
   bool factor() {
     std::uint64_t products = 0;
     for (std::size_t p = 0; p < m_nodes; ++p) {
@@ -257,7 +256,7 @@ class BlockLu : public BlockPattern {
           subtract(m_below[m], m_above[k], m_below[to]);
           subtract(m_below[k], m_above[m], m_above[to]);
         }
-        products += 2 * (m_start[p + 1] - k);  // that into m_below[k] among them
+        products += 2 * (m_start[p + 1] - k);  // including the one into m_below[k]
       }
     }
     multiplyAdds = (m_nodes + products) * S * S * S;
@@ -265,7 +264,7 @@ class BlockLu : public BlockPattern {
   }
   std::uint64_t multiplyAddsOfSolve() const { return (m_nodes + 2 * m_row.size()) * S * S; }
 
-  /// x becomes A^-1 x; S numbers per node.
+  /// Replaces x by A^-1 x; S numbers per node.
   void solve(std::vector<double>& x) {
     m_x.resize(x.size());
     for (std::size_t i = 0; i < m_nodes; ++i) {
@@ -309,7 +308,7 @@ class BlockLu : public BlockPattern {
       for (std::size_t j = 0; j < S; ++j) m_x[to * S + i] -= a[i * S + j] * m_x[from * S + j];
     }
   }
-  /// By Gauss and Jordan, with the largest entry of each column as its pivot.
+  /// Gauss-Jordan elimination; the largest entry of each column is the pivot.
   static bool invert(Block& a) {
     std::array<std::size_t, S> from{};
     for (std::size_t j = 0; j < S; ++j) {
@@ -336,7 +335,7 @@ class BlockLu : public BlockPattern {
     return true;
   }
 
-  std::vector<Block> m_diagonal, m_below, m_above;  // inverses, L and U, when the factor is made
+  std::vector<Block> m_diagonal, m_below, m_above;  // inverses, L and U, once the factor is made
   std::vector<double> m_x;
 };
 

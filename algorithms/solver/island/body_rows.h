@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Rows of an island as W = J J^T, J by row and body that can move: unknowns of a body are changes of velocity in units
-// of the root of its inverse mass. 1 + J^T S J, S a block of each contact, is block sparse over the bodies.
+// Rows of an island as W = J J^T, with J by row and movable body. The unknowns of a body are changes of velocity in
+// units of the square root of its inverse mass. 1 + J^T S J, with one block of S per contact, is block sparse over the
+// bodies.
 #pragma once
 
 #include "algorithms/solver/island/block_matrix.h"
@@ -15,11 +16,11 @@ class BodyRows {
  public:
   static constexpr std::size_t kSize = D + kAngDim<D>;
   struct Group {
-    std::size_t first, count;  // of rows: a contact's D, or one
+    std::size_t first, count;  // of rows: D for a contact, otherwise one
     double friction;
     BlockPattern::Between between;
   };
-  /// Of a group, row by row.
+  /// A matrix over the rows of a group, row by row.
   using Square = IndexedArray<double, D * D>;
 
   std::vector<Group> groups;
@@ -28,7 +29,7 @@ class BodyRows {
   std::size_t bodies() const { return m_bodies.size(); }
   bool ofTwoBodies(const Group& g) const { return m_rows[g.first].a >= 0 && m_rows[g.first].b >= 0; }
 
-  /// False: it has more bodies.
+  /// Returns false if the island has too many bodies.
   bool set(const VelocityInput<D>& in, const ContactProblem<D>& problem, std::span<const std::int32_t> which,
            int maxBodies) {
     const std::size_t n = which.size();
@@ -57,13 +58,13 @@ class BodyRows {
       if (ofTwoBodies(g)) g.between = matrix.between(m_rows[g.first].a, m_rows[g.first].b);
     }
   }
-  /// Row i becomes `factor` times what it is.
+  /// Multiplies row i by `factor`.
   void scale(std::size_t i, double factor) {
     for (double& v : m_rows[i].onA) v *= factor;
     for (double& v : m_rows[i].onB) v *= factor;
   }
 
-  /// (J z)_i
+  /// Returns (J z)_i.
   double along(std::size_t i, const std::vector<double>& z) const {
     const Row& row = m_rows[i];
     double sum = 0;
@@ -71,7 +72,7 @@ class BodyRows {
     if (row.b >= 0) sum += dot(row.onB, z.data() + static_cast<std::size_t>(row.b) * kSize);
     return sum;
   }
-  /// z += J_i^T impulse
+  /// Adds J_i^T impulse to z.
   void push(std::size_t i, double impulse, std::vector<double>& z) const {
     if (!(impulse != 0)) return;
     const Row& row = m_rows[i];
@@ -80,13 +81,13 @@ class BodyRows {
       if (row.b >= 0) z[static_cast<std::size_t>(row.b) * kSize + k] += impulse * row.onB[k];
     }
   }
-  /// J z of all rows, or J^T x: what each costs.
+  /// Multiply-adds of J z over all rows, or of J^T x.
   std::uint64_t multiplyAddsOfProduct() const {
     std::uint64_t bodies = 0;
     for (const Row& row : m_rows) bodies += (row.a >= 0) + (row.b >= 0);
     return bodies * kSize;
   }
-  /// Of an add() of a group.
+  /// Multiply-adds of add() for a group.
   std::uint64_t multiplyAddsOf(const Group& g, bool symmetric) const {
     const Row& row = m_rows[g.first];
     const bool both = row.a >= 0 && row.b >= 0;
@@ -94,7 +95,7 @@ class BodyRows {
     return g.count * g.count * (both ? 2 : 1) * kSize + g.count * kSize * kSize * squares;
   }
 
-  /// matrix += J_g^T s J_g; of a Cholesky factor s is symmetric.
+  /// Adds J_g^T s J_g to the matrix; s is symmetric for a Cholesky factor.
   template <class Matrix>
   void add(const Group& g, const Square& s, Matrix& matrix) const {
     const Row* const rows = m_rows.data() + g.first;
@@ -123,7 +124,7 @@ class BodyRows {
  private:
   using Place = IndexedArray<double, kSize>;
   struct Row {
-    int a, b;  // nodes; -1: what cannot move
+    int a, b;  // nodes; -1: a body that cannot move
     Place onA, onB;
   };
 
@@ -170,8 +171,8 @@ class BodyRows {
 
   std::vector<Row> m_rows;
   std::vector<std::pair<int, int>> m_edges;
-  IndexedVector<std::int32_t> m_bodies;  // of the nodes
-  IndexedVector<int> m_node;             // of the bodies
+  IndexedVector<std::int32_t> m_bodies;  // body of each node
+  IndexedVector<int> m_node;             // node of each body
   IndexedVector<InertiaRoot<D>> m_root;
 };
 

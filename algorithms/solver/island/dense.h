@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Linear systems, row by row. Eigen's factorisations of matrices of any size sum in an order that depends on the width
-// of the machine's registers, and allocate; here every sum has one order, and arrays keep their capacity. What is zero
-// beyond the last entry of a row stays zero, and is not touched: contacts answer to neighbours alone.
+// Dense linear systems, row by row. Eigen's factorisations of matrices of any size allocate, and sum in an order that
+// depends on the width of the registers. Here every sum has one fixed order, and arrays keep their capacity. Zeros
+// beyond the last entry of a row stay zero and are skipped: a contact couples with its neighbours only.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// One past the last entry of each row that is not zero.
+/// Writes, for each row, one past its last entry that is not zero.
 inline void rowEnds(std::size_t n, const std::vector<double>& a, std::vector<std::size_t>& out) {
   out.assign(n, n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -22,13 +22,13 @@ inline void rowEnds(std::size_t n, const std::vector<double>& a, std::vector<std
   }
 }
 
-/// A = L D L^T of a symmetric matrix, positive definite but for rounding. A row that depends on those before it is left
-/// out: what it asks for they do, or nobody can.
+/// A = L D L^T of a symmetric matrix that is positive definite except for rounding. A row that depends on earlier rows
+/// is omitted: they satisfy it, or it cannot be satisfied.
 class SymmetricFactor {
  public:
   std::uint64_t multiplyAdds = 0;  // of the last factorisation
 
-  /// `a` is n x n; what is below its diagonal is not read.
+  /// `a` is n x n; entries below its diagonal are not read.
   void factor(std::size_t n, const std::vector<double>& a) {
     m_n = n, m_u = a, m_inverse.assign(n, 0);
     rowEnds(n, m_u, m_end);
@@ -54,7 +54,7 @@ class SymmetricFactor {
     for (std::size_t j = 0; j < m_n; ++j) sum += 2 * (m_end[j] - std::min(m_end[j], j));
     return sum;
   }
-  /// x becomes A^-1 x.
+  /// Replaces x by A^-1 x.
   void solve(double* x) const {
     for (std::size_t j = 0; j < m_n; ++j) {
       const double* const row = m_u.data() + j * m_n;
@@ -72,10 +72,10 @@ class SymmetricFactor {
   }
 
  private:
-  static constexpr double kDependent = 64 * std::numeric_limits<double>::epsilon();  // of what a row was
+  static constexpr double kDependent = 64 * std::numeric_limits<double>::epsilon();  // of the row's original value
   std::size_t m_n = 0;
-  std::vector<double> m_u, m_inverse;  // D L^T, and 1 / D; 0 for a row that is left out
-  std::vector<std::size_t> m_end;      // of each row of m_u
+  std::vector<double> m_u, m_inverse;  // D L^T, and 1 / D; 0 for an omitted row
+  std::vector<std::size_t> m_end;      // end of each row of m_u
 };
 
 /// P A = L U of any matrix.
@@ -83,7 +83,7 @@ class GeneralFactor {
  public:
   std::uint64_t multiplyAdds = 0;  // of the last factorisation
 
-  /// False: singular.
+  /// Returns false if the matrix is singular.
   bool factor(std::size_t n, const std::vector<double>& a) {
     m_n = n, m_a = a, m_from.resize(n);
     rowEnds(n, m_a, m_end);
@@ -111,7 +111,7 @@ class GeneralFactor {
     for (std::size_t i = 0; i < m_n; ++i) sum += i + m_end[i] - std::min(m_end[i], i);
     return sum;
   }
-  /// x becomes A^-1 x.
+  /// Replaces x by A^-1 x.
   void solve(double* x) {
     for (std::size_t j = 0; j < m_n; ++j) std::swap(x[j], x[m_from[j]]);
     for (std::size_t i = 0; i < m_n; ++i) {

@@ -13,7 +13,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 template <int D>
 using InertiaRoot = IndexedArray<double, kAngDim<D> * kAngDim<D>>;
 
-/// L of L L^T = a body's inverse inertia, row by row; of an axis about which it cannot turn, nothing.
+/// L of L L^T = a body's inverse inertia, row by row; zero for an axis about which the body cannot turn.
 template <int D>
 InertiaRoot<D> rootOfInertia(const Bodies<D>& bodies, std::int32_t body, bool rotation) {
   InertiaRoot<D> l{};

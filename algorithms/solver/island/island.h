@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// One island of a problem, each row in units of its own mass: the diagonal of W is about 1, and with one unit for all
-// directions of a contact its cone stays a cone. W is J J^T over the bodies; or a dense matrix, where there are none or
-// a method asks for it.
+// One island of a problem, each row scaled by its own effective mass. The diagonal of W is then about 1, and because
+// all directions of a contact have one unit, its cone stays a cone. W is J J^T over the bodies, or a dense matrix if
+// there are no bodies or a method asks for it.
 #pragma once
 
 #include <vector>
@@ -16,19 +16,19 @@ template <int D>
 struct Island {
   const ContactProblem<D>* problem = nullptr;
   std::span<const std::int32_t> rows;
-  std::vector<double> root;  // impulse per scaled impulse; a velocity per scaled velocity is 1 / root
-  std::vector<double> soft;  // compliance of springs, scaled: part of W
-  std::vector<double> u;     // velocities at no impulse, less what is wanted, scaled
+  std::vector<double> root;  // impulse per scaled impulse; velocity per scaled velocity is 1 / root
+  std::vector<double> soft;  // compliance of springs, scaled; part of W
+  std::vector<double> u;     // velocities at zero impulse, less the wanted ones, scaled
   std::vector<double> x;     // impulses, scaled
   BodyRows<D> bodies;
-  bool dense = false;              // has it w, and uses it?
+  bool dense = false;              // whether it has w and uses it
   std::vector<double> w;           // scaled, size() x size()
   std::uint64_t multiplyAdds = 0;  // so far
 
   std::size_t size() const { return rows.size(); }
   const ProblemRow<D>& row(std::size_t i) const { return problem->row(rows[i]); }
 
-  /// False: it has more bodies; or, where it is a matrix alone, more rows.
+  /// Returns false if the island has too many bodies, or, as a dense matrix, too many rows.
   bool set(const VelocityInput<D>& in, const ContactProblem<D>& p, std::span<const std::int32_t> which,
            IndexedSpan<const double> freeVelocity, IndexedSpan<const double> impulse, int maxBodies, int maxRows) {
     problem = &p, rows = which, dense = false;
@@ -53,7 +53,7 @@ struct Island {
     dense = true;
     multiplyAdds += n * n * (D + kAngDim<D>);
   }
-  /// W times v.
+  /// Multiplies W by v.
   void multiply(const std::vector<double>& v, std::vector<double>& out) {
     const std::size_t n = size();
     out.resize(n);
@@ -70,7 +70,7 @@ struct Island {
     for (std::size_t i = 0; i < n; ++i) out[i] = bodies.along(i, m_z) + soft[i] * v[i];
     multiplyAdds += 2 * bodies.multiplyAddsOfProduct() + n;
   }
-  /// u + W x
+  /// Returns u + W x.
   void velocities(std::vector<double>& out) {
     multiply(x, out);
     for (std::size_t i = 0; i < size(); ++i) out[i] += u[i];
@@ -83,16 +83,16 @@ struct Island {
   std::vector<double> m_z;
 };
 
-/// (W + diagonal)^-1, of a diagonal above 0. Over bodies W is J J^T, and with d = diagonal + soft
+/// (W + diagonal)^-1 for a diagonal above 0. Over bodies W is J J^T, and with d = diagonal + soft
 ///
-///     x = (b - J z) / d,   (1 + J^T J / d) z = J^T b / d
+/// x = (b - J z) / d,   (1 + J^T J / d) z = J^T b / d
 ///
-/// so that a factorisation is linear in a tower. What is left of b shrinks by rounding over the least d in each solve:
-/// ask for changes of x, and for what is left of b with the last.
+/// so a factorisation is linear for a tower. Each solve reduces the residual to rounding over the smallest d. Solve for
+/// changes of x, with the residual of the previous solve as b.
 template <int D>
 class IslandFactor {
  public:
-  /// Once per island. Answers the root of the sum of all squares of W.
+  /// Call once per island. Returns the square root of the sum of squares of W.
   double set(Island<D>& island) {
     double sum = 0;
     if (island.dense) {
@@ -113,7 +113,7 @@ class IslandFactor {
       sum += all * all - (all - island.soft[i]) * (all - island.soft[i]);
     }
     island.multiplyAdds += m_matrix.entries();
-    return std::sqrt(sum + m_matrix.squares());  // J J^T and J^T J have the same
+    return std::sqrt(sum + m_matrix.squares());  // J J^T and J^T J have the same sum
   }
   void factor(Island<D>& island, const std::vector<double>& diagonal) {
     const std::size_t n = island.size();
@@ -136,7 +136,7 @@ class IslandFactor {
     m_matrix.factor();
     island.multiplyAdds += m_matrix.multiplyAdds;
   }
-  /// b becomes x.
+  /// Replaces b by x.
   void solve(Island<D>& island, std::vector<double>& b) {
     if (island.dense) {
       m_dense.solve(b.data());

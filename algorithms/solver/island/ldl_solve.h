@@ -5,8 +5,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// a^-1 x for a symmetric positive definite a, by L d L^T: without square roots, and without pivots, which nothing
-/// that has mass needs.
+/// Returns a^-1 x for a symmetric positive definite a, by L d L^T: without square roots, and without pivoting, which a
+/// matrix with mass on its diagonal does not need.
 template <int N>
 RealMatrix<N, 1> ldlSolve(const RealMatrix<N, N>& a, RealMatrix<N, 1> x) {
   RealMatrix<N, N> l;  // d on its diagonal

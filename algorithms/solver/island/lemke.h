@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Lemke's method for w = M z + q, w >= 0, z >= 0, w z = 0. Stewart and Trinkle's problems of contact with friction are
-// copositive, so that it ends with a solution unless rounding or a limit of pivots stops it.
+// Lemke's method for w = M z + q, w >= 0, z >= 0, w z = 0. Stewart and Trinkle's contact problems with friction are
+// copositive, so the method ends with a solution unless rounding or the limit of pivots stops it.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ class Lemke {
 
   std::uint64_t pivots = 0, multiplyAdds = 0;  // of the last solve
 
-  /// `m` is n x n, row by row. Ties are broken by a second right-hand side without ties, a lexicographic rule of one
-  /// column: degenerate contacts would let it go round in circles.
+  /// `m` is n x n, row by row. A second right-hand side breaks ties, a lexicographic rule of one column: degenerate
+  /// contacts would otherwise make the method cycle.
   End solve(std::size_t n, const std::vector<double>& m, const std::vector<double>& q, std::uint64_t limit,
             std::vector<double>& z) {
     pivots = multiplyAdds = 0;
@@ -42,7 +42,7 @@ class Lemke {
     }
     m_nonbasic[n] = n;
     pivot(worst, n);
-    std::size_t entering = m_nonbasic[n] - n - 1;  // the complement of the w that has left: its z
+    std::size_t entering = m_nonbasic[n] - n - 1;  // the complement of the w that left the basis: its z
     while (pivots < limit) {
       std::size_t column = 0;
       while (m_nonbasic[column] != entering) ++column;
@@ -78,7 +78,7 @@ class Lemke {
 
   double* row(std::size_t i) { return m_a.data() + i * m_width; }
 
-  // Basic variable r and nonbasic variable c change places.
+  // Exchanges basic variable r and nonbasic variable c.
   void pivot(std::size_t r, std::size_t c) {
     ++pivots;
     double* const from = row(r);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The complementarity problem of an island on a pyramid, and its active sets: the linear system of the rows that push,
-// stick and slide, and which rows must change sides.
+// The complementarity problem of an island with friction pyramids, solved by active sets: the linear system of the rows
+// that press, stick and slide, and the rows that must change their state.
 #pragma once
 
 #include <array>
@@ -14,18 +14,19 @@ namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 template <int D>
 struct PyramidLcp {
-  static constexpr int kMostTrials = 10;               // of active sets; a guess is good, or sets repeat
-  static constexpr double kTolerance = 1e-9;           // of the largest free velocity or last impulse
-  static constexpr int kSolves = 4;                    // with one factorisation
-  static constexpr double kBetter = 0.5;               // of what the last of them left: less is rounding
-  static constexpr double kLeft = 1e-3, kWrong = 1e4;  // of the tolerance: where they end, and what is no answer
+  static constexpr int kMostTrials = 10;      // of active sets; either a guess is good, or sets repeat
+  static constexpr double kTolerance = 1e-9;  // of the largest free velocity or previous impulse
+  static constexpr int kSolves = 4;           // with one factorisation
+  static constexpr double kBetter = 0.5;      // of the previous residual; less gain is rounding
+  static constexpr double kLeft = 1e-3,
+                          kWrong = 1e4;  // of the tolerance: where solves end, and where there is no answer
   enum class Part : std::uint8_t { none, inside, low, high, stick, corner, edge };
   struct State {
     Part part = Part::none;
     int which = 0;  // corner, or the edge after it
     bool operator==(const State&) const = default;
   };
-  /// Impulse per unknown, and the velocity that it has to make zero: D rows from `first`.
+  /// Impulse per unknown, and the velocity that it must make zero: D rows from `first`.
   struct Unknown {
     std::size_t first;
     IndexedArray<double, D> impulse{}, velocity{};
@@ -36,7 +37,7 @@ struct PyramidLcp {
   const ProblemRow<D>& row(std::size_t i) const { return m_island.row(i); }
   double* w(std::size_t i) { return m_island.w.data() + i * m_island.size(); }
   int facets() const { return D == 2 ? 2 : m_facets; }
-  // Corner j of contact i is at angle 2 pi j / k from where it slides.
+  // Corner j of contact i is at angle 2 pi j / k from the sliding direction.
   void layPyramids() {
     const std::size_t n = m_island.size();
     m_along.assign(n, {});
@@ -73,7 +74,7 @@ struct PyramidLcp {
     for (std::size_t k = 0; k < D - 1; ++k) sum += d[k] * t[k];
     return sum;
   }
-  /// Of the directions half, half + 2, ... the one that is most along t.
+  /// Returns which of the directions half, half + 2, ... lies most along t.
   int best(std::size_t i, int half, const double* t, double sign) const {
     int found = half;
     for (int h = half; h < 2 * facets(); h += 2) {
@@ -81,7 +82,7 @@ struct PyramidLcp {
     }
     return found;
   }
-  // What the last impulses say.
+  // Takes the initial states from the last impulses.
   void guess() {
     m_state.assign(m_island.size(), {});
     const std::vector<double>& x = m_island.x;
@@ -145,8 +146,8 @@ struct PyramidLcp {
     }
     return factor();
   }
-  // x of the unknowns goes to where their velocities are zero: from + W x. A solve over the bodies leaves rounding over
-  // cfm; what is left is solved for again. False: too much is left.
+  // Moves the unknowns x to where their velocities, from + W x, are zero. A solve over the bodies leaves a residual of
+  // rounding over cfm, which is solved for again. Returns false if too much remains.
   bool settle(const std::vector<double>& from, std::vector<double>& x) {
     double before = std::numeric_limits<double>::infinity();
     for (int solve = 0;; ++solve) {
@@ -175,7 +176,7 @@ struct PyramidLcp {
     }
     m_cfm = cfm, m_factored = false;
   }
-  // Of the system, x += for m_right.
+  // Adds the solution for m_right to x.
   void answer(std::vector<double>& x) {
     if (m_island.dense) {
       m_general.solve(m_right.data());
@@ -204,7 +205,7 @@ struct PyramidLcp {
     }
     m_island.multiplyAdds += 4 * m_unknowns.size();
   }
-  // 1 + H^T G / soft: G the velocities that unknowns make zero, H their impulses, over the bodies.
+  // 1 + H^T G / soft over the bodies: G the velocities that unknowns make zero, H their impulses.
   bool factorBodies() {
     m_bodies.set(1);
     std::size_t p = 0;
@@ -244,7 +245,7 @@ struct PyramidLcp {
     m_island.multiplyAdds += count * count + m_general.multiplyAdds;
     return m_factored;
   }
-  /// Velocity of row i by a unit of an unknown or column.
+  /// Velocity of row i per unit of an unknown or column.
   template <class Direction>
   double effect(std::size_t i, const Direction& part) {
     double sum = 0;
@@ -255,7 +256,7 @@ struct PyramidLcp {
     m_unknowns.push_back({first, {}, {}, rows});
     return m_unknowns.back();
   }
-  // Changes the state of each row that breaks its law. Returns whether there was one.
+  // Changes the state of each row that violates its law. Returns whether there was one.
   bool revise() {
     bool changed = false;
     for (std::size_t i = 0; i < m_island.size(); ++i) {
@@ -318,9 +319,9 @@ struct PyramidLcp {
   GeneralFactor m_general;
   BlockLu<BodyRows<D>::kSize> m_bodies;
   int m_facets = 8;                      // of the pyramid in 3D
-  double m_cfm = 0;                      // now
-  double m_tolerance = 0, m_middle = 0;  // scaled velocity; how far an edge is from the axis
-  bool m_factored = false;               // is the factor that of m_state?
+  double m_cfm = 0;                      // in use
+  double m_tolerance = 0, m_middle = 0;  // scaled velocity; distance of an edge from the axis
+  bool m_factored = false;               // whether the factor belongs to m_state
   std::vector<double> m_velocity, m_product, m_z, m_matrix, m_right;
   std::vector<Tangent> m_along;                     // by row, of normals
   IndexedVector<IndexedArray<double, 2>> m_corner;  // cosine and sine of half steps

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// Each row of an island is a spring of what it is to do, that pushes within its limits only: then the velocities are
-// where a strictly convex function is least. Newton's method with an exact line search finds them, by one sparse
-// factorisation over the bodies per iteration.
+// Each row of an island is a spring towards its target, with limited force. The velocities then minimise a strictly
+// convex function. Newton's method with an exact line search finds the minimum, with one sparse factorisation over the
+// bodies per iteration.
 //
 // Unknowns are the changes of velocity z = M^1/2 dv. The function is half of z^2 + sum of soft (y^2 - (y - x)^2):
 //
-//     y = (eps centre - u - shift) / soft,   x = nearest allowed to y,   u = u(0) + J z,   soft = eps + compliance
+// y = (eps centre - u - shift) / soft,   x = nearest allowed to y,   u = u(0) + J z,   soft = eps + compliance
 //
-// Its gradient is z - J^T x. Bodies that cannot move are no unknowns.
+// Its gradient is z - J^T x. Bodies that cannot move have no unknowns.
 #pragma once
 
 #include "algorithms/solver/island/body_rows.h"
@@ -21,9 +21,9 @@ class SpringIsland {
   using Group = typename BodyRows<D>::Group;
 
   std::vector<double> last;           // impulses of the last step, by row
-  std::vector<double> centre, shift;  // of the springs, an impulse and a velocity
-  std::vector<double> x, y, u;        // impulses, what was asked for, velocities
-  double scale = 0;                   // of z: from what the rows are to do, and the last impulses
+  std::vector<double> centre, shift;  // of the springs: an impulse and a velocity
+  std::vector<double> x, y, u;        // impulses, demanded impulses, velocities
+  double scale = 0;                   // of z, from the targets of the rows and the last impulses
   int budget = 0;                     // iterations that are left
   std::uint64_t multiplyAdds = 0;     // so far
 
@@ -31,7 +31,7 @@ class SpringIsland {
   const std::vector<Group>& groups() const { return m_rows.groups; }
   std::size_t size() const { return m_rows.size(); }
 
-  /// False: it has more bodies. Velocities and impulses are those of the whole problem.
+  /// Returns false if the island has too many bodies. Velocities and impulses are those of the whole problem.
   bool set(const VelocityInput<D>& in, const ContactProblem<D>& problem, std::span<const std::int32_t> which,
            IndexedSpan<const double> freeVelocity, IndexedSpan<const double> lastImpulse, int maxBodies) {
     const std::size_t n = which.size();
@@ -52,15 +52,15 @@ class SpringIsland {
     return true;
   }
 
-  /// z and u of where impulses lead. Newton's method leaves them rounded as coarsely as the springs are stiff; what a
-  /// pass adds from here is small, and so is its rounding.
+  /// Sets z and u from impulses. Newton's method rounds them as coarsely as the springs are stiff; the change of a pass
+  /// from here is small, and so is its rounding.
   void from(const std::vector<double>& impulses) {
     multiplyAdds += 2 * m_rows.multiplyAddsOfProduct();
     m_z.assign(m_rows.bodies() * BodyRows<D>::kSize, 0);
     for (std::size_t i = 0; i < size(); ++i) m_rows.push(i, impulses[i], m_z);
     for (std::size_t i = 0; i < size(); ++i) u[i] = m_free0[i] + m_rows.along(i, m_z);
   }
-  /// The springs give way by so much, of W_ii.
+  /// Softens the springs by this multiple of W_ii.
   void soften(double cfm) {
     for (std::size_t i = 0; i < size(); ++i) {
       const ProblemRow<D>& r = row(i);
@@ -68,7 +68,8 @@ class SpringIsland {
     }
     ask();
   }
-  /// z, u, x and y go to the least. False: it has not come to an end within so many iterations, or all that were left.
+  /// Moves z, u, x and y to the minimum. Returns false if it is not reached within these iterations, or within all that
+  /// are left.
   bool newton(int iterations) {
     ask();
     sort(y);
@@ -80,7 +81,7 @@ class SpringIsland {
     }
     return false;
   }
-  /// The same by full steps, from who pushes at `guess`.
+  /// The same by full steps; `guess` tells which rows press at the start.
   bool tryFrom(const std::vector<double>& guess, int iterations) {
     sort(guess);
     bool right = false;
@@ -91,7 +92,7 @@ class SpringIsland {
     }
     return right;
   }
-  /// The nearest impulses that the group may have.
+  /// Projects impulses onto those that the group allows.
   void limit(const Group& g, double* impulses) const {
     const ProblemRow<D>& r = row(g.first);
     double* const own = impulses + g.first;
@@ -99,7 +100,7 @@ class SpringIsland {
     if (g.count == 1 && r.law == ProblemLaw::interval) *own = std::clamp(*own, r.lo, r.hi);
   }
 
-  /// De Saxce's correction of where the rows are.
+  /// De Saxce's correction at the present velocities.
   double slide(const Group& g) const {
     double squared = 0;
     for (std::size_t k = 1; k < g.count; ++k) squared += u[g.first + k] * u[g.first + k];
@@ -107,18 +108,18 @@ class SpringIsland {
   }
 
  private:
-  // Above this coefficient a cone is as good as a half-space, and the correction would overthrow the passes.
+  // Above this coefficient a cone is as good as a half-space, and the correction would make the passes diverge.
   static constexpr double kSteepest = 10;
-  static constexpr double kFlat = 0.01;                    // of the slope along a direction, where a line search ends
-  static constexpr double kStill = 1e-10, kTurned = 3e-8;  // of the scale: steps that end Newton's method
+  static constexpr double kFlat = 0.01;  // of the slope along a direction, at which a line search ends
+  static constexpr double kStill = 1e-10, kTurned = 3e-8;  // of the scale: step sizes that end Newton's method
   static constexpr int kSearches = 40;
-  static constexpr std::uint64_t kOfRow =
-      4;  // multiply-adds of what a row is asked for, and of the nearest in its cone
+  static constexpr std::uint64_t kOfRow = 4;  // multiply-adds of a row's demand, and of the projection onto its cone
   enum class Part : std::uint8_t { none, inside, low, high, slides };
   double asked(std::size_t i, double velocity) const {
     return (m_eps[i] * centre[i] - velocity - shift[i]) / m_soft[i];
   }
-  // Who pushes, at what is asked for. Has it changed? Where something slides in space, by any step that has a length.
+  // Sorts the rows by the limits that they are at. Returns whether that changed; where something slides in 3D, any step
+  // with a length counts as a change.
   bool sort(const std::vector<double>& at, double length = 0) {
     bool changed = false;
     for (const Group& g : groups()) {
@@ -140,7 +141,7 @@ class SpringIsland {
     return changed;
   }
 
-  // The derivative of x by y, of the part that a group was sorted into; `from` is what y was then.
+  // Derivative of x by y in the state into which a group was sorted; `from` is the y of that time.
   using Slope = typename BodyRows<D>::Square;
   Slope slope(const Group& g, const std::vector<double>& from) const {
     Slope s{};
@@ -166,7 +167,7 @@ class SpringIsland {
     return s;
   }
 
-  // The direction in which a linear problem has its solution: that of who pushes, and how, at `from`.
+  // The direction towards the solution of the linear problem in the states at `from`.
   double direction(const std::vector<double>& from) {
     --budget;
     m_matrix.set(1);
@@ -201,7 +202,7 @@ class SpringIsland {
     return std::sqrt(length);
   }
 
-  // The slope of the function along the direction, so far along it. Leaves y and x there.
+  // The slope of the function at t along the direction. Leaves y and x there.
   double slopeAt(double t) {
     for (std::size_t i = 0; i < size(); ++i) x[i] = y[i] = asked(i, u[i] + t * m_du[i]);
     for (const Group& g : groups()) limit(g, x.data());
@@ -217,7 +218,7 @@ class SpringIsland {
     if (!(start < 0) || atHigh <= -kFlat * start) return 1;
     double t = 1;
     int side = 0;
-    for (int i = 0; i < kSearches; ++i) {  // the Illinois method: the slope only grows
+    for (int i = 0; i < kSearches; ++i) {  // Illinois method: the slope is monotone
       t = (low * atHigh - high * atLow) / (atHigh - atLow);
       const double here = slopeAt(t);
       if (std::abs(here) <= -kFlat * start) break;
@@ -240,7 +241,7 @@ class SpringIsland {
     ask();
   }
 
-  // y and x of where the rows are.
+  // Computes y and x at the present velocities.
   void ask() {
     multiplyAdds += kOfRow * size();
     for (std::size_t i = 0; i < size(); ++i) x[i] = y[i] = asked(i, u[i]);
@@ -251,7 +252,7 @@ class SpringIsland {
   BodyRows<D> m_rows;
   BlockCholesky<BodyRows<D>::kSize> m_matrix;
   std::span<const std::int32_t> m_which;             // rows of the problem
-  std::vector<Part> m_part;                          // by row, of the first of a group
+  std::vector<Part> m_part;                          // by row, of the first row of a group
   std::vector<double> m_free0, m_du, m_eps, m_soft;  // by row
   std::vector<double> m_z, m_dz;                     // by node and direction
 };

@@ -13,7 +13,7 @@ template <int D>
 struct AvbdJoint {
   std::int32_t joint, a, b;  // a -1: the world
   JointRows<D> rows;
-  IndexedArray<Real, kJointRows> impulse, mass, start;  // start: the error at the start of the step that is left
+  IndexedArray<Real, kJointRows> impulse, mass, start;  // start: the remaining error at the start of the step
   Real linear, angular;                                 // penalties
   Real reachA, reachB;                                  // from the centres of mass to the frames, m
 
@@ -24,8 +24,8 @@ struct AvbdJoint {
     return rowSpeed<D>(row, from.v, from.w, to.v, to.w);
   }
 
-  /// Effective masses of the rows. Rows that are held together have one, so that it does not matter along which axes
-  /// they lie.
+  /// Sets the effective masses of the rows. Rows that are solved together share one, so that the directions of their
+  /// axes do not matter.
   void setMasses(const Bodies<D>& bodies) {
     Real linearSum = 0, angularSum = 0;
     int linearRows = 0, angularRows = 0;

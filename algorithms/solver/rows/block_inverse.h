@@ -9,14 +9,14 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// The inverse of the response K of up to 6 rows that are solved together: impulses per change of velocity.
+/// Inverse of the response K of up to 6 rows that are solved together: impulses per change of velocity.
 template <int D>
 class BlockInverse {
  public:
   static constexpr int kRows = 6;
 
-  /// `k(i, j)` is the velocity of row i per impulse along row j: symmetric, and positive definite but for rows that
-  /// nothing can move, which get no impulse. `solvable` false: K may be singular in any direction.
+  /// `k(i, j)` is the velocity of row i per impulse along row j. K is symmetric, and positive definite except for rows
+  /// that nothing can move, which get no impulse. With `solvable` false, K may be singular in any direction.
   template <class K>
   void set(int n, const K& k, bool solvable) {
     m_sized = n == D && solvable;
@@ -38,8 +38,8 @@ class BlockInverse {
       }
     }
     if (solvable) return factor(n, k);
-    // Two pinned bodies can only turn: K is singular, and its inverse would ask for endless impulses along the
-    // direction that nothing can move in. A gradient step is slow and safe.
+    // Two pinned bodies can only turn: K is singular, and its inverse would give infinite impulses along the immovable
+    // direction. A gradient step is slow but safe.
     Real trace = 0;
     for (int i = 0; i < n; ++i) trace += k(i, i);
     for (int i = 0; i < n; ++i) {
@@ -64,12 +64,12 @@ class BlockInverse {
  private:
   Real& at(int i, int j) { return m_inverse[kRows * i + j]; }
 
-  // K = L d L^T without square roots, then each column of the inverse. A row that depends on those before it, or that
-  // nothing can move, is left out: what it asks for they do, or nobody can.
+  // K = L d L^T without square roots, then each column of the inverse. A row that depends on earlier rows, or that
+  // nothing can move, is omitted: the earlier rows satisfy it, or it cannot be satisfied.
   template <class K>
   void factor(int n, const K& k) {
     IndexedArray<IndexedArray<Real, kRows>, kRows> l{};
-    IndexedArray<Real, kRows> inverse{};  // of d; 0 for a row that is left out
+    IndexedArray<Real, kRows> inverse{};  // of d; 0 for an omitted row
     for (int i = 0; i < n; ++i) {
       auto& row = l[i];
       const Real own = k(i, i);
@@ -88,7 +88,7 @@ class BlockInverse {
     }
     for (int c = 0; c < n; ++c) {
       IndexedArray<Real, kRows> x{};
-      for (int i = 0; i < n; ++i) {  // L y = e_c, over the rows that are in
+      for (int i = 0; i < n; ++i) {  // L y = e_c, over the rows that are kept
         if (!(inverse[i] > 0)) continue;
         x[i] = i == c ? 1 : 0;
         for (int j = 0; j < i; ++j) x[i] -= l[i][j] * x[j];
@@ -102,7 +102,7 @@ class BlockInverse {
     }
   }
 
-  bool m_sized = false;  // D rows: m_point, by a matrix of fixed size
+  bool m_sized = false;  // for D rows: m_point, as a matrix of fixed size
   Mat<D> m_point;
   IndexedArray<Real, kRows * kRows> m_inverse;
 };

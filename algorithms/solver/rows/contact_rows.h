@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Contacts as a resolver sees them: one row per direction of impulse, prepared once per step in flat arrays.
 //
-// A positive impulse pushes B along the direction and A against it. Both bodies get it at one shared point, midway
-// between the two anchors, so that angular momentum is kept to rounding also while shapes overlap.
+// A positive impulse pushes B along the direction and A against it. Both act at one shared point, midway between the
+// two anchors, so that angular momentum is kept to rounding even while shapes overlap.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// (relative velocity at two arms) = K (impulse). Symmetric, positive definite unless both bodies are infinitely heavy.
+/// Response K: (relative velocity at the two arms) = K (impulse). Symmetric; positive definite unless both bodies have
+/// infinite mass.
 template <int D>
 Mat<D> pointResponse(const Vec<D>& rA, const Vec<D>& rB, Real invMassSum, const Inertia<D>& invIA,
                      const Inertia<D>& invIB) {
@@ -27,8 +28,8 @@ Mat<D> pointResponse(const Vec<D>& rA, const Vec<D>& rB, Real invMassSum, const 
   return k;
 }
 
-/// What impulses of the last step are scaled by, to be the first guess of this one's. An impulse is a force times dt:
-/// when dt changes, the force is the better guess. `in`: a VelocityInput or a StepInput.
+/// Scale of the last step's impulses for warm starting. An impulse is a force times dt; if dt changes, the force is the
+/// better guess. `in`: a VelocityInput or a StepInput.
 template <class Input>
 Real lastImpulseScale(const Input& in) {
   return in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
@@ -39,7 +40,7 @@ template <int D>
 struct Row {
   Ang<D> armA, armB;    // r x d: relative speed per angular velocity, m
   Ang<D> turnA, turnB;  // I^-1 (r x d): angular velocity per impulse, rad/s per N s
-  Real mass;            // impulse per change of relative speed, kg; 0 when neither body can move
+  Real mass;            // impulse per change of relative speed, kg; 0 if neither body can move
 };
 
 template <int D>
@@ -53,7 +54,7 @@ Row<D> makeRow(const Vec<D>& d, const Vec<D>& rA, const Vec<D>& rB, Real invMass
   return row;
 }
 
-/// Velocity of B against A along d, m/s.
+/// Velocity of B relative to A along d, m/s.
 template <int D>
 Real rowVelocity(const Row<D>& row, const Vec<D>& d, const Motion<D>& a, const Motion<D>& b, bool rotation) {
   Real v = d.dot(b.v - a.v);
@@ -71,12 +72,12 @@ void applyRow(const Row<D>& row, const Vec<D>& d, Real invMassA, Real invMassB, 
   b.w += impulse * row.turnB;
 }
 
-/// The least normal velocity (m/s) that a contact shall have after the step.
+/// The smallest normal velocity (m/s) that a contact may have after the step.
 ///
-/// A gap may be closed but not more: -separation / dt, in every resolver, or shapes within the contact margin would
-/// stop in the air. A contact that is hit within this step by its present velocity bounces instead, by the velocity
-/// with which it arrived, when that is fast enough. With e = 1 the step back is then the mirror image of the step that
-/// led here, and a ball comes back to its height for ever; the velocity after this step's gravity would raise it.
+/// In every resolver a gap may close but not more, -separation / dt; otherwise shapes within the contact margin would
+/// stop in the air. A contact that the present velocity reaches within this step bounces instead, with its velocity of
+/// arrival, if that is fast enough. With e = 1 the next step then mirrors the step that led here, and a ball returns to
+/// its height for ever; the velocity after this step's gravity would raise it.
 template <int D>
 Real contactTarget(Real separation, Real velocity, Real arrival, Real restitution, Real threshold, Real dt,
                    const PositionResolver<D>& position) {
@@ -86,7 +87,7 @@ Real contactTarget(Real separation, Real velocity, Real arrival, Real restitutio
   return target;
 }
 
-/// The change of normal velocity that a contact point asks for at the velocities of now, m/s; negative: none.
+/// The change of normal velocity (m/s) that a contact point demands at the present velocities; negative: none.
 template <int D>
 Real velocityError(const VelocityInput<D>& in, const Manifold<D>& m, const ContactPoint<D>& c) {
   const auto a = m.bodyA, b = m.bodyB;
@@ -104,17 +105,17 @@ template <int D>
 struct PointRows {
   Row<D> normal;
   IndexedArray<Row<D>, D - 1> tangent;
-  RealMatrix<D - 1, D - 1> stick;  // inverse of the tangents' response: impulse that ends sliding, kg
+  RealMatrix<D - 1, D - 1> stick;  // inverse response of the tangents: impulse that stops sliding, kg
   Real slide;                      // 1 / the largest eigenvalue of that response, kg
-  Real target;                     // least normal velocity, m/s
-  Real kick;                       // part of the normal velocity that this step\'s forces have just made, m/s
+  Real target;                     // smallest normal velocity, m/s
+  Real kick;                       // part of the normal velocity that this step's forces have just made, m/s
   IndexedArray<Real, D> impulse;   // accumulated in this step: along n, then along the tangents
 };
 
 template <int D>
 struct ManifoldRows {
   int a, b;          // bodies
-  int first, count;  // of its points
+  int first, count;  // of the manifold's points
   int manifold;
   Real invMassA, invMassB;
   Real friction;
@@ -133,7 +134,7 @@ inline void prepareFriction(PointRows<3>& row) {
   const Real mean = (ss + tt) / 2, half = (ss - tt) / 2;
   row.slide = 1 / (mean + std::sqrt(half * half + st * st));
   const Real determinant = ss * tt - st * st;
-  // Pinned bodies: the point may have only one direction left to move in.
+  // Pinned bodies: the point may have only one direction in which it can move.
   if (determinant > mean * mean * Real(1e-6)) {
     row.stick << tt, -st, -st, ss;
     row.stick /= determinant;
@@ -142,13 +143,13 @@ inline void prepareFriction(PointRows<3>& row) {
   }
 }
 
-/// All contacts of a velocity solve. The arrays keep their capacity from step to step.
+/// All contacts of a velocity solve. Arrays keep their capacity from step to step.
 template <int D>
 struct ContactRows {
   IndexedVector<ManifoldRows<D>> manifolds;
   IndexedVector<PointRows<D>> points;
 
-  /// Before any impulse is applied: restitution looks at the velocities as they are now.
+  /// Call before any impulse is applied: restitution uses the present velocities.
   void prepare(const VelocityInput<D>& in) {
     std::size_t count = 0;
     for (int i : in.order) count += static_cast<std::size_t>(in.manifolds[i].count);
@@ -191,7 +192,7 @@ struct ContactRows {
     }
   }
 
-  /// Writes the impulses of this step into the manifolds, as what they bore.
+  /// Writes the impulses of this step into the manifolds as their loads.
   void store(IndexedSpan<Manifold<D>> out) const {
     for (const ManifoldRows<D>& rows : manifolds) {
       Manifold<D>& m = out[rows.manifold];
@@ -204,8 +205,8 @@ struct ContactRows {
   }
 };
 
-/// The tangential impulse nearest to `impulse` that Coulomb's law allows, |impulse| <= limit: an interval in 2D, a disc
-/// in 3D, which unlike a pyramid has no preferred direction.
+/// Returns the tangential impulse nearest to `impulse` that Coulomb's law allows, |impulse| <= limit: an interval in
+/// 2D, a disc in 3D, which unlike a pyramid has no preferred direction.
 template <int D>
 RealMatrix<D - 1, 1> clampFriction(const RealMatrix<D - 1, 1>& impulse, Real limit) {
   if constexpr (D == 2) {
@@ -217,12 +218,12 @@ RealMatrix<D - 1, 1> clampFriction(const RealMatrix<D - 1, 1>& impulse, Real lim
   }
 }
 
-/// One update of a point's accumulated friction, with its normal impulse as it is now.
+/// Updates a point's accumulated friction once, for its present normal impulse.
 ///
-/// First what would end sliding. If Coulomb's law does not allow so much, a step down the gradient of the kinetic
-/// energy and back onto the disc: no energy is added, friction ends up against the sliding velocity, and the result
-/// depends on the contact alone, not on which tangents were chosen. (Clamping two separately solved tangents does
-/// neither.)
+/// First tries the impulse that stops sliding. If Coulomb's law does not allow it, takes a step down the gradient of
+/// the kinetic energy and projects onto the disc: no energy is added, friction ends against the sliding velocity, and
+/// the result depends on the contact alone, not on the choice of tangents. (Clamping two separately solved tangents
+/// does neither.)
 template <int D>
 void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>& b, bool rotation) {
   RealMatrix<D - 1, 1> v, old;
@@ -242,7 +243,7 @@ void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>&
   }
 }
 
-/// Friction that `normal`, an impulse beside the accumulated one, allows besides the accumulated friction.
+/// Friction that an additional normal impulse `normal` allows besides the accumulated friction.
 template <int D>
 void rubBeside(const ManifoldRows<D>& m, PointRows<D>& row, Real normal, Motion<D>& a, Motion<D>& b, bool rotation) {
   PointRows<D> alone = row;

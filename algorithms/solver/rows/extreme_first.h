@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// "Always the worst contact first" needs the worst of many, again after each change, and the contacts that a change
-// touched. Both searches give the same contact, so that they can be compared for cost alone.
+// Solving the worst contact first needs the worst of many, again after each change, and the contacts of the bodies that
+// changed. Both searches return the same contact, so that they differ in cost alone.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 enum class ExtremeSearch { scan, tree };
 
-/// The largest of n values; among equals the first. NaN is never the largest.
+/// The largest of n values; the first among equals. NaN is never the largest.
 class Extreme {
  public:
   explicit Extreme(ExtremeSearch search) : m_search(search) {}
@@ -25,7 +25,7 @@ class Extreme {
     if (m_search == ExtremeSearch::scan) return;
     m_leaves = 1;
     while (m_leaves < n) m_leaves *= 2;
-    // A tournament: node k holds the winner of its two children, leaves stand at m_leaves + i.
+    // Tournament tree: node k holds the winner of its two children; leaves start at m_leaves.
     m_winner.resize(2 * m_leaves);
     for (std::size_t i = 0; i < m_leaves; ++i) m_winner[m_leaves + i] = i < n ? static_cast<std::int32_t>(i) : -1;
     for (std::size_t k = m_leaves; --k > 0;) m_winner[k] = better(m_winner[2 * k], m_winner[2 * k + 1]);
@@ -35,7 +35,7 @@ class Extreme {
     if (m_search == ExtremeSearch::scan) return;
     for (std::size_t k = (m_leaves + i) / 2; k > 0; k /= 2) m_winner[k] = better(m_winner[2 * k], m_winner[2 * k + 1]);
   }
-  /// Of at least one value.
+  /// Requires at least one value.
   std::size_t top() const {
     if (m_search == ExtremeSearch::tree) return static_cast<std::size_t>(m_leaves > 1 ? m_winner[1] : 0);
     std::int32_t best = 0;
@@ -48,7 +48,7 @@ class Extreme {
   std::int32_t better(std::int32_t a, std::int32_t b) const {
     if (a < 0 || b < 0) return std::max(a, b);  // -1: no candidate
     const Real x = m_values[a], y = m_values[b];
-    if (y > x || (!(x >= y) && y == y)) return b;  // the second: x is NaN
+    if (y > x || (!(x >= y) && y == y)) return b;  // the second if x is NaN
     return a;
   }
 
@@ -58,10 +58,10 @@ class Extreme {
   IndexedVector<std::int32_t> m_winner;
 };
 
-/// Contacts of each body that can move, in one array: those of body i are ids[start[i]] .. ids[start[i + 1]].
+/// Contacts of each movable body, in one array: those of body i are ids[start[i]] .. ids[start[i + 1]].
 class ContactsOfBodies {
  public:
-  /// `pair(k)` gives the two bodies of contact k; `moves(body)` whether impulses move it.
+  /// `pair(k)` returns the two bodies of contact k; `moves(body)` whether impulses move it.
   template <class Pair, class Moves>
   void build(std::size_t bodies, std::size_t contacts, const Pair& pair, const Moves& moves) {
     m_start.assign(bodies + 1, 0);

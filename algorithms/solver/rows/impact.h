@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Laws of restitution beside Newton's, which is a target velocity of each contact (contact_rows.h) and needs none of
-// this: Poisson's for all contacts at once, and blows that are handed on from pair to pair.
+// Laws of restitution other than Newton's: Poisson's for all contacts at once, and impacts that propagate from pair to
+// pair. Newton's is a target velocity of each contact (contact_rows.h) and does not use this file.
 #pragma once
 
 #include <limits>
@@ -14,19 +14,19 @@ namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 enum class ImpactLaw { newton, poisson, sequential };
 
-/// Before a velocity resolver, which then is left with nothing that bounces. It acts on the velocities with which
-/// bodies arrive, since weight is no blow, and on islands in which something is hit, each by itself.
+/// Runs before a velocity resolver, which then sees no restitution. It acts on the velocities of arrival, since weight
+/// is not an impact, and on each island with an impact separately.
 ///
-/// One impact has two phases (Glocker and Pfeiffer 1995). Compression: inelastic, with friction. Restitution: each
-/// contact gives back e times its impulse, and nothing may approach; friction starts anew, from the velocities of then
-/// and within the cone of the new normal impulses. For given normal impulses friction takes out what energy it can, so
-/// that the second phase gives back at most e^2 of what the first took, whereas Newton's law can add some when sliding
-/// turns round in between.
+/// An impact has two phases (Glocker and Pfeiffer 1995). Compression: inelastic, with friction. Restitution: each
+/// contact returns e times its impulse, and no contact may approach; friction starts anew, from the velocities of that
+/// time and within the cone of the new normal impulses. For given normal impulses friction removes as much energy as it
+/// can. The second phase therefore returns at most e^2 of what the first absorbed, whereas Newton's law can add energy
+/// when sliding reverses in between.
 template <int D>
 class Impact {
  public:
-  /// `limit`: of sweeps in each phase, and of blows per pair. What ends there is counted in WorkCount::impactLimits,
-  /// and what still approaches then is left to the resolver, which stops it.
+  /// `limit`: sweeps in each phase, and impacts per pair. Exceeding it is counted in WorkCount::impactLimits, and the
+  /// resolver stops whatever still approaches.
   void strike(ImpactLaw law, const VelocityInput<D>& in, const ContactGraph<D>& graph, int limit) {
     m_limit = limit, m_slow = in.restitutionThreshold;
     if (!prepare(in, graph)) return;
@@ -41,8 +41,8 @@ class Impact {
     for (const ManifoldRows<D>& m : m_rows.manifolds) {
       for (PointRows<D>& row : pointsOf(m)) row.target = velocity(in, m, row), row.impulse.fill(0);
     }
-    // Impacts take no time: this step's forces are added again. At a contact that was hit they are held, as they are
-    // by Newton's law, or each bounce would lose what gravity adds in a step.
+    // Impacts take no time: this step's forces are added again. A contact that was hit resists them, as under Newton's
+    // law; otherwise each bounce would lose what gravity adds in a step.
     each(motion, [&](Motion<D>& body, std::size_t i) {
       body.v += m_free[i].v - in.arrival[i].v;
       body.w += m_free[i].w - in.arrival[i].w;
@@ -57,10 +57,11 @@ class Impact {
   };
   struct Island {
     bool bounces = false;
-    Real fastest = 0;  // m/s, that something is hit with
+    Real fastest = 0;  // fastest impact, m/s
   };
 
-  // Islands in which a contact is hit and one, perhaps another, has restitution; false: there is none.
+  // Finds islands in which a contact is hit and a contact, perhaps another one, has restitution. Returns false if there
+  // are none.
   bool prepare(const VelocityInput<D>& in, const ContactGraph<D>& graph) {
     const auto bounces = [&](int i) { return in.manifolds[i].restitution > 0; };
     if (std::none_of(in.order.begin(), in.order.end(), bounces)) return false;
@@ -88,12 +89,12 @@ class Impact {
     if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
     m_blocks.assign(m_joints.blocks.begin(), m_joints.blocks.end());
     for (JointRow<D>& row : m_joints.rows) {
-      if (row.law != RowLaw::rigid) row.lo = row.hi = 0;  // springs and motors do nothing in no time
+      if (row.law != RowLaw::rigid) row.lo = row.hi = 0;  // springs and motors do nothing in zero time
     }
     return true;
   }
 
-  // -1: of what no contact moves.
+  // -1 for bodies that no contact moves.
   int islandOf(int a, int b) const {
     const int of = a < 0 ? -1 : m_islandOf[a];
     return of >= 0 ? of : m_islandOf[b];
@@ -105,9 +106,9 @@ class Impact {
       if (isStruck(m_islandOf[i])) visit(motion[i], i);
     }
   }
-  // What changes less has come to its end, m/s.
+  // Smaller changes (m/s) end the iteration.
   void lookAt(int island) { m_still = 64 * std::numeric_limits<Real>::epsilon() * m_islands[island].fastest; }
-  // The pairs of one island after the other, whose joints then are those of m_joints.
+  // Visits the pairs of one island after the other; m_joints then holds the island's joints.
   template <class Visit>
   void forIslands(const Visit& visit) {
     const std::span<const ManifoldRows<D>> all = m_rows.manifolds;
@@ -131,11 +132,11 @@ class Impact {
     const auto& motion = in.bodies.motion;
     return rowVelocity<D>(row.normal, m.n, motion[m.a], motion[m.b], in.features.rotation);
   }
-  // By a velocity v without this step's forces, within this step.
+  // Whether the contact is hit within this step at a velocity v without this step's forces.
   bool isHit(const VelocityInput<D>& in, const PointRows<D>& row, Real gap, Real v) const {
     return v < -m_slow && gap + (v + row.kick) * in.dt <= 0;
   }
-  // The least normal velocity of a contact in both phases: a gap may be closed, but what bounces stops where it is.
+  // The smallest normal velocity of a contact in both phases: a gap may close, but a bouncing contact stops at once.
   Real floorOf(const VelocityInput<D>& in, const ManifoldRows<D>& m, std::size_t k, Real v) {
     const Real open = gap(in, m, k);
     const bool bounces = in.manifolds[m.manifold].restitution > 0;
@@ -169,8 +170,9 @@ class Impact {
     settle(in, which, false);
   }
 
-  // The pair whose approach is most wrong, then look again: a touching cradle lets out as many balls as come in. A pair
-  // is hit at all of its points at once, or a box that falls flat would turn. Joints answer after the last blow.
+  // Solves the pair with the largest approach error, and repeats: a touching cradle then releases as many balls as hit
+  // it. All points of a pair are hit at once; otherwise a box that falls flat would turn. Joints respond after the last
+  // impact.
   void handOn(const VelocityInput<D>& in) {
     const std::vector<ManifoldRows<D>>& pairs = m_rows.manifolds;
     m_joints.blocks.clear();
@@ -191,7 +193,7 @@ class Impact {
       }
     }
   }
-  // How much too fast the points of a pair approach, m/s; 0: not so that they bounce.
+  // By how much (m/s) the points of a pair approach too fast; 0: not fast enough to bounce.
   Real error(const VelocityInput<D>& in, std::size_t pair) {
     const ManifoldRows<D>& m = m_rows.manifolds[pair];
     Real worst = 0;
@@ -214,7 +216,7 @@ class Impact {
     }
   }
 
-  // Sweeps until nothing changes. `hold`: only contacts that were hit, and no friction.
+  // Sweeps until nothing changes. `hold`: only contacts that were hit, without friction.
   void settle(const VelocityInput<D>& in, std::span<const ManifoldRows<D>> which, bool hold) {
     for (int i = 0; i < m_limit; ++i) {
       m_joints.sweep(in.bodies.motion, in.dt, {});
@@ -262,7 +264,7 @@ class Impact {
   std::vector<Motion<D>> m_free;
   IndexedSpan<const std::int32_t> m_islandOf;  // by body
   IndexedVector<Island> m_islands;
-  IndexedVector<int> m_blows;  // that a pair has left
+  IndexedVector<int> m_blows;  // remaining impacts of a pair
   Extreme m_errors{ExtremeSearch::tree};
   ContactsOfBodies m_neighbours;
 };

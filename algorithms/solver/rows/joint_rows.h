@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Joints as a sequential resolver sees them, whatever their kinds: the equality rows of a joint as one block, since
-// they are strongly coupled, its other rows one by one before it, stops after motors and springs, so that what must
-// hold is solved last.
+// Joints of any kind as a sequential resolver sees them. The equality rows of a joint are solved as one block, since
+// they are strongly coupled. Its other rows are solved one by one before them: motors and springs first, then limits,
+// so that the hardest constraints are solved last.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// How the error of a row is fed back into its velocity: an update asks for v = -rate x error, takes `massScale` of
-/// what that needs, and lets `impulseScale` of what has accumulated leak away.
+/// Error feedback of a row: an update demands v = -rate x error, applies `massScale` of the needed impulse, and removes
+/// `impulseScale` of the accumulated one.
 struct Feedback {
   Real rate = 0;  // 1/s
   Real massScale = 1, impulseScale = 0;
@@ -25,7 +25,7 @@ struct Feedback {
 
 template <int D>
 struct JointRow : ConstraintRow<D> {
-  Real mass;     // of a box row alone: impulse per change of its velocity, kg or kg m^2
+  Real mass;     // of a box row: impulse per change of its velocity, kg or kg m^2
   Real impulse;  // accumulated, on B
   std::int32_t number;
 };
@@ -37,23 +37,23 @@ struct JointBlock {
   Inertia<D> invIA, invIB;
   std::int32_t first, equalities, count;  // of its rows: the equality rows, then the others
   BlockInverse<D> mass;                   // of the equality rows
-  bool warm;                              // may it start from the last impulse?
+  bool warm;                              // whether it may be warm started
 };
 
-/// All joints of a solve, between bodies that can move. The arrays keep their capacity from step to step.
+/// All joints of a solve, between movable bodies. Arrays keep their capacity from step to step.
 template <int D>
 class JointSystem {
  public:
   IndexedVector<JointBlock<D>> blocks;
   IndexedVector<JointRow<D>> rows;
-  std::vector<std::int32_t> rowless;  // joints of which every row is absent now
+  std::vector<std::int32_t> rowless;  // joints without present rows
 
   std::span<JointRow<D>> of(const JointBlock<D>& block) { return rows.part(block.first, block.count); }
   std::span<const JointRow<D>> of(const JointBlock<D>& block) const { return rows.part(block.first, block.count); }
 
   void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}, m_coupled = 0; }
-  /// `compliance` is added to what each rigid row gives way by per impulse, 1/kg or 1/(kg m^2). `places`, where there
-  /// are any, are those of joints between two bodies.
+  /// `compliance` is added to the response of each rigid row per impulse, 1/kg or 1/(kg m^2). `places`, if any, are
+  /// those of joints between two bodies.
   void prepare(WorkDone& work, const Bodies<D>& bodies, IndexedSpan<const JointRecord<D>> joints, Real compliance = 0,
                const Places<D>& places = {}) {
     clear();
@@ -62,19 +62,19 @@ class JointSystem {
       if (joints[j].active()) add(bodies, joints[j], static_cast<std::int32_t>(j));
     }
     countMadeRows<D>(work, rows.size());
-    for (const JointBlock<D>& block : blocks) {  // the response of the equality rows, and its inverse
+    for (const JointBlock<D>& block : blocks) {  // the response of the equality rows, then its inverse
       const auto n = static_cast<std::uint64_t>(block.equalities);
       work[WorkCount::multiplyAdds] += n * (n + 1) / 2 * (D + D * (D - 1)) + n * n * n;
       m_coupled += n * n - n;
     }
   }
-  /// So many sweeps of all rows. Equality rows are multiplied by a matrix where others have one mass.
+  /// Counts sweeps over all rows. Equality rows are multiplied by a matrix; other rows have one mass.
   void count(WorkDone& work, std::uint64_t sweeps = 1) const {
     countRows<D>(work, sweeps * rows.size());
     work[WorkCount::multiplyAdds] += sweeps * m_coupled;
   }
 
-  /// `start(joint, row number)` is the impulse to begin with. Applied by applyAccumulated().
+  /// `start(joint, row number)` is the initial impulse. applyAccumulated() applies it.
   template <class Start>
   void warmStart(Real h, const Start& start) {
     for (JointBlock<D>& block : blocks) {
@@ -94,15 +94,15 @@ class JointSystem {
     }
   }
 
-  /// One update of every row over h seconds. Stops that are not reached may be reached within h, no matter what
-  /// `rigid` says; springs and motors follow their own law. To be counted by count().
+  /// Updates every row once, over h seconds. A limit that is not reached may be reached within h, whatever `rigid`
+  /// says; springs and motors follow their own laws. count() counts this work.
   void sweep(IndexedVector<Motion<D>>& motion, Real h, const Feedback& rigid) {
     for (JointBlock<D>& block : blocks) sweepBlock(block, at(motion, block.a), at(motion, block.b), h, rigid);
   }
-  /// The same of one joint between bodies of these velocities.
+  /// The same for one joint, between bodies with these velocities.
   void sweepBlock(JointBlock<D>& block, Motion<D>& a, Motion<D>& b, Real h, const Feedback& rigid) {
     const std::span<JointRow<D>> boxes = of(block).subspan(static_cast<std::size_t>(block.equalities));
-    for (JointRow<D>& row : boxes) {  // motors and springs first: a stop holds against them
+    for (JointRow<D>& row : boxes) {  // motors and springs first: a limit must hold against them
       if (row.law != RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
     }
     for (JointRow<D>& row : boxes) {
@@ -110,7 +110,7 @@ class JointSystem {
     }
     if (block.equalities > 0) sweepEqualities(block, rigid, a, b);
   }
-  /// The same in displacements instead of velocities: so much of each error at once, of equalities and of stops.
+  /// The same in displacements instead of velocities: removes these shares of the errors of equalities and limits.
   /// Springs and motors have no error.
   void sweepErrors(IndexedVector<Motion<D>>& moves, Real share, Real stopShare) {
     for (JointBlock<D>& block : blocks) {
@@ -122,8 +122,7 @@ class JointSystem {
     }
   }
 
-  /// Writes the accumulated impulses. A joint that took no part, since its bodies sleep, keeps what it had; a row that
-  /// is absent now has none.
+  /// Writes the accumulated impulses. A joint between sleeping bodies keeps its old ones; an absent row has none.
   void store(IndexedSpan<JointRecord<D>> joints) const {
     for (const std::int32_t j : rowless) joints[j].impulse.fill(0);
     for (const JointBlock<D>& block : blocks) {
@@ -172,7 +171,7 @@ class JointSystem {
     LPC_ASSERT(block.equalities <= BlockInverse<D>::kRows);
     block.count = static_cast<std::int32_t>(rows.size()) - block.first;
     if (block.count == 0) rowless.push_back(number);
-    if (!(trace > 0)) {  // between bodies that cannot move
+    if (!(trace > 0)) {  // between immovable bodies
       rows.resize(static_cast<std::size_t>(block.first));
       return;
     }
@@ -199,7 +198,7 @@ class JointSystem {
         }
         break;
       case RowLaw::spring: {
-        // Implicit, so stable at any stiffness: k and c act on where and how fast the row will be. Catto 2011.
+        // Implicit, so stable at any stiffness: k and c act on the row's future position and velocity. Catto 2011.
         const Real c = row.damping + h * row.stiffness, share = h * c / (h * c + row.mass);
         if (c > 0) wanted = -row.error * row.stiffness / c;
         massScale = share, impulseScale = 1 - share;
@@ -250,7 +249,7 @@ class JointSystem {
   Real m_compliance = 0;
   Places<D> m_places;
   std::uint64_t m_coupled = 0;  // multiply-adds of a sweep beyond those of its rows
-  Motion<D> m_world;  // at rest, since its inverse mass is 0; but for an infinite impulse, and then for one solve
+  Motion<D> m_world;  // at rest, since its inverse mass is 0; an infinite impulse changes it, for one solve only
 };
 
 }}}  // namespace lpc::LPC_PRECISION::solver

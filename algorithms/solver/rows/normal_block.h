@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The normal impulses of one manifold at once: the points of a face push against each other, so that one by one they
-// need many sweeps for what is one small problem.
+// Solves the normal impulses of one manifold at once. The points of a face are coupled, so that one by one they need
+// many sweeps for one small problem.
 #pragma once
 
 #include <bit>
@@ -10,10 +10,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// Part of its own response by which each point holds on to its impulse (1). The four corners of a face have one
-/// distribution too many, and two points close together nearly so: nothing says which of them bears the weight. With
-/// this the answer is the one nearest to the impulses before it, and what it leaves open of the velocity the next sweep
-/// takes. Larger: more sweeps. Smaller: impulses that rounding decides; where the field drops a point, this does not.
+/// Regularisation: the part (1) of its own response by which each point keeps its impulse. The four corners of a face
+/// are statically indeterminate, and two close points nearly so: nothing decides which of them bears the weight. With
+/// this term the solution is the one nearest to the previous impulses, and the next sweep removes the remaining
+/// velocity. Larger: more sweeps. Smaller: rounding decides impulses. The field drops a point instead.
 inline constexpr Real kBlockHold = Real(1e-3);
 
 template <int D>
@@ -22,7 +22,7 @@ class NormalBlock {
   static constexpr int kRows = kManifoldPoints<D>;
   using Impulses = IndexedArray<Real, kRows>;
 
-  /// False when nothing can move a point.
+  /// Returns false if nothing can move a point.
   bool set(const ManifoldRows<D>& m, const PointRows<D>* points, WorkDone& work) {
     m_count = m.count;
     const auto n = static_cast<std::uint64_t>(m_count);
@@ -39,9 +39,9 @@ class NormalBlock {
     return true;
   }
 
-  /// x >= 0 with w = K (x - old) + v >= 0 and no impulse where w > 0. `v` is how much faster than wanted the points
-  /// part now, m/s. The first set of pushing points that fits, from all to none (Catto 2008); if rounding lets none
-  /// fit, the one that is least wrong.
+  /// Finds x >= 0 with w = K (x - old) + v >= 0 and no impulse where w > 0. `v` is by how much (m/s) the points
+  /// separate faster than wanted. Takes the first set of pressing points that fits, from all to none (Catto 2008); if
+  /// rounding lets none fit, the set with the smallest error.
   Impulses solve(const Impulses& old, const Impulses& v, WorkDone& work) const {
     const auto n = static_cast<std::size_t>(m_count);
     std::uint64_t& multiplyAdds = work[WorkCount::multiplyAdds];
@@ -65,7 +65,8 @@ class NormalBlock {
   }
 
  private:
-  // x of the points of the set, so that these do not move; the worst velocity (m/s) by which that is no answer.
+  // Computes x such that the points of the set do not move; returns the largest velocity (m/s) that violates the
+  // conditions.
   Real tried(unsigned pushing, const Impulses& q, Impulses& x) const {
     IndexedArray<int, kRows> in{};
     int size = 0;

@@ -9,15 +9,15 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// Places of bodies as those of the step's start and the ways since, m. Far from the origin a way keeps the digits that
-/// a place has lost. Empty: poses alone.
+/// Positions of bodies as those at the start of the step and the displacements since, m. Far from the origin a
+/// displacement keeps digits that a position has lost. Empty: poses alone.
 template <int D>
 struct Places {
   IndexedSpan<const Vec<D>> start;
   IndexedSpan<Vec<D>> way;
 
   bool empty() const { return start.empty(); }
-  /// Poses of two bodies in a frame that has its origin where A started.
+  /// Poses of two bodies in a frame with A's start as origin.
   std::array<Pose<D>, 2> pair(const Bodies<D>& bodies, std::int32_t a, std::int32_t b) const {
     return {Pose<D>{way[a], bodies.pose[a].q}, Pose<D>{(start[b] - start[a]) + way[b], bodies.pose[b].q}};
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Projected Gauss-Seidel over the rows of a whole problem, any joint or contact: each row in turn gets what makes it
-// right alone, within its limits. Friction as rubAt() has it; the equality rows of a joint are one block.
+// Projected Gauss-Seidel over the rows of a whole problem, joints and contacts: each row in turn gets the impulse that
+// satisfies it alone, within its limits. Friction is solved as in contact_rows.h; the equality rows of a joint are one
+// block.
 #pragma once
 
 #include <vector>
@@ -26,7 +27,8 @@ class RowSweep {
     }
   }
 
-  /// One update of each row of `which`. The problem's motion is that of x, and stays so; `freeVelocity` is u at x = 0.
+  /// Updates each row of `which` once. The problem's motion belongs to x before and after; `freeVelocity` is u at x =
+  /// 0.
   void sweep(ContactProblem<D>& p, std::span<const std::int32_t> which, IndexedSpan<const double> freeVelocity,
              IndexedSpan<double> x) const {
     for (const std::int32_t i : which) {
@@ -41,7 +43,7 @@ class RowSweep {
     }
   }
 
-  /// So many sweeps over an island that is left to them, from x.
+  /// Sweeps this often over an island that no other method solved, from x.
   void descend(ContactProblem<D>& p, std::span<const std::int32_t> which, IndexedSpan<const double> freeVelocity,
                IndexedSpan<double> x, int sweeps, WorkDone& work) const {
     p.clearMotion();
@@ -53,7 +55,7 @@ class RowSweep {
 
  private:
   struct Rub {
-    std::array<std::array<double, 2>, 2> stick{};  // impulse that ends sliding, per velocity
+    std::array<std::array<double, 2>, 2> stick{};  // impulse that stops sliding, per velocity
     double slide = 0;                              // 1 / the largest eigenvalue of the tangents' response
   };
 
@@ -73,7 +75,7 @@ class RowSweep {
     return block;
   }
   void hold(ContactProblem<D>& p, int first, IndexedSpan<const double> freeVelocity, IndexedSpan<double> x) const {
-    if (m_blockOf[first] < 0) return;  // with the rows before it
+    if (m_blockOf[first] < 0) return;  // solved with the rows before it
     const Block& block = m_blocks[m_blockOf[first]];
     IndexedArray<Real, BlockInverse<D>::kRows> u, impulse;
     for (int i = 0; i < block.count; ++i) {
@@ -96,7 +98,7 @@ class RowSweep {
       const double tt = 1 / p.row(i + 2).mass, st = p.response(p.row(i + 1), p.row(i + 2));
       const double mean = (ss + tt) / 2, half = (ss - tt) / 2, determinant = ss * tt - st * st;
       rub.slide = 1 / (mean + std::sqrt(half * half + st * st));
-      constexpr double kFlat = 1e-6;  // pinned bodies: the point may have only one direction left to move in
+      constexpr double kFlat = 1e-6;  // pinned bodies: the point may have only one direction in which it can move
       const bool flat = !(determinant > mean * mean * kFlat);
       rub.stick[0] = {flat ? rub.slide : tt / determinant, flat ? 0 : -st / determinant};
       rub.stick[1] = {rub.stick[0][1], flat ? rub.slide : ss / determinant};
@@ -133,7 +135,7 @@ class RowSweep {
   }
 
   IndexedVector<Rub> m_rubs;              // by row, of normals
-  IndexedVector<std::int32_t> m_blockOf;  // by row, of the first of a block
+  IndexedVector<std::int32_t> m_blockOf;  // by row, of the first row of a block
   IndexedVector<Block> m_blocks;
 };
 

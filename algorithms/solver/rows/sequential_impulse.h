@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// Sequential impulses over contacts: what the resolvers that sweep over manifolds have in common.
+// Sequential impulses over contacts: the code that resolvers share that sweep over manifolds.
 #pragma once
 
 #include "algorithms/solver/rows/contact_rows.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// Starts from the share `factor` of the last step's impulses, and applies them.
+/// Warm starts with the share `factor` of the last step's impulses, and applies them.
 template <int D>
 void warmStartContacts(const VelocityInput<D>& in, Real factor, ContactRows<D>& contacts) {
   const bool rotation = in.features.rotation;
@@ -29,7 +29,7 @@ void warmStartContacts(const VelocityInput<D>& in, Real factor, ContactRows<D>& 
   }
 }
 
-/// One update of a point's accumulated normal impulse.
+/// Updates a point's accumulated normal impulse once.
 template <int D>
 void pushAt(const ManifoldRows<D>& m, PointRows<D>& row, Real relaxation, Motion<D>& a, Motion<D>& b, bool rotation) {
   const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
@@ -38,8 +38,8 @@ void pushAt(const ManifoldRows<D>& m, PointRows<D>& row, Real relaxation, Motion
   applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
 }
 
-/// One update of a point's accumulated friction, each tangent by itself within the limit (N s): a square, whose corners
-/// are sqrt(2) away and lie as tangents(n) do.
+/// Updates a point's accumulated friction once, each tangent separately within the limit (N s): a square, whose corners
+/// are sqrt(2) away and follow the directions of tangents(n).
 template <int D>
 void rubSquareAt(const ManifoldRows<D>& m, PointRows<D>& row, Real limit, Motion<D>& a, Motion<D>& b, bool rotation) {
   for (int d = 0; d < D - 1; ++d) {

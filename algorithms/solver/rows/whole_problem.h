@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What resolvers share that see a velocity problem as a whole.
+// Shared by resolvers that solve a velocity problem as a whole.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 template <int D>
 class WholeProblem {
  protected:
-  /// `warm`: the share of the last step's impulses that are the first guess.
+  /// `warm`: the share of the last step's impulses for warm starting.
   void prepare(const VelocityInput<D>& in, double warm) {
     m_problem.set(in);
     countMadeRows<D>(in.work, m_problem.rows().size());
@@ -23,8 +23,8 @@ class WholeProblem {
     m_problem.lastImpulses(in, warm, m_impulse);
   }
 
-  /// `solve(rows)` of each island: it leaves its answer in m_impulse, or says false. Then projected Gauss-Seidel sweeps
-  /// over the island, from the first guess.
+  /// Calls `solve(rows)` for each island, which leaves its solution in m_impulse or returns false. Then projected
+  /// Gauss-Seidel sweeps over the island, from the warm start.
   template <class Solve>
   void eachIsland(WorkDone& work, int sweeps, const Solve& solve) {
     const std::span<const std::int32_t> all = m_problem.grouped();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What integrators and solvers that integrate by themselves share: the change of velocity by forces, the move by a
+// Shared by integrators and by solvers that integrate themselves: the change of velocity by forces, and the motion at
 // constant velocity.
 #pragma once
 
@@ -10,7 +10,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// velocity += dt x (forces of now) / mass, without the gyroscopic term. Bodies of zero inverse mass keep theirs.
+/// velocity += dt x (present forces) / mass, without the gyroscopic term. Bodies of zero inverse mass keep their
+/// velocity.
 template <int D>
 void kick(const IntegrateInput<D>& in, std::vector<Wrench<D>>& wrenches) {
   Bodies<D>& bodies = in.bodies;
@@ -24,14 +25,14 @@ void kick(const IntegrateInput<D>& in, std::vector<Wrench<D>>& wrenches) {
   }
 }
 
-/// Moves one body by the constant velocity `m` for dt.
+/// Moves one body at the constant velocity `m` for dt.
 template <int D>
 void moveBody(Pose<D>& x, const Motion<D>& m, Real dt, bool rotation) {
   x.p += dt * m.v;
   if (rotation && m.w.squaredNorm() > 0) x.q = integrateRotation(x.q, Ang<D>(dt * m.w));
 }
 
-/// Velocities that a step must not use: of bodies that are not in it, of the pinned, of those that may not turn.
+/// Zeroes velocities that a step must not use: of bodies outside the step, of pinned ones, of ones that may not turn.
 template <int D>
 void haltUnmoving(Bodies<D>& bodies, bool rotation) {
   for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
@@ -41,7 +42,7 @@ void haltUnmoving(Bodies<D>& bodies, bool rotation) {
   }
 }
 
-/// Does the step move this body? Kinematic ones by the velocity they were given.
+/// Whether the step moves this body. Kinematic bodies move at their given velocity.
 template <int D>
 bool travels(const Bodies<D>& bodies, std::size_t i) {
   return bodies.used[i] && bodies.type[i] != BodyType::fixed && bodies.awake[i];

@@ -13,7 +13,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
-/// How much of an error one visit takes out.
+/// The share of an error that one visit removes.
 struct NgsShare {
   Real factor = Real(0.2), jointFactor = 1, stopFactor = 1, slop = kLinearSlop, maxMove = Real(0.2);
   void visit(ParamVisitor& v) {
@@ -26,13 +26,13 @@ struct NgsShare {
   }
 };
 
-/// Each joint, then each contact in the order given, is measured where its bodies are by now, and its bodies are moved
-/// and turned out of a part of it at once, as in solver2d: of all that is wrong with a joint. Stops have no slop.
-/// Normals are those of the detection, inertias those of the step.
+/// Measures each joint, then each contact in the given order, at the present poses, and moves its bodies at once to
+/// remove a share of the error, as in solver2d; of a joint the whole error. Limits of joints have no slop. Normals are
+/// those of the detection, inertias those of the step.
 template <int D>
 class NgsSweep {
  public:
-  /// False: nothing was wrong.
+  /// Returns false if there was no error.
   bool sweep(const PositionInput<D>& in, const NgsShare& share, const Places<D>& places = {}) {
     m_moved = false, m_places = places;
     m_moves.resize(in.bodies.pose.size());

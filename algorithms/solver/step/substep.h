@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What solvers share that move bodies between one detection and the next: contacts whose separations follow from the
-// anchors, joints whose rows are made again, impulses of a sub-step as the first guess of the next one, restitution
-// at the end of the step.
+// Shared by solvers that move bodies several times per detection: contacts with separations that follow from the
+// anchors, joints with renewed rows, warm starting from sub-step to sub-step, restitution at the end of the step.
 #pragma once
 
 #include <algorithm>
@@ -32,28 +31,29 @@ struct Softness : Feedback {
   }
 };
 
-/// What a sweep asks of what is wrong: by default nothing, so that it takes out what an earlier one has put in.
+/// The error feedback of a sweep. By default none, so that a sweep removes the velocity that an earlier one added.
 struct Push {
-  Feedback contact, contactFixed, joint;  // contactFixed: nothing gives way on one side, so the other may be stiffer
+  Feedback contact, contactFixed, joint;  // contactFixed: one body cannot move, so the other may be stiffer
   Real slop = 0;                          // m, of contacts
   Real maxSpeed = 0;                      // m/s, of contacts
   bool softGaps = false;                  // springs also stop what closes a gap: a law without a jump at touch
 };
 
-/// Does the impulse that throws a body back allow friction, too?
+/// Whether friction acts with the restitution impulse.
 enum class Bounce { frictionless, withFriction };
 
-/// The springs of sub-steps of h, those of joints twice as stiff as those of contacts.
+/// The springs of sub-steps of length h. Joints are twice as stiff as contacts.
 inline Push springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real maxSpeed, Real h) {
   return {Softness(hertz, dampingRatio, h), Softness(2 * hertz, dampingRatio, h),
           Softness(2 * hertz, jointDampingRatio, h), 0, maxSpeed};
 }
 
-/// Declared by methods that keep the arms of the detection.
+/// Failure declared by methods that keep the arms of the detection.
 inline const FailureMode kArmsStay = {"bodies that press on each other and turn together",
                                       "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
                                       "Solver.TurningKeepsAngularMomentum"};
-/// A method's own failures and those of all sub-steps whose impulses are the next one's first guess. `braked`: how.
+/// A method's own failures and those of all sub-step methods that warm start from sub-step to sub-step. `braked`
+/// describes how.
 inline std::vector<FailureMode> substepFailures(const std::string& braked, std::vector<FailureMode> own) {
   for (const FailureMode& shared :
        {FailureMode{"bodies that part within the step",
@@ -71,16 +71,15 @@ inline std::vector<FailureMode> substepFailures(const std::string& braked, std::
   return own;
 }
 
-/// The contacts and joints of a step that is cut into equal sub-steps. Directions of contacts are those of the
-/// detection, and so are arms, unless they are turned; separations are those of the anchors, which move with the
-/// bodies.
+/// The contacts and joints of a step of equal sub-steps. Directions of contacts are those of the detection, and so are
+/// arms unless they are turned. Separations are those of the anchors, which move with the bodies.
 ///
-/// The way of each body since the start of the step is kept beside its place. A place in f32 a kilometre away is
-/// rounded to 0.06 mm; read as a separation, that would be a speed of 60 mm/s in a sub-step of 1 ms.
+/// The displacement of each body since the start of the step is stored besides its position. A position in f32 a
+/// kilometre away is rounded to 0.06 mm; as a separation that would be a speed of 60 mm/s in a sub-step of 1 ms.
 template <int D>
 class Substeps {
  public:
-  /// The impulses of the last step are the first guess.
+  /// Prepares the step, warm started from the impulses of the last step.
   void prepare(const StepInput<D>& in, int count, bool warmStart, bool armsAsMade = false) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     m_count = static_cast<Real>(count), m_h = in.dt / m_count;
@@ -122,7 +121,7 @@ class Substeps {
 
   Real h() const { return m_h; }  // s
 
-  /// Forces of sub-step i, and joints where they are now.
+  /// Applies the forces of sub-step i and makes the joint rows at the present poses.
   void begin(const StepInput<D>& in, int i) {
     Profiler::Scope scope(in.profiler, "solver.integrate");
     kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
@@ -131,14 +130,14 @@ class Substeps {
     m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) { return m_jointImpulse[joint].substep[row]; });
   }
 
-  /// From the impulses of the sub-step before.
+  /// Solves, warm started from the previous sub-step.
   void solve(const StepInput<D>& in, const Push& push, int iterations) {
     Profiler::Scope scope(in.profiler, "solver.iterate");
     applyAccumulated(in);
     for (int i = 0; i < iterations; ++i) sweep(in, push);
   }
 
-  /// Bodies move. Separations follow unless the method keeps those of the detection.
+  /// Moves the bodies. Separations follow unless the method keeps those of the detection.
   void move(const StepInput<D>& in, bool separationsFollow = true) {
     Profiler::Scope scope(in.profiler, "solver.move");
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
@@ -153,9 +152,9 @@ class Substeps {
   /// For position resolvers, which move bodies themselves.
   Places<D> places() { return {m_start, m_way}; }
 
-  /// Arms of contacts as the bodies are turned now. Shared: both bodies get an impulse at one point, so that it is no
-  /// torque on the pair. Where their anchors have slid apart, the point is nearer to that of the lighter body: beside a
-  /// floor it is the body's own. Not shared: each body gets the impulse at its own anchor.
+  /// Turns the arms of contacts with the bodies. Shared: both bodies get the impulse at one point, so it adds no torque
+  /// to the pair. If their anchors have slid apart, the point is nearer to the anchor of the lighter body; beside a
+  /// static body it is the moving body's own. Not shared: each body gets the impulse at its own anchor.
   void turnArms(const StepInput<D>& in, bool shared) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     if (in.features.restitution && m_detected.empty()) m_detected = m_contacts.points;
@@ -175,7 +174,7 @@ class Substeps {
     }
   }
 
-  /// Poses were changed by others: where contacts are now.
+  /// Measures contacts again after another method has changed the poses.
   void measure(const StepInput<D>& in) {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const auto [X_WA, X_WB] = places().pair(in.bodies, m.a, m.b);
@@ -186,13 +185,13 @@ class Substeps {
     }
   }
 
-  /// Takes out the velocity that pushing has put in.
+  /// Removes the velocity that pushing has added.
   void relax(const StepInput<D>& in, int iterations) {
     Profiler::Scope scope(in.profiler, "solver.relax");
     for (int i = 0; i < iterations; ++i) sweep(in, {});
   }
 
-  /// Sub-step i as a whole: solved with a push, moved, and relaxed.
+  /// Runs sub-step i: solve with a push, move, relax.
   void step(const StepInput<D>& in, int i, const Push& push, int sweeps, int relaxing, bool separationsFollow = true) {
     begin(in, i);
     solve(in, push, sweeps);
@@ -201,7 +200,7 @@ class Substeps {
     end();
   }
 
-  /// What contacts and joints bore in this sub-step.
+  /// Adds this sub-step's impulses to the loads of contacts and joints.
   void end() {
     for (std::size_t p = 0; p < m_states.size(); ++p) m_states[p].load += m_contacts.points[p].impulse[0];
     for (const std::int32_t j : m_joints.rowless) m_jointImpulse[j].substep.fill(0);
@@ -216,9 +215,8 @@ class Substeps {
     }
   }
 
-  /// Restitution, then the impulses: those of contacts as the next step starts from them, which is the last sub-step's
-  /// for as long as a whole step. A ball that rolls, whose anchor turns up and away, bears in the first sub-steps
-  /// alone.
+  /// Applies restitution, then stores the impulses. Contacts store those of the last sub-step, scaled to a whole step,
+  /// for warm starting. A rolling ball, whose anchor turns up and away, carries load in the first sub-steps only.
   void finish(const StepInput<D>& in, Bounce how = Bounce::withFriction) {
     if (in.features.restitution) bounce(in, how);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
@@ -246,21 +244,22 @@ class Substeps {
   struct State {
     Vec<D> localA, localB;
     Real velocity;    // along the normal before the step, m/s
-    Real maxImpulse;  // of all sub-steps: did it hit at all?
-    Real separation;  // m, now
-    Real load;        // of all sub-steps so far, N s
+    Real maxImpulse;  // largest of all sub-steps; 0: the contact was not hit
+    Real separation;  // m, present
+    Real load;        // sum of all sub-steps so far, N s
   };
   struct JointImpulse {                        // by row
-    IndexedArray<Real, kJointRows> substep{};  // of the last sub-step: what the next one starts from
-    IndexedArray<Real, kJointRows> step{};     // of all of them: what the joint bore
+    IndexedArray<Real, kJointRows> substep{};  // of the last sub-step: warm starts the next one
+    IndexedArray<Real, kJointRows> step{};     // of all sub-steps: the load of the joint
   };
-  // What ContactRows asks for is overwritten in the sweeps.
+  // The sweeps overwrite the targets of ContactRows.
   struct NoBias final : PositionResolver<D> {};
 
-  // Arms of points that a cache has kept: each body's own, as they stood in the world when the points were made. How A
-  // was turned then is remembered with each point, of what a listener forbids, too: it may be allowed while it is kept.
+  // Arms of points that a cache has kept: each body's own, in world axes of the time when the points were made. The
+  // rotation of A at that time is stored with each point, also of a point that a listener vetoes, since it may be
+  // allowed later.
   void keepArms(const StepInput<D>& in) {
-    const auto made = [&](const Manifold<D>& m) {  // now
+    const auto made = [&](const Manifold<D>& m) {  // present rotation
       const Pose<D> X_AB = poseBetween(in.bodies.pose[m.bodyA], in.bodies.pose[m.bodyB]);
       return X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
     };
@@ -349,7 +348,7 @@ class Substeps {
     }
   }
 
-  // By the arms of the detection, as the velocity before the step was measured.
+  // Uses the arms of the detection, as the measurement of the velocity before the step did.
   void bounce(const StepInput<D>& in, Bounce how) {
     const bool rotation = in.features.rotation;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
@@ -388,8 +387,8 @@ class Substeps {
   Real m_count = 1, m_h = 0;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
-  IndexedVector<Vec<D>> m_start, m_way;        // by body: place at the start of the step, way since, m
-  IndexedVector<PointRows<D>> m_detected;      // by point, before arms were turned; empty: they were not
+  IndexedVector<Vec<D>> m_start, m_way;        // by body: position at the start of the step, displacement since, m
+  IndexedVector<PointRows<D>> m_detected;      // by point, before arms were turned; empty if they were not
   IndexedVector<State> m_states;               // by point
   IndexedVector<JointImpulse> m_jointImpulse;  // by joint slot
   IndexedVector<Wrench<D>> m_wrenches;

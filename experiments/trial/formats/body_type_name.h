@@ -7,7 +7,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 inline constexpr BodyType kBodyTypes[] = {BodyType::dynamic, BodyType::fixed, BodyType::kinematic};
 
-/// As scenes, scripts and messages have it.
+/// The name in scenes, scripts and messages.
 constexpr const char* bodyTypeName(BodyType type) {
   switch (type) {
     case BodyType::fixed:

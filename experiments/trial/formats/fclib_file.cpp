@@ -23,8 +23,9 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Vector = Eigen::VectorXd;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-constexpr double kSame = 1e-8;   // relative: rounding of whoever wrote the file
-constexpr double kMeets = 1e-6;  // of a contact's distance from the centres: where two bodies meet
+constexpr double kSame = 1e-8;  // relative: rounding of the program that wrote the file
+constexpr double kMeets =
+    1e-6;  // fraction of a contact's distance from the centres: tolerance of the contact point of two bodies
 
 Sparse matrixOf(int rows, std::size_t columns, const Triplets& entries) {
   Sparse out(rows, static_cast<Eigen::Index>(columns));
@@ -40,7 +41,7 @@ FclibProblem globalOf(FrozenProblem<D> problem) {
   constexpr int kDofs = D + kAngDim<D>;
   if (!problem.features.rotation) throw UserError("FCLIB holds no body that may not turn");
   std::vector<double> mu;
-  std::vector<std::size_t> firstPoint;        // of a manifold
+  std::vector<std::size_t> firstPoint;        // first point of each manifold
   for (Manifold<D>& m : problem.manifolds) {  // FCLIB's contacts have all their tangents
     firstPoint.push_back(mu.size());
     for (int k = 0; k < m.count; ++k) mu.push_back(problem.features.friction ? double(m.friction) : 0.0);
@@ -53,7 +54,7 @@ FclibProblem globalOf(FrozenProblem<D> problem) {
   const VelocityInput<D> in = problem.input(work, profiler);
   rows.set(in);
   const Bodies<D>& bodies = problem.bodies;
-  std::vector<int> first(bodies.pose.size() + 1, -1);  // the world's and those that nothing moves have none
+  std::vector<int> first(bodies.pose.size() + 1, -1);  // static bodies have none
   Triplets m, h, g;
   std::vector<double> v;
   for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
@@ -72,7 +73,7 @@ FclibProblem globalOf(FrozenProblem<D> problem) {
       v.push_back(double(bodies.motion[i].w[k]));
     }
   }
-  // u without impulses is H^T v + w: what v does not give is in w.
+  // u without impulses is H^T v + w: w contains whatever v does not give.
   std::vector<double> u, w, b, friction;
   rows.freeVelocities(in, u);
   for (int i = 0; i < rows.size(); ++i) {
@@ -107,7 +108,7 @@ FclibProblem globalOf(FrozenProblem<D> problem) {
   return out;
 }
 
-/// The bodies that columns of H or G pull at, by their places: -1 where there is one alone.
+/// The bodies that columns of H or G act on, by index; -1 if there is only one.
 template <int D>
 std::pair<int, int> pulled(const Sparse& matrix, int from, int count) {
   std::pair<int, int> out(-1, -1);
@@ -123,7 +124,7 @@ std::pair<int, int> pulled(const Sparse& matrix, int from, int count) {
   return out;
 }
 
-/// Where the point of a contact is from a body's centre: r of turn = r x d, for D directions at right angles.
+/// Position of a contact point relative to a body's centre: r from turn = r x d, for D orthogonal directions.
 inline Eigen::Vector2d armOf(const Eigen::Matrix2d& d, const Eigen::RowVector2d& turn) {
   const Eigen::RowVector2d t = turn * d.transpose();  // of the axes: r x e_x = -r_y, r x e_y = r_x
   return {t[1], -t[0]};
@@ -161,7 +162,7 @@ class RigidBodies {
   static constexpr int kDofs = D + kAngDim<D>;
   using Point = Eigen::Matrix<double, D, 1>;
   struct Touch {
-    int a, b;  // -1: ground
+    int a, b;  // -1: the ground
     Point rA, rB, n, slide;
     double mu, target;
   };
@@ -192,7 +193,7 @@ class RigidBodies {
     return t;
   }
 
-  // Bodies are put where their contacts meet; the first of those that touch one another stands at the origin.
+  // Positions bodies so that their contacts meet; the first of each connected group is at the origin.
   void place() {
     m_place.assign(static_cast<std::size_t>(m_bodies), Point::Zero());
     std::vector<std::vector<const Touch*>> of(m_place.size());
@@ -252,7 +253,7 @@ class RigidBodies {
     manifold.bodyA = t.a, manifold.bodyB = t.b, manifold.count = 1;
     ContactPoint<D>& point = manifold.points[0];
     point.localB = vec(t.rB), point.localA = vec(t.rA);
-    if (t.a < 0) {  // the ground there: a body of its own, at the point
+    if (t.a < 0) {  // the ground is represented by a body at the point
       manifold.bodyA = m_out.bodies.size();
       const Point at = m_place[static_cast<std::size_t>(t.b)] + t.rB;
       Motion<D> motion;
@@ -261,12 +262,12 @@ class RigidBodies {
       m_out.addBody(still ? BodyType::fixed : BodyType::kinematic, true, vec(at), 0, Inertia<D>::Zero(), motion);
     }
     manifold.normal = vec(t.n), manifold.friction = static_cast<Real>(t.mu);
-    point.separation = static_cast<Real>(-t.target * double(m_out.dt));  // a gap where B may come nearer
+    point.separation = static_cast<Real>(-t.target * double(m_out.dt));  // a gap if B may approach
     if (t.target >= 0) m_out.position.add(point.separation, static_cast<Real>(t.target));
     m_out.order.push_back(static_cast<int>(m_out.order.size()));
   }
 
-  // Equality rows between the same two bodies, one after the other, are a joint.
+  // Consecutive equality rows between the same two bodies form a joint.
   void addJoints() {
     JointRows<D> rows;
     std::pair<int, int> last(-1, -1);
@@ -302,7 +303,7 @@ class RigidBodies {
   FrozenProblem<D> m_out;
 };
 
-/// Contacts' rows in W, those of equalities in V and R.
+/// Rows of contacts in W, those of equalities in V and R.
 template <int D>
 FclibLocal localOf(const GivenProblem& given) {
   const auto n = static_cast<int>(D * given.friction.size()), m = given.size() - n;
@@ -358,7 +359,7 @@ FrozenProblem<D> asProblem(const FclibLocal& from) {
   given.velocity.assign(from.q.begin(), from.q.end());
   given.velocity.insert(given.velocity.end(), from.s.begin(), from.s.end());
   given.impulse.assign(given.velocity.size(), 0);
-  const Sparse halves = (whole + turned) / 2;  // to the last bit, as sweeps and factors see it
+  const Sparse halves = (whole + turned) / 2;  // symmetric to the last bit, as sweeps and factorisations expect
   for (int j = 0; j < halves.cols(); ++j) {
     for (Sparse::InnerIterator x(halves, j); x; ++x) {
       given.row.push_back(static_cast<std::int32_t>(x.row())), given.value.push_back(x.value());
@@ -396,7 +397,7 @@ std::string fclibBytes(const FrozenProblem<D>& problem, const std::string& path)
     throw UserError(path + ": " + e.what() + "; valid: a file that ends in .json");
   }
   const std::string beside = path + ".fclib";
-  std::remove(beside.c_str());  // it would add to what is there
+  std::remove(beside.c_str());  // the library would append to an existing file
   std::string bytes;
   try {
     inItsProcess("FCLIB", path, [&] {

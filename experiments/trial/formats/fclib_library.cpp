@@ -22,8 +22,8 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr int kMostRows = 1 << 20;  // of a matrix: nothing that is meant has more
-constexpr unsigned kReadOnly = 0;   // H5F_ACC_RDONLY, which is a call
+constexpr int kMostRows = 1 << 20;  // of a matrix: no sensible file has more
+constexpr unsigned kReadOnly = 0;   // H5F_ACC_RDONLY, which is a function call
 constexpr hid_t kDefault = 0;       // H5P_DEFAULT
 
 void* library() {
@@ -41,7 +41,7 @@ F* found(const char* name) {
 }
 #define LPC_OF_FCLIB(function) found<decltype(function)>(#function)
 
-/// Do all lists have the lengths that the file names? libfclib reads them into what it has set aside for these.
+/// Checks that all lists have the lengths that the file states: libfclib reads them into buffers of those lengths.
 class Sizes {
  public:
   explicit Sizes(const std::string& path) {
@@ -104,7 +104,7 @@ class Sizes {
     }
     return value;
   }
-  /// libfclib asks for one dimension at most.
+  /// libfclib reads at most one dimension.
   void text(const std::string& path) const {
     int rank = 0;
     const bool read =
@@ -132,7 +132,7 @@ class Sizes {
   }
 
   hid_t m_file = -1;
-  std::string m_top;  // of the form that it is in
+  std::string m_top;  // of the form of this file
 };
 
 Sparse matrixOf(const fclib_matrix* from, const char* name) {

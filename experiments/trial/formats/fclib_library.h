@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// libfclib behind a wall. It is loaded when it is needed, by a process that does nothing else (library_process.h).
+// Isolates libfclib: it is loaded on demand, by a process that does nothing else (library_process.h).
 #pragma once
 
 #include <Eigen/Sparse>
@@ -14,17 +14,17 @@ namespace lpc { inline namespace LPC_PRECISION {
 struct FclibProblem {
   int dimension = 0;  // of a contact
   Eigen::SparseMatrix<double> m, h, g;
-  Eigen::VectorXd f, w, b, mu;  // G of no columns: no equality rows
+  Eigen::VectorXd f, w, b, mu;  // G without columns: no equality rows
 };
 
 /// Its local form: u = W r + V l + q, V^T r + R l + s = 0, and r in the cones of mu.
 struct FclibLocal {
   int dimension = 0;
   Eigen::SparseMatrix<double> w, v, r;
-  Eigen::VectorXd q, s, mu;  // V of no columns: no equality rows
+  Eigen::VectorXd q, s, mu;  // V without columns: no equality rows
 };
 
-/// All are called inside of inItsProcess(), and throw UserError.
+/// All functions are called inside inItsProcess(), and throw UserError.
 std::variant<FclibProblem, FclibLocal> readFclibHere(const std::string& path);
 void writeFclibHere(const std::string& path, FclibProblem& problem);
 void writeFclibHere(const std::string& path, FclibLocal& problem);

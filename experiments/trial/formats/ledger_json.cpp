@@ -64,7 +64,7 @@ json caseRowsToJson(const std::vector<CaseResult>& rows) {
 std::vector<CaseResult> caseRowsFromJson(const json& j) {
   std::vector<CaseResult> out;
   for (const json& row : j) {
-    const auto number = [&](std::size_t i) {  // one that is not finite is null
+    const auto number = [&](std::size_t i) {  // null if not finite
       const json& x = row.at("numbers")[i];
       return x.is_null() ? kUnknown : x.get<double>();
     };

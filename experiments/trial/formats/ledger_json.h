@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a worker has verified, on its way to the program that keeps the ledger.
+// Results of a worker's verification, on their way to the program that keeps the ledger.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -17,7 +17,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr unsigned kMostSeconds = 60;
-constexpr int kTold = 3;  // exit code of a child that says what is wrong
+constexpr int kTold = 3;  // exit code of a child process that reports an error
 
 [[noreturn]] void serve(int to, const std::function<std::string()>& work) {
   const int nowhere = open("/dev/null", O_RDWR);
@@ -51,7 +51,7 @@ std::string inItsProcess(const std::string& library, const std::string& path,
   const pid_t parent = getpid(), child = fork();
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(1);  // it died before the line above
+    if (getppid() != parent) _exit(1);  // the parent died before the line above
     serve(ends[1], work);
   }
   close(ends[1]);

@@ -49,7 +49,7 @@ class Lines {
     ++number;
     return true;
   }
-  /// The next word of the line; empty at its end.
+  /// The next word of the line; empty at the end of the line.
   std::string_view word() {
     constexpr std::string_view kBlank = " \t\r\v\f";
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
@@ -73,7 +73,7 @@ void requireNumbers(Lines& lines, int least, int most, const std::string& path) 
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     const bool read = error != std::errc::invalid_argument && end == word.data() + word.size();
     if (!read) refuse(path, lines.number, "'" + shown + "' is no coordinate; valid: a number");
-    // A number that is nearer to 0 than any float is read as 0.
+    // A number closer to 0 than any float is read as 0.
     const bool tiny =
         error == std::errc::result_out_of_range && (word.find("e-") != word.npos || word.find("E-") != word.npos);
     if (!tiny && (error != std::errc() || !std::isfinite(value))) {
@@ -94,7 +94,7 @@ void checkObj(const std::string& bytes, const std::string& path) {
   for (Lines lines(bytes); lines.next();) {
     const std::string_view key = lines.word();
     if (key == "v") {
-      requireNumbers(lines, 3, 7, path);  // w, or a colour, or both, may follow
+      requireNumbers(lines, 3, 7, path);  // w, a colour, or both may follow
       requireFew(++points, "points", path);
     } else if (key == "f") {
       long corners = 0;
@@ -150,7 +150,7 @@ void checkStl(const std::string& bytes, const std::string& path) {
   requireFew(n, "triangles", path);
 }
 
-/// As assimp has it: corners one by one, three for a triangle.
+/// As assimp returns them: corners one by one, three for each triangle.
 using Corners = std::vector<std::array<float, 3>>;
 
 #ifdef LPC_ASSIMP
@@ -164,10 +164,10 @@ F* ofAssimp(const char* name) {
 }
 #define LPC_OF_ASSIMP(function) ofAssimp<decltype(function)>(#function)
 
-/// Called in a process of its own. A file may name others (`mtllib`): none is opened.
+/// Called in a child process. A file may name others (`mtllib`): none is opened.
 std::string cornersByAssimp(const std::string& bytes, const std::string& ending) {
   const auto import = LPC_OF_ASSIMP(aiImportFileFromMemory);
-#if !defined(LPC_SANITIZED)  // AddressSanitizer reads /proc/self/maps when assimp throws, and ends where it cannot
+#if !defined(LPC_SANITIZED)  // AddressSanitizer reads /proc/self/maps when assimp throws, and aborts if it cannot
   const rlimit none{0, 0};
   setrlimit(RLIMIT_NOFILE, &none);
 #endif
@@ -259,7 +259,7 @@ void requireConvex(const MeshFile& mesh, const Polytope<3>& hull, const std::str
     const auto& [a, b, c] = mesh.triangles[t];
     const Point p[3] = {at(a), at(b), at(c)};
     area += (p[1] - p[0]).cross(p[2] - p[0]).norm() / 2;
-    double depth = std::numeric_limits<double>::infinity();  // below the face that it is nearest to
+    double depth = std::numeric_limits<double>::infinity();  // below the nearest face
     for (const auto& face : hull.faces) {
       double below = 0;
       for (int k = 0; k < 3 && below < depth; ++k) {

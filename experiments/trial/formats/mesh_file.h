@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Meshes from OBJ and STL, by assimp. It passes over much that is wrong: a line of an OBJ that is no point is left out,
-// and all faces then name other points; an STL that was cut off ends early. So the text is looked through before.
+// Meshes from OBJ and STL, read by assimp. assimp ignores many errors: it skips an invalid vertex line of an OBJ, so
+// that all faces refer to other points, and a truncated STL just ends early. Therefore the text is checked first.
 #pragma once
 
 #include <array>
@@ -11,31 +11,31 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The most bytes of a file: assimp takes some ten times as many.
+/// Largest file size (bytes): assimp needs about ten times as much memory.
 inline constexpr std::size_t kMostMeshBytes = std::size_t{64} << 20;
-/// The most points, and triangles, that a file may have.
+/// Largest number of points, and of triangles, of a file.
 inline constexpr long kMostMeshItems = 1000000;
-/// The most corners of one face: the time in which it is cut into triangles grows with their square. A million
-/// triangles of such faces take ten seconds.
+/// Largest number of corners of a face: triangulation takes quadratic time. A million triangles of such faces take ten
+/// seconds.
 inline constexpr long kMostFaceCorners = 256;
-/// The most points whose hull is made: its time grows with the square of its vertices, to some seconds.
+/// Largest number of points for a hull: its time is quadratic in its vertices, up to some seconds.
 inline constexpr std::size_t kMostHullPoints = 10000;
 
-/// A mesh is convex when none of its triangles lies deeper inside of its hull than this part of the largest coordinate
-/// (1). Larger: dents are filled in silence. Smaller: bodies whose coordinates have six digits are refused.
+/// A mesh is convex if none of its triangles lies deeper inside its hull than this fraction of the largest coordinate
+/// (1). Larger: dents are filled silently. Smaller: bodies with coordinates of six digits are refused.
 inline constexpr double kConvexRounding = 1e-5;
-/// Its triangles cover its hull when their areas differ by less than this part (1). Larger: a hole is closed in
-/// silence. Smaller: bodies whose coordinates have six digits are refused.
+/// The triangles cover the hull if the areas differ by less than this fraction (1). Larger: a hole is closed silently.
+/// Smaller: bodies with coordinates of six digits are refused.
 inline constexpr double kConvexArea = 1e-3;
 
 struct MeshFile {
-  std::vector<Vec<3>> points;                 // those of triangles, each once, by equality
-  std::vector<std::array<int, 3>> triangles;  // as the file turns them; larger faces are cut
+  std::vector<Vec<3>> points;                 // points of triangles, each once, compared by equality
+  std::vector<std::array<int, 3>> triangles;  // oriented as in the file; larger faces are triangulated
 };
 
-/// The bytes of a file. Throws UserError before it reads one that is none, or too large.
+/// The bytes of a file. Throws UserError before reading if it is not a regular file or too large.
 std::string meshBytes(const std::string& path);
-/// What they say; the ending of the path is the format. Throws UserError: path, what was found, what is valid.
+/// Parses the bytes; the ending of the path decides the format. Throws UserError: path, what was found, what is valid.
 MeshFile parseMesh(const std::string& bytes, const std::string& path);
 
 /// Throws UserError with advice unless the mesh is the closed surface of its hull.

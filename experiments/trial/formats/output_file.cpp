@@ -9,13 +9,12 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// The system's reason is still in errno: nothing between a failed write and the question for it makes a system call.
+// The system's reason is still in errno: no system call comes between a failed write and this function.
 [[noreturn]] void fail(const std::string& path) {
   throw CannotWrite(path + ": cannot be written: " + std::strerror(errno));
 }
 
-// Where links lead, one after the other, but not beyond /proc: what a process has open there is no place for another
-// file.
+// Follows links one by one, but not beyond /proc: a stream that a process has open is not a place for another file.
 std::filesystem::path endOfLinks(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -28,7 +27,7 @@ std::filesystem::path endOfLinks(const std::string& path) {
   return at;
 }
 
-// Devices take what several write.
+// Several outputs may write to one device.
 bool areOneFile(const std::string& a, const std::string& b) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -58,11 +57,11 @@ OutputFile::OutputFile(std::string path) : m_path(std::move(path)) {
   do {
     m_written = writtenAt(m_path);
     if (m_written == m_path) break;
-    made = std::fopen(m_written.c_str(), "wbx");  // x: not one that has come since
+    made = std::fopen(m_written.c_str(), "wbx");  // x: fails if another program has created it meanwhile
   } while (!made && errno == EEXIST);
   if (made) std::fclose(made);
   if (!made && m_written != m_path) fail(m_path);
-  // In place it comes after what is there: /dev/stdout may be a file.
+  // In place, output is appended: /dev/stdout may be a file.
   m_stream.open(m_written, std::ios::binary | (m_written == m_path ? std::ios::app : std::ios::trunc));
   if (!m_stream) fail(m_path);
 }

@@ -9,7 +9,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-/// The convex part itself, which lives on when its body is gone.
+/// A copy of the convex part, which outlives its body.
 template <int D>
 Shape<D> partOf(const Shape<D>& shape, std::int32_t child) {
   if (shape.convex()) return shape;
@@ -18,7 +18,7 @@ Shape<D> partOf(const Shape<D>& shape, std::int32_t child) {
   return view.hull ? Shape<D>::ofCorners(view.kind, view.hull->vertices) : Shape<D>::segment(view.half[0]);
 }
 
-/// Equal for equal shapes, whoever owns them.
+/// Equal for equal shapes of any body.
 template <int D>
 std::vector<double> identity(const ShapeView<D>& shape) {
   std::vector<double> out = {static_cast<double>(shape.kind), static_cast<double>(shape.radius)};
@@ -31,7 +31,7 @@ std::vector<double> identity(const ShapeView<D>& shape) {
   return out;
 }
 
-/// Bodies that a joint keeps from colliding, sorted.
+/// Pairs of bodies with collision disabled by a joint, sorted.
 template <int D>
 std::vector<std::pair<std::int32_t, std::int32_t>> unpairedBodies(const Simulation<D>& simulation) {
   std::vector<std::pair<std::int32_t, std::int32_t>> out;
@@ -43,7 +43,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> unpairedBodies(const Simulati
   return out;
 }
 
-/// As a world finds them: body of a < body of b, one of them dynamic.
+/// In a world's order: body of a < body of b, one of them dynamic.
 template <int D>
 std::vector<ShapePair> shapePairs(const Simulation<D>& simulation, Real margin, WorkDone& work) {
   const auto shapes = simulation.shapes();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The pairs of convex parts whose boxes came near each other, step by step: what a pair query is asked in a world. As a
-// file: docs/problems.md describes it.
+// Pairs of convex parts with near boxes, step by step: the input of a pair query in a world. docs/problems.md describes
+// the file format.
 #pragma once
 
 #include <compare>
@@ -14,7 +14,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A convex part that stays itself from step to step: a slot's next body is another one.
+/// Identifies a convex part across steps: the next body in a slot is a different one.
 struct PartOfBody {
   std::int32_t body = 0;  // slot
   std::uint32_t generation = 0;
@@ -24,24 +24,24 @@ struct PartOfBody {
 
 template <int D>
 struct PairStream {
-  /// Kind of a <= kind of b, as queries are asked.
+  /// Kind of a <= kind of b, the order of queries.
   struct Pair {
     PartOfBody a, b;
-    std::uint32_t shapeA = 0, shapeB = 0;  // numbers in `shapes`
+    std::uint32_t shapeA = 0, shapeB = 0;  // indices into `shapes`
   };
   struct Meeting {
-    std::uint32_t pair = 0;  // number in `pairs`, the same in every step
+    std::uint32_t pair = 0;  // index into `pairs`, the same in every step
     Pose<D> X_AB{};
   };
   struct Step {
-    long step = 0;             // meetings are those of the poses that it begins with
-    std::size_t meetings = 0;  // how many, one after the other; pairs ascend
+    long step = 0;             // of the poses at the start of the step
+    std::size_t meetings = 0;  // number of entries of this step; pairs ascend
   };
 
   std::string scene;
   double dt = 0, margin = 0;     // s; m: boxes nearer than this are near
   std::vector<Shape<D>> shapes;  // convex, each once
-  std::vector<Pair> pairs;       // in the order in which they first met
+  std::vector<Pair> pairs;       // in order of first appearance
   std::vector<Step> steps;       // ascending
   std::vector<Meeting> meetings;
 
@@ -51,16 +51,14 @@ struct PairStream {
   }
 };
 
-/// Fills a stream from a running simulation, whoever finds pairs there: boxes are made anew and asked of a broadphase
-/// of its own.
+/// Fills a stream from a running simulation of any engine: it makes the boxes anew and queries a broadphase of its own.
 template <int D>
 class PairCollector {
  public:
   PairCollector(std::string scene, Real dt, Real margin);
 
-  /// Appends the pairs that the coming step will ask about. Of two bodies that both sleep or do not move there are
-  /// none, nor of those whose joint forbids it. False, and nothing is appended, when the stream would hold more than
-  /// `most` meetings.
+  /// Appends the pairs that the coming step will query. Omits pairs of bodies that both sleep or do not move, and pairs
+  /// with collision disabled by a joint. Returns false and appends nothing if the stream would exceed `most` entries.
   bool see(const Simulation<D>& simulation, long step, std::size_t most);
   const PairStream<D>& stream() const { return m_stream; }
 
@@ -75,7 +73,7 @@ class PairCollector {
 template <int D>
 void writePairs(std::ostream& out, const PairStream<D>& stream);
 
-/// What a file holds, in its dimension.
+/// The content of a file, in its dimension.
 struct PairStreamFile {
   int dimension = 2;
   PairStream<2> in2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A line of JSON, then the meetings as bytes (a million of them in text would be 150 MB and read for seconds), then a
-// checksum of all that stands before it.
+// A line of JSON, then the entries as bytes (a million as text would be 150 MB and take seconds to read), then a
+// checksum of everything before it.
 #include <xxhash.h>
 
 #include <cmath>
@@ -77,7 +77,7 @@ json pairShapeJson(const ShapeView<D>& v) {
   return out;
 }
 
-/// The header, piece by piece; what is wrong in it is told by where it stands.
+/// Reads the header; errors name the position.
 struct PairHeader {
   const std::string& path;
 
@@ -152,7 +152,7 @@ Shape<D> readPairShape(const PairHeader& header, const json& from, const std::st
       points.push_back(columnOf<D>(header.numbers(p, where, D)));
     }
     return Shape<D>::ofCorners(kind, points, rounding);
-  } catch (const UserError& e) {  // of a factory: it does not know where
+  } catch (const UserError& e) {  // of a factory, which does not know the position
     const std::string what = e.what();
     if (what.starts_with(header.path + ": " + where)) throw;
     throw UserError(header.path + ": " + where + ": " + what);

@@ -118,7 +118,7 @@ json problemJson(const StoredProblem<D>& stored) {
           {"joints", joints}};
 }
 
-/// A value of the file, and where it is, for messages.
+/// A value of the file and its position, for messages.
 class Place {
  public:
   Place(const json& value, std::string where) : m_value(value), m_where(std::move(where)) {}
@@ -198,7 +198,7 @@ class Place {
   std::string m_where;
 };
 
-// One number for each of so many, none twice: an order.
+// A permutation: `count` numbers, none twice.
 std::vector<int> readOrder(const Place& list, std::size_t count) {
   std::vector<int> out;
   std::vector<bool> seen(count, false);
@@ -298,8 +298,8 @@ std::vector<double> readNumbers(const Place& list) {
   return out;
 }
 
-// Of any J M^-1 J^T, each two rows: what couples them is no more than what moves either. So a row that has nothing on
-// the diagonal has nothing anywhere, and can be left out, if it asks for nothing.
+// For two rows of any J M^-1 J^T: their coupling is at most the geometric mean of their diagonal entries. A row with a
+// zero diagonal is therefore zero, and is omitted if it demands nothing.
 template <int D>
 void checkMatrix(const Place& matrix, const GivenProblem& given) {
   constexpr double kRounding = 1e-6;
@@ -326,7 +326,7 @@ void checkMatrix(const Place& matrix, const GivenProblem& given) {
   }
 }
 
-// Entries of the lower half, each once.
+// Entries of the lower triangle, each once.
 template <int D>
 GivenProblem readMatrix(const Place& matrix) {
   GivenProblem out;

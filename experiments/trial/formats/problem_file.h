@@ -20,7 +20,7 @@ struct StoredProblem {
 template <int D>
 void writeProblems(std::ostream& out, const std::vector<StoredProblem<D>>& problems);
 
-/// What a file holds, in its dimension.
+/// The content of a file, in its dimension.
 struct ProblemFile {
   int dimension = 2;
   std::vector<StoredProblem<2>> in2;
@@ -38,7 +38,7 @@ struct ProblemFile {
     return dimension == 2 ? in2.at(i).problem.given.has_value() : in3.at(i).problem.given.has_value();
   }
   std::size_t size() const { return dimension == 2 ? in2.size() : in3.size(); }
-  /// Both throw UserError that says what is wrong where, and what would be valid.
+  /// Both throw UserError that says what is wrong where, and what is valid.
   static ProblemFile load(const std::string& path);
   static ProblemFile parse(const std::string& bytes, const std::string& path);
 };

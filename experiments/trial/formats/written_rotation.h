@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Zlib
-// Rotations of a file that a run in either precision may have written.
+// Rotations of a file written in either precision.
 #pragma once
 
 #include "framework/math/user_numbers.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How far from 1 their length may be: f32's rounding, whatever reads it.
+/// Largest deviation of their length from 1: f32's rounding, in either precision.
 inline constexpr Real kWrittenRotation = Real(1e-5);
 
-/// Kept to the last bit where this precision takes it for one, else of length 1. False for what is no rotation.
+/// Kept bit by bit if this precision accepts it as unit, otherwise normalised. False if it is not a rotation.
 template <int D>
 bool takeWritten(Rot<D>& q) {
   if (isUnit(q)) return true;

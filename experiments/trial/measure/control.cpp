@@ -11,7 +11,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr double kSeconds = 0.5;
-constexpr double kShare = 0.01;  // of the way
+constexpr double kShare = 0.01;  // of the distance
 
 }  // namespace
 
@@ -39,7 +39,7 @@ Control dropAlone(const std::string& pipeline, const SceneSpec<D>& scene, const 
   Control out;
   out.fallen = double((world->pose(h).p - start).dot(gravity)) / g;
   out.right = g * t * t / 2;
-  out.slack = g * t * dt / 2 + kShare * out.right;  // Euler's, explicit or not
+  out.slack = g * t * dt / 2 + kShare * out.right;  // semi-implicit or explicit Euler
   return out;
 }
 

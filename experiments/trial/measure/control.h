@@ -8,17 +8,17 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A body that must move, beside each test of stillness. Where numbers are coarse, or a method moves no body, every
-/// body rests.
+/// A control body that must move, for each test of rest. With coarse numbers, or a method that moves no body, every
+/// body would pass as resting.
 struct Control {
-  double fallen = 0, right = 0;  // m: way along gravity, and that of the closed form g t^2 / 2
-  double slack = 0;              // m: what steps of this length may err by, and a hundredth of the way
+  double fallen = 0, right = 0;  // m: distance along gravity, and that of the closed form g t^2 / 2
+  double slack = 0;              // m: error of steps of this length, plus a hundredth of the distance
   bool falls() const { return std::abs(fallen - right) <= slack; }  // false for NaN
   std::string reason() const;
 };
 
-/// Drops `body` alone in a simulation of its own, with the scene's settings, step and precision, from rest where it
-/// came into the world, for half a second. Precondition: the scene has gravity.
+/// Drops `body` alone in a simulation of its own, with the scene's settings, step and precision, from rest at its
+/// initial pose, for half a second. Precondition: the scene has gravity.
 template <int D>
 Control dropAlone(const std::string& pipeline, const SceneSpec<D>& scene, const BodyDef<D>& body);
 

@@ -47,7 +47,7 @@ std::string Edge<D>::left(const Simulation<D>& world) {
     return false;
   };
   if (!any()) return "";
-  findFloor(world);  // it may have moved, or gone
+  findFloor(world);  // it may have moved or been removed
   if (!m_has) return "";
   std::vector<std::uint8_t> holds(b.pose.size());
   for (const JointRecord<D>& j : world.joints()) {

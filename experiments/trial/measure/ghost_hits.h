@@ -9,15 +9,16 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Impulses between shapes that would not have met: the contact's points were farther apart than the world's margin
-/// when they pushed, and the two shapes, moved through the step from where they were by the speeds that they had, with
-/// what gravity adds, miss each other. One for each pair of convex parts and step.
+/// Counts impulses between shapes that would not have met: the contact's points were farther apart than the world's
+/// margin, and the two shapes, moved through the step at their initial velocities plus gravity, miss each other. One
+/// per pair of convex parts and step.
 template <int D>
 class GhostHits {
  public:
   GhostHits();
-  void before(const Simulation<D>& world);              // before each step, after what a script did
-  void observe(const Simulation<D>& world, double dt);  // after each step; an engine that tells no contacts: none
+  void before(const Simulation<D>& world);  // call before each step, after the script
+  void observe(const Simulation<D>& world,
+               double dt);  // call after each step; none for an engine that reports no contacts
   double count() const { return m_told ? m_count : std::numeric_limits<double>::quiet_NaN(); }
 
  private:

@@ -17,7 +17,7 @@ MemoryCounter memoryCounter() { return nullptr; }
 
 namespace {
 
-// Until somebody asks, an allocation is malloc and a branch, as it is without this file.
+// Until counting starts, an allocation costs malloc and a branch.
 constinit thread_local bool memoryIsCounted = false;
 constinit thread_local lpc::MemoryUse memoryCounted;
 
@@ -35,7 +35,7 @@ void freeCounted(void* memory) {
   std::free(memory);
 }
 
-// As aligned_alloc wants it.
+// As aligned_alloc requires.
 std::size_t roundedUp(std::size_t size, std::align_val_t to) {
   const auto step = static_cast<std::size_t>(to);
   if (size > std::numeric_limits<std::size_t>::max() - (step - 1)) throw std::bad_alloc();
@@ -44,7 +44,7 @@ std::size_t roundedUp(std::size_t size, std::align_val_t to) {
 
 }  // namespace
 
-// The forms that do not throw, and those of arrays that have none here, call these.
+// The forms that do not throw, and the array forms not defined here, call these.
 void* operator new(std::size_t size) { return allocateCounted(std::malloc(size > 0 ? size : 1)); }
 void* operator new(std::size_t size, std::align_val_t to) {
   return allocateCounted(std::aligned_alloc(static_cast<std::size_t>(to), roundedUp(size > 0 ? size : 1, to)));

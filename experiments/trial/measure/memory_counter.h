@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Zlib
-// Allocations of the program that this is linked into, counted by an `operator new` of its own.
+// Counts allocations of the program that links this file, by its own `operator new`.
 #pragma once
 
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Begins to count in this thread and gives what tells (`Profiler::countMemory`). Sizes are those of malloc's blocks.
-/// Null where the sanitizers bring the allocator. What calls malloc itself, as C libraries do, is not seen.
+/// Starts counting in this thread and returns the function that reads the counts (`Profiler::countMemory`). Sizes are
+/// those of malloc's blocks. Null with sanitizers, which bring their own allocator. Direct calls of malloc, as in C
+/// libraries, are not seen.
 using MemoryCounter = MemoryUse (*)();
 MemoryCounter memoryCounter();
 

@@ -53,7 +53,7 @@ std::string_view roleName(MetricRole role) {
 
 double quantile(std::vector<double> values, double q) {
   const bool some = std::any_of(values.begin(), values.end(), [](double x) { return std::isnan(x); });
-  if (values.empty() || some) return std::numeric_limits<double>::quiet_NaN();  // NaN has no place in an order
+  if (values.empty() || some) return std::numeric_limits<double>::quiet_NaN();  // NaN cannot be ordered
   std::sort(values.begin(), values.end());
   const double at = q * static_cast<double>(values.size() - 1);
   const auto i = static_cast<std::size_t>(at);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// What trials measure describes itself: each metric and each series is one entry of its kind's table
-// (world_metrics.cpp, boxes_trial.cpp, pairs_metrics.cpp, problems_metrics.cpp), which says what it is and computes it.
-// The words travel with the store.
+// Trials describe their own measurements: each metric and each series is one entry in the table of its kind
+// (world_metrics.cpp, boxes_trial.cpp, pairs_metrics.cpp, problems_metrics.cpp), with a description and a function.
+// Stores contain the descriptions.
 #pragma once
 
 #include <limits>
@@ -14,39 +14,40 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What a trial must have, or the metric is not defined for it (NaN).
+/// What a trial must have; otherwise the metric is undefined (NaN).
 enum class TrialNeed {
   nothing,
-  timing,      // a timed trial; others do not hold the metric at all
+  timing,      // a timed trial; other trials omit the metric
   joints,      // a scene with joints
-  slope,       // a scene that says which body slides down which slope: [measures.slope]
-  isolation,   // free bodies alone in space: no gravity, no forces, nobody fixed
-  driftLimit,  // a scene that says how far bodies may drift: [limits] drift
+  slope,       // a scene with a body on a slope: [measures.slope]
+  isolation,   // free bodies alone in space: no gravity, no forces, no fixed body
+  driftLimit,  // a scene with a limit of drift: [limits] drift
   rest,        // a scene that rests at its end: [limits] levels
 };
-/// What a chart that is given nothing else takes first: costs and errors.
+/// Which metrics a chart chooses by default: costs and errors.
 enum class MetricRole { cost, error, detail };
 
 struct MetricInfo {
-  std::string_view name;   // stable for ever: it stands in result files; with * at its end one of several
-  std::string_view title;  // for an axis
+  std::string_view name;   // never changes: result files contain it; a trailing * stands for several names
+  std::string_view title;  // axis label
   std::string_view unit;   // "1" for a number
   std::string_view meaning;
   MetricRole role;
-  /// What a smaller value means; empty where it means neither good nor bad. Of the errors with one meaning a chart
-  /// takes the first.
+  /// What a smaller value means; empty if neither good nor bad. Among errors with the same meaning a chart takes the
+  /// first.
   std::string_view smaller;
   TrialNeed need = TrialNeed::nothing;
 };
 
-/// `Seen` is what a trial of one kind has seen. A null `value`: the trial itself writes what the star stands for.
+/// `Seen` holds the observations of one kind of trial. With a null `value` the trial itself writes the names that the
+/// star stands for.
 template <class Seen>
 struct Measure {
   MetricInfo info;
   double (*value)(const Seen&);
 };
 
-/// What `seen` says to each entry. `applies(need)` tells whether it has what an entry needs.
+/// Evaluates each entry on `seen`. `applies(need)` tells whether the trial meets an entry's need.
 template <class Seen, class Entries, class Applies>
 void measure(const Entries& entries, const Seen& seen, const Applies& applies, std::map<std::string, double>& out) {
   for (const Measure<Seen>& m : entries) {
@@ -57,14 +58,14 @@ void measure(const Entries& entries, const Seen& seen, const Applies& applies, s
 
 struct DescribedMetric {
   std::string_view what;  // "metric" or "series"
-  std::string_view kind;  // of trial; "any"
+  std::string_view kind;  // of trial; or "any"
   MetricInfo info;
 };
 
-/// What the runner adds to every timed trial, whatever its kind.
+/// Added by the runner to every timed trial of any kind.
 extern const DescribedMetric kLoad;
 
-/// All of them, of each kind those that tell most first.
+/// All metrics, the most telling of each kind first.
 std::vector<DescribedMetric> describeMetrics();
 std::string_view needName(TrialNeed need);
 std::string_view roleName(MetricRole role);
@@ -74,7 +75,7 @@ void describeBoxesMetrics(std::vector<DescribedMetric>& out);
 void describePairsMetrics(std::vector<DescribedMetric>& out);
 void describeProblemsMetrics(std::vector<DescribedMetric>& out);
 
-/// The q-th part of the values in order, 0.5 for the median; NaN for none.
+/// The q-quantile of the values, 0.5 for the median; NaN if there are none.
 double quantile(std::vector<double> values, double q);
 
 }}  // namespace lpc::LPC_PRECISION

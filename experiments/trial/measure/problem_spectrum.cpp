@@ -11,12 +11,12 @@ Spectrum spectrumOf(std::span<const double> w, std::size_t n) {
   if (n == 0) return out;
   const auto size = static_cast<Eigen::Index>(n);
   const Matrix all = Eigen::Map<const Matrix>(w.data(), size, size);
-  // With the diagonal 1, so that rows of light and heavy bodies count alike; the rate is the same.
+  // Scaled to a unit diagonal, so that rows of light and heavy bodies count alike; the rate is unchanged.
   const Eigen::VectorXd scale = all.diagonal().cwiseSqrt().cwiseInverse();
   const Matrix unit = scale.asDiagonal() * all * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix> symmetric(unit);
   constexpr double kZero = 1e-10;
-  // On the range of W alone: with W = B B^T, an iteration x -> x - P W x does to y = B^T x what I - B^T P B does.
+  // Restricted to the range of W: with W = B B^T, an iteration x -> x - P W x acts on y = B^T x as I - B^T P B.
   for (Eigen::Index i = 0; i < size; ++i) out.rank += symmetric.eigenvalues()[i] > kZero;
   const Matrix basis =
       symmetric.eigenvectors().rightCols(out.rank) * symmetric.eigenvalues().tail(out.rank).cwiseSqrt().asDiagonal();

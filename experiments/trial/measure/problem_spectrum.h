@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the matrix of a frozen problem says of iterations on it, before any is run.
+// Predicts convergence from the matrix of a frozen problem, before any iteration.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@ namespace lpc {
 
 struct Spectrum {
   int rank = 0;
-  double gaussSeidel = 0;  // spectral radius of the iteration, on what it changes at all
+  double gaussSeidel = 0;  // spectral radius of the iteration, on the subspace that it changes
 };
 
-/// Of the matrix `w` (n x n, row by row, symmetric, diagonal > 0), rows in the order in which they are solved. What W
-/// maps to zero stays as it is: those eigenvalues 1 are left out.
+/// For the matrix `w` (n x n, row by row, symmetric, diagonal > 0), with rows in the order of solution. The null space
+/// of W is unchanged by the iteration: its eigenvalues 1 are excluded.
 Spectrum spectrumOf(std::span<const double> w, std::size_t n);
 
 }  // namespace lpc

@@ -19,12 +19,12 @@ double ProblemsSeen::multiplyAddsTo(double residual) const {
 
 double ProblemsSeen::rate() const {
   if (!counts || answers.size() < 8) return kNan;
-  // Not where rounding is all that is left, and not the first steps, which remove what converges fast.
+  // Excludes residuals that are only rounding, and the first steps, which remove fast components.
   const double floor = 1e3 * std::numeric_limits<Real>::epsilon();
   std::size_t end = answers.size() - 1;
   while (end > 0 && !(answers[end].residual > floor)) --end;
   const std::size_t begin = end / 2;
-  if (end < begin + 3 || answers[end].residual == answers[begin].residual) return kNan;  // it has come to its end
+  if (end < begin + 3 || answers[end].residual == answers[begin].residual) return kNan;  // it has converged
   return std::pow(answers[end].residual / answers[begin].residual, 1.0 / static_cast<double>(end - begin));
 }
 

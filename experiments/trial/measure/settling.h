@@ -10,43 +10,43 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// How bodies have moved from where they came, told apart by direction, and whether they still rest on whom they rested
-/// on: what falls changes its neighbours, what sags keeps them.
+/// Measures how bodies have moved from their initial poses, separately by direction, and whether they still rest on the
+/// same bodies: a falling body changes its supports, a sagging one keeps them.
 template <int D>
 class Settling {
  public:
-  /// By which time a scene that should stand is in place (s).
+  /// Time by which a scene that should stand has settled (s).
   static constexpr double kSettled = 1;
-  /// Span of creep and jitter, at the end (s).
+  /// Window of creep and jitter, at the end (s).
   static constexpr double kLast = 1;
-  /// Slower than this is at rest (m/s); Box2D's sleep threshold.
+  /// A slower body is at rest (m/s); Box2D's sleep threshold.
   static constexpr double kRestSpeed = 0.05;
 
-  /// Of the bodies in these slots, all dynamic and in the world: where they are now is where they came.
+  /// Starts with the present poses of the bodies in these slots, all dynamic and in the world.
   void start(const Simulation<D>& world, std::vector<std::int32_t> slots);
-  /// After each step, which took dt.
+  /// Call after each step of length dt.
   void observe(const Simulation<D>& world, double dt);
 
-  // Over the bodies of start() that are still there. Metres against and across gravity; rad.
-  double sag = 0;         // now: farthest along gravity
-  double rise = 0;        // now: farthest against it
-  double lateral = 0;     // now: farthest across gravity; all of the way where there is none
+  // Over the bodies of start() that still exist. Metres along and across gravity; rad.
+  double sag = 0;         // now: largest displacement along gravity
+  double rise = 0;        // now: largest against gravity
+  double lateral = 0;     // now: largest across gravity; of the whole displacement without gravity
   double lateralMax = 0;  // in any step
-  double tilt = 0;        // now: largest turn
+  double tilt = 0;        // now: largest rotation
 
-  /// m/s: the farthest that a body is from where it was kLast before, over kLast. NaN before that.
+  /// m/s: largest displacement of a body during the last kLast, over kLast. NaN before that.
   double creep() const;
-  /// The same along gravity: how fast a body still sinks.
+  /// The same along gravity: the speed at which a body still sinks.
   double sinking() const;
   /// m/s: speed of the fastest body, median over the last kLast.
   double jitter() const;
-  /// s: since when no body was faster than kRestSpeed; NaN when one is.
+  /// s: the time since which no body was faster than kRestSpeed; NaN if one is.
   double restSince() const { return m_fast ? kNaN : m_restSince; }
-  /// Pairs of bodies that touch now and did not at kSettled, and those of which it is the other way round. Empty before
-  /// kSettled, and where contacts are not told.
+  /// Number of body pairs that touch now but not at kSettled, or the reverse. Empty before kSettled, and if contacts
+  /// are not reported.
   std::optional<long> supportsChanged(const Simulation<D>& world) const;
-  /// Has nothing happened but that bodies sank: each of start() still rests, through others, on something that does not
-  /// fall, and they touch whom they touched at kSettled? False where contacts are not told.
+  /// Whether bodies have only sunk: each body of start() still rests, through others, on one that cannot fall, and
+  /// touches the same bodies as at kSettled. False if contacts are not reported.
   bool stands(const Simulation<D>& world) const;
 
  private:
@@ -58,7 +58,7 @@ class Settling {
     Pose<D> start;
   };
   template <class Way>
-  double farthest(const Way& way) const;  // of the bodies' ways of the last kLast, over it
+  double farthest(const Way& way) const;  // of the bodies' displacements during the last kLast, over kLast
   static std::optional<Pairs> touching(const Simulation<D>& world);
 
   std::vector<Body> m_bodies;

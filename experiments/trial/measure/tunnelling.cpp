@@ -26,7 +26,7 @@ bool Tunnelling<D>::collectFixed(const Simulation<D>& world) {
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     const std::int32_t body = shapes[s].body;
     if (body < 0 || b.type[static_cast<std::size_t>(body)] != BodyType::fixed) continue;
-    if (shapes[s].shape.isPlane()) continue;  // it has no other side to come out of
+    if (shapes[s].shape.isPlane()) continue;  // it has no other side
     forParts(shapes[s].shape, b.pose[static_cast<std::size_t>(body)] * shapes[s].X_CS,
              [&](const ShapeView<D>& view, const Pose<D>& X_WP) {
                m_parts.push_back({boundingBox(view, X_WP), 0, view, X_WP, static_cast<std::int32_t>(s)});
@@ -71,8 +71,8 @@ void Tunnelling<D>::place(const Simulation<D>& world) {
   }
 }
 
-// A body as small as its reach cannot be led around a fixed shape between two questions: a path of less than twice the
-// reach whose ends are as far from the shape as that does not cross it.
+// Between two tests a body as small as its reach cannot go around a fixed shape: a path shorter than twice the reach,
+// with both ends at least the reach away from the shape, does not cross it.
 template <int D>
 void Tunnelling<D>::observe(const Simulation<D>& world) {
   const Bodies<D>& b = world.bodies();
@@ -109,7 +109,7 @@ void Tunnelling<D>::move(const Simulation<D>& world, std::size_t slot, const Vec
     if (!(ends || enters) || !mayCollide(world, static_cast<std::int32_t>(slot), part->shape)) continue;
     inside = inside || ends, through = through || enters;
   }
-  if (inside) return;  // it may yet be pushed back
+  if (inside) return;  // it may still be pushed back
   body.tunnelled = through, m_count += through;
   body.from = to, body.outside = true;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// All that a world trial measures: one entry per series and per metric.
+// All measurements of a world trial: one entry per series and per metric.
 #include "experiments/trial/measure/world_metrics.h"
 
 #include <algorithm>
@@ -12,29 +12,29 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Not counted in times: caches are cold and vectors grow.
+// Excluded from times: caches are cold and vectors grow.
 constexpr long kWarmUpSteps = 10;
 
 constexpr MetricRole kCost = MetricRole::cost, kError = MetricRole::error, kDetail = MetricRole::detail;
 
-/// |slid - g (sin a - mu cos a) t^2 / 2|, or all of the way where friction should hold.
+/// |slid - g (sin a - mu cos a) t^2 / 2|, or the whole distance where friction should hold.
 template <int D>
 double slopeError(const WorldSeen<D>& r) {
   const auto& slope = *r.scene.slope;
   const double g = r.scene.settings.gravity.norm(), t = static_cast<double>(r.steps) * r.scene.dt;
   const double pull = g * (std::sin(double(slope.angle)) - slope.friction * std::cos(double(slope.angle)));
-  // A pull within rounding of zero is the case on the edge: it should hold.
+  // A pull within rounding of zero is the limiting case: friction should hold.
   return std::abs(r.slid - (pull > 1e-9 * g ? pull * t * t / 2 : 0));
 }
 
-/// What gravity gives a body in one step, m/s; NaN without gravity.
+/// The speed that gravity adds to a body in one step, m/s; NaN without gravity.
 template <int D>
 double speedOfStep(const WorldSeen<D>& r) {
   const double speed = double(r.scene.settings.gravity.norm()) * r.scene.dt;
   return speed > 0 ? speed : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// What gravity gives all bodies in one step, as impulse times speed (J): what complementarity is compared with.
+/// Gravity's impulse times speed of all bodies in one step (J): the scale of complementarity.
 template <int D>
 double energyOfStep(const WorldSeen<D>& r) {
   const double speed = speedOfStep(r);
@@ -44,7 +44,7 @@ double energyOfStep(const WorldSeen<D>& r) {
 template <int D>
 const std::vector<double>& find(const WorldSeen<D>& seen, const std::string& name);
 
-/// The last step before which the scene's script acts: somebody comes, goes, or is acted on. -1: it never does.
+/// The last step before which the scene's script acts: a body is added, removed or acted on. -1: never.
 template <int D>
 long lastAct(const SceneSpec<D>& scene) {
   long last = -1;
@@ -53,9 +53,9 @@ long lastAct(const SceneSpec<D>& scene) {
   return last;
 }
 
-/// How many more bodies are awake at the most after the script's last act than before it, those that come with it
-/// aside, and how many steps after the first that it reached there are that many: the wave in which sleepers wake. NaN
-/// where the script does not act within the run; no steps where nobody wakes.
+/// The wake-up wave: the largest increase of awake bodies after the script's last action, without the bodies that it
+/// adds, and the number of steps until that is reached. NaN if the script does not act within the run; no steps if no
+/// body wakes.
 template <int D>
 struct Wave {
   double woken = std::numeric_limits<double>::quiet_NaN(), steps = woken;
@@ -73,7 +73,7 @@ struct Wave {
   }
 };
 
-/// NaN where the run is over by then, or depths were not asked.
+/// NaN if the run is over by then, or depths were not measured.
 template <int D>
 double deepestSettled(const WorldSeen<D>& seen) {
   double deepest = std::numeric_limits<double>::quiet_NaN();
@@ -334,7 +334,7 @@ const std::vector<double>& find(const WorldSeen<D>& seen, const std::string& nam
   if (it != seen.series.end()) return it->second;
   std::string valid;
   for (const auto& entry : seriesEntries<D>()) {
-    if (entry.info.name == name) {  // not in this trial: before the first step, or it lacks what the series needs
+    if (entry.info.name == name) {  // not in this trial: before the first step, or a need is not met
       static const std::vector<double> kNone;
       return kNone;
     }
@@ -387,7 +387,7 @@ template <int D>
 double WorldSeen<D>::quantileOf(const std::string& name, double q) const {
   const auto& list = find(*this, name);
   std::vector<double> values(list.begin() + std::min<long>(kWarmUpSteps, static_cast<long>(list.size())), list.end());
-  std::erase_if(values, [](double x) { return std::isnan(x); });  // not told, or not defined
+  std::erase_if(values, [](double x) { return std::isnan(x); });  // not reported, or undefined
   return quantile(std::move(values), q);
 }
 

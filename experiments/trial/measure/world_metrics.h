@@ -13,8 +13,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What a world trial has seen so far: what the entries of world_metrics.cpp compute from. Lengths in m, from where a
-/// body came into the world.
+/// Observations of a world trial so far: the input of the entries in world_metrics.cpp. Lengths in m, from a body's
+/// initial position.
 template <int D>
 struct WorldSeen {
   explicit WorldSeen(const SceneSpec<D>& spec) : scene(spec) {}
@@ -24,34 +24,34 @@ struct WorldSeen {
   bool isolated = false;  // free bodies alone in space
   long steps = 0;
   StateInvariants<D> start;
-  double startDepth = 0;  // m, on poses; NaN: not looked at
+  double startDepth = 0;  // m, from poses; NaN: not measured
   // After the last step:
   Invariants<D> now;
   Profiler::Frame frame;
   double seconds = 0;  // processor time of the step
-  double depth = 0;    // m, on poses; NaN where it was not asked after this step
+  double depth = 0;    // m, from poses; NaN if not measured after this step
   Rest rest;           // at the end
   double drift = 0, topDrift = 0, slid = 0;
   Settling<D> settling;
-  double naturalMap = 0;       // m/s, of the last step's velocity problem; NaN: none was shown
-  double supportsChanged = 0;  // NaN: not told
+  double naturalMap = 0;       // m/s, of the last step's velocity problem; NaN: the solver exposed none
+  double supportsChanged = 0;  // NaN: not reported
   double fellThrough = 0;
-  double tunnelled = 0;  // NaN: not looked at
-  double ghostHits = 0;  // NaN: not looked at, or not told
+  double tunnelled = 0;  // NaN: not measured
+  double ghostHits = 0;  // NaN: not measured, or not reported
   double height = 0;     // m, of the highest body
   double weight = 0;     // kg, of all dynamic bodies
   // Over all steps:
   double energyMax = 0;               // J
-  double lostTime = 0;                // s, summed over bodies; NaN: not told
-  double deepest = 0, meanDepth = 0;  // m, on poses; the mean of the last time it was asked
+  double lostTime = 0;                // s, summed over bodies; NaN: not reported
+  double deepest = 0, meanDepth = 0;  // m, from poses; the mean is that of the last measurement
   std::map<std::string, std::vector<double>> series;
 
   bool has(TrialNeed need) const;
-  /// Of a series. Throw std::logic_error with the valid names for one that no entry has.
+  /// Of a series. Throw std::logic_error with the valid names for an unknown series.
   double largest(const char* name) const;
   double total(const char* name) const;
   double end(const char* name) const;                          // 0 before the first step
-  double quantileOf(const std::string& name, double q) const;  // without the first steps, whose caches are cold
+  double quantileOf(const std::string& name, double q) const;  // without the first steps, in which caches are cold
 };
 
 /// One value of each series.

@@ -10,7 +10,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// `"cache", "friction"` of `cache,friction`.
+// `cache,friction` becomes `"cache", "friction"`.
 std::string quoted(const std::string& list) {
   std::string out;
   for (std::size_t at = 0; !list.empty() && at != list.npos;) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A world of a run, written as a scene that begins with it: `lpc run SCENE --save AT:FILE.toml`.
+// Writes a running world as a scene that begins with it: `lpc run SCENE --save AT:FILE.toml`.
 #pragma once
 
 #include <string>
@@ -10,10 +10,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// FILE.toml, the scene, and FILE.world beside it, the bytes. What a step does not reach is not written.
+/// FILE.toml, the scene, and FILE.world beside it, the bytes. Nothing is written for a step that the run does not
+/// reach.
 class SavedScene {
  public:
-  /// Throws UserError for another ending and CannotWrite where nothing can be written.
+  /// Throws UserError for another ending, and CannotWrite if nothing can be written.
   SavedScene(long step, const std::string& scenePath);
 
   static std::string worldPath(const std::string& scenePath);  // throws UserError for another ending

@@ -16,7 +16,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// 2D points with a `depth` become a prism in 3D: the same file, the same scene.
+// In 3D, 2D points with a `depth` become a prism: one file describes the scene in both dimensions.
 template <int D>
 std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
   const toml::node& list = shape.require("points");
@@ -36,13 +36,13 @@ std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
   return points;
 }
 
-// A polytope by its number of `corners`, at places of chance on a circle or ball of this `radius`. Each has a share of
-// it, or some would be needles: a triangle has 0.4 radius^2 or more, a hull of four corners 0.15 radius^3. Two numbers
-// are drawn for each in either dimension.
+// A polytope with the given number of `corners`, at random positions on a circle or ball of this `radius`. Each corner
+// stays in its own sector; otherwise some would be needles: a triangle has at least 0.4 radius^2, a hull of four
+// corners 0.15 radius^3. Two numbers are drawn for each corner in either dimension.
 template <int D>
 std::vector<Vec<D>> drawCorners(TableReader& shape, SceneNumbers& numbers) {
   constexpr double kTurn = 6.283185307179586, kGoldenTurn = 2.399963229728653;  // of Vogel's spiral, pi (3 - sqrt 5)
-  constexpr double kOfShare = 0.8, kOfTurn = 0.4;  // how much of its own a corner may be moved by
+  constexpr double kOfShare = 0.8, kOfTurn = 0.4;  // fraction of its sector by which a corner may move
   constexpr long kMost = 1000;
   const auto radius = static_cast<Real>(numbers.number(shape.require("radius")));
   const toml::node& place = shape.require("corners");
@@ -96,7 +96,8 @@ Shape<D> readSurface(TableReader& shape, SceneNumbers& numbers) {
   return Shape<D>::mesh(points, triangles);
 }
 
-// A block of no turns may be one of the other dimension: it has the kinds of both, and each kind the sizes of both.
+// A block that makes nothing in this dimension may belong to the other one: all kinds of both dimensions are valid,
+// with the sizes of both.
 template <int D>
 bool rehearseCurved(TableReader& shape, SceneNumbers& numbers, const std::string& kind) {
   for (const auto& [curved, made] : curvedKinds<D>()) {
@@ -166,7 +167,7 @@ Shape<D> readCompound(TableReader& shape, SceneNumbers& numbers) {
   if (overlap != "counted" && overlap != "refused") {
     shape.fail(*shape.find("overlap"), "'overlap' is '" + overlap + "'; valid: counted, refused");
   }
-  constexpr long kMostParts = 10000;  // more are a slip of the pen
+  constexpr long kMostParts = 10000;  // more are a typing error
   std::vector<ShapePart<D>> parts;
   shape.require("parts");
   for (const toml::table* t : shape.blocks("parts")) {
@@ -233,7 +234,7 @@ ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::tab
   return def;
 }
 
-// By hand, in place of what the shapes say. What is not given is theirs, as if they had this mass.
+// Mass given by hand replaces the mass of the shapes. Values not given are those of the shapes, scaled to this mass.
 template <int D>
 void readMass(TableReader& body, SceneNumbers& numbers, BodyDef<D>& def) {
   const toml::node *mass = body.find("mass"), *center = body.find("center"), *inertia = body.find("inertia");
@@ -268,7 +269,7 @@ void readMass(TableReader& body, SceneNumbers& numbers, BodyDef<D>& def) {
   def.mass = given;
 }
 
-// As World::add would, who knows no place.
+// The checks of World::add, with the position in the file.
 template <int D>
 void checkMass(const BodyDef<D>& def, const TableReader& body) {
   MassProperties<D> all;
@@ -312,7 +313,7 @@ std::shared_ptr<const Polytope<3>> hullWithNormals(std::span<const Vec<3>> corne
                       "hull of the corners has it but for rounding");
     }
     face.normal = n;
-    double offset = -std::numeric_limits<double>::infinity();  // nothing is outside, as convexHull has it
+    double offset = -std::numeric_limits<double>::infinity();  // nothing is outside, as in convexHull
     for (const Vec<3>& v : hull->vertices) offset = std::max(offset, n.cast<double>().dot(v.cast<double>()));
     face.offset = static_cast<Real>(offset);
   }
@@ -327,7 +328,7 @@ void SceneNumbers::count(const toml::node& place, std::string_view what, long n)
 }
 
 double SceneNumbers::number(const toml::node& node) {
-  double value = 1;  // of an expression in a rehearsal
+  double value = 1;  // value of an expression in a rehearsal
   if (node.is_number()) {
     value = *node.value<double>();
     if (!std::isfinite(value)) failAt(m_file, node, describe(node) + " is found; valid: a finite number");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a script may do between steps: one entry per kind of [[event]], with its fields, its mistakes and its action.
+// Script actions between steps: one entry per kind of [[event]], with its fields, its checks and its action.
 #include "experiments/trial/scene/scene_event.h"
 
 #include <optional>
@@ -25,7 +25,7 @@ void addDeed(const EventBlock<D>& e, int body, Act act) {
     act(world, director.body(i));
   });
 }
-// act(director, world, body), of a world of ours.
+// act(director, world, body), for a world of LPC, not of an engine.
 template <int D, class Act>
 void addOurs(const EventBlock<D>& e, int body, std::string_view what, Act act) {
   addEvent<D>(e, body, [act = std::move(act), what](Director<D>& director, Simulation<D>& simulation, int i) {
@@ -35,7 +35,7 @@ void addOurs(const EventBlock<D>& e, int body, std::string_view what, Act act) {
   }).oursAlone = true;
 }
 
-// The body goes with this event; by its own `remove` not before it.
+// Removes the body with this event; its own `remove` may not come earlier.
 template <int D>
 void takeOut(const EventBlock<D>& e, const char* key, int body) {
   auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
@@ -56,13 +56,13 @@ int dynamicBody(const EventBlock<D>& e) {
   return body;
 }
 
-// p_B of `at`; none: the centre of mass.
+// p_B of the key `at`; without it the centre of mass.
 template <int D>
 std::optional<Vec<D>> pointOf(const EventBlock<D>& e) {
   const toml::node* at = e.block.find("at");
   return at ? std::optional(e.numbers.template vector<D>(*at)) : std::nullopt;
 }
-// From the centre of mass to that point, in the world's axes (m).
+// From the centre of mass to that point, in world axes (m).
 template <int D>
 Vec<D> armOf(const Simulation<D>& world, Handle body, const std::optional<Vec<D>>& at) {
   const auto i = static_cast<std::size_t>(body.slot);
@@ -238,7 +238,7 @@ struct Merge {
     if (!e.numbers.rehearsing()) {
       if (into == other) e.block.fail(*e.block.find("other"), "'other' is 'into'; valid: two bodies");
       const auto retyped = [&](int body) { return e.scene.spawns[static_cast<std::size_t>(body)].retyped; };
-      const bool known = !retyped(into) && !retyped(other);  // else what they are is known when it is done
+      const bool known = !retyped(into) && !retyped(other);  // otherwise their types are known only at run time
       if (known && (typeOf(into) != typeOf(other) || typeOf(into) == BodyType::kinematic)) {
         e.block.fail(*e.block.find("other"), "these two make no body; valid: both dynamic, or both fixed");
       }
@@ -302,7 +302,7 @@ struct Wake {
     const int body = e.block.find("body") ? e.bodyOf("body") : -1;
     addDeed<D>(e, body, [all = body < 0](Simulation<D>& simulation, Handle h) {
       auto* world = dynamic_cast<World<D>*>(&simulation);
-      if (!world) return;  // in an engine nobody sleeps
+      if (!world) return;  // an engine has no sleeping to change
       all ? world->wakeAll() : world->wake(h);
     });
   }
@@ -352,7 +352,7 @@ struct Exchange {
   }
 };
 
-// World::change of a body as it is then.
+// World::change of a body in its present state.
 template <int D, class Change>
 void addChange(const EventBlock<D>& e, std::string_view what, Change change) {
   addOurs<D>(e, e.bodyOf("body"), what, [change](Director<D>& director, World<D>& world, int body) {

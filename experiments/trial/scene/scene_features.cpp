@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The features that scenes need and the bodies that they have, by name.
+// Names of the model features that scenes need, and counts of their bodies.
 #include "experiments/trial/formats/body_type_name.h"
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/math/names.h"
@@ -53,7 +53,7 @@ template <int D>
 std::map<std::string, int> census(const SceneSpec<D>& scene) {
   std::map<std::string, int> out;
   for (const auto& spawn : scene.spawns) {
-    if (spawn.part) continue;  // of one that is counted
+    if (spawn.part) continue;  // of a body that is counted already
     const BodyDef<D>& b = spawn.body;
     const std::string type = bodyTypeName(b.type);
     ++out[type];

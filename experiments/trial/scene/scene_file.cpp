@@ -63,7 +63,7 @@ class Builder {
     m_scene.settings.sleepingContacts =
         m_numbers.whole(m_top, "sleeping_contacts", m_scene.settings.sleepingContacts, 0, 1) != 0;
     m_scene.steps = m_numbers.whole(m_top, "steps", m_scene.steps, 0, kMaxSteps);
-    m_scene.steps = m_numbers.whole(m_script, "steps", m_scene.steps, 0, kMaxSteps);  // it knows when it ends
+    m_scene.steps = m_numbers.whole(m_script, "steps", m_scene.steps, 0, kMaxSteps);  // it knows its end
     if (const toml::table* t = m_top.table("limits")) {
       TableReader limits(*t, m_parsed.path, "[limits]");
       real(limits, "drift", m_scene.limits.drift);
@@ -114,7 +114,7 @@ class Builder {
   }
 
  private:
-  // What the file's own keys say stands above it.
+  // The settings of a saved world; keys of the file override them.
   void startFromSettings() {
     const std::string name = m_top.requireString("settings");
     try {
@@ -126,7 +126,7 @@ class Builder {
     m_scene.dt = m_settings.dt;
   }
 
-  // The scene's own `let`, which all blocks know, and each name those after it: none can come round to itself.
+  // The scene's own `let`: all blocks may use them, and each may use those before it, so that none is circular.
   void sceneLets() {
     const toml::table* lets = m_top.table("let");
     for (const auto& [name, node] : lets ? inFileOrder(*lets) : Entries{}) {
@@ -137,7 +137,7 @@ class Builder {
     }
   }
 
-  // Runs `once` for every turn of the block's loops. `k` counts the turns over all loops and script steps.
+  // Calls `once` for every turn of the block's loops. `k` counts the turns over all loops and script steps.
   void loops(TableReader& block, const std::function<void()>& once) {
     const toml::node* repeat = block.find("repeat");
     if (!repeat || !repeat->is_table()) {
@@ -146,12 +146,12 @@ class Builder {
       for (long i = 0; i < n; ++i) turn(block, once);
       return;
     }
-    // The turns are counted before the first is made.
+    // Counts the turns before the first is made.
     const Entries indices = inFileOrder(*repeat->as_table());
     m_numbers.expressions.aside([&] { nested(indices, 0, nullptr); });
     nested(indices, 0, [&] { turn(block, once); });
   }
-  // Without a `body` it only counts: the innermost turns, and those of outer loops that have none.
+  // Without a `body` it counts only: the innermost turns, and turns of outer loops without inner ones.
   void nested(const Entries& indices, std::size_t depth, const std::function<void()>& body) {
     if (depth == indices.size()) return body ? body() : void();
     const auto& [name, bound] = indices[depth];
@@ -177,7 +177,7 @@ class Builder {
     ++m_turns;
     once();
   }
-  // At the end of a block. One that made no turn is read all the same, for its mistakes.
+  // At the end of a block. A block without turns is still read, to report its errors.
   void endLoops(TableReader& block, const std::function<void()>& once) {
     if (m_turns == 0) {
       const SceneNumbers::Rehearsal rehearsal(m_numbers);
@@ -187,7 +187,7 @@ class Builder {
         m_numbers.number(*bound), local(*bound, name, 0);
       }
       SceneSpec<D> scene = std::exchange(m_scene, {});
-      m_scene.spawns.emplace_back();  // whatever body is named
+      m_scene.spawns.emplace_back();  // whatever body it names
       turn(block, once);
       m_scene = std::move(scene);
     }
@@ -200,7 +200,7 @@ class Builder {
     }
     return static_cast<long>(n);
   }
-  // The steps from `from` before `until`.
+  // Checks the steps from `from` before `until`.
   void checkSteps(TableReader& block, long from, long every, long until) const {
     if (until < from) {
       block.fail(*block.find("until"), "'until' is " + std::to_string(until) + "; valid: from step " +
@@ -276,14 +276,14 @@ class Builder {
     return place;
   }
 
-  // Those that name bodies which come are read in a round of their own, before all that may name these.
+  // Events that name their new bodies are read in a first pass, before those that may use these names.
   void events(const std::vector<const toml::table*>& own, const std::vector<const toml::table*>& scripted,
               bool naming) {
     int number = 0;
     for (const toml::table* t : own) eventBlock(*t, number++, true, naming);
     for (const toml::table* t : scripted) eventBlock(*t, number++, false, naming);
   }
-  // Once at `step`, or at every `every`-th before `until`.
+  // Once at `step`, or at every `every`-th step before `until`.
   void eventBlock(const toml::table& table, int number, bool ofScene, bool naming) {
     TableReader block(table, m_parsed.path, "[[event]]");
     const std::string name = block.requireString("do");
@@ -345,7 +345,7 @@ class Builder {
     if (!m_numbers.rehearsing()) m_presence.use(body, step, block, place);
   }
 
-  // Bodies are known by their place among the spawns, which are sorted by step.
+  // Bodies are identified by their index among the spawns, which are sorted by step.
   void sortSpawns() {
     auto& spawns = m_scene.spawns;
     std::vector<std::size_t> order(spawns.size());
@@ -367,7 +367,7 @@ class Builder {
     if (worldAllowed && block.requireString(key) == "world") return -1;
     return m_bodies.find(block, m_numbers, key);
   }
-  // What has a closed form, so that it can be measured against it.
+  // Measures with a closed form, against which the run is compared.
   void measures(const toml::table& table) {
     TableReader all(table, m_parsed.path, "[measures]");
     if (const toml::table* t = all.table("slope")) {
@@ -385,7 +385,7 @@ class Builder {
     }
     all.finish();
   }
-  // A block's joint comes with the later of its bodies.
+  // A joint of a block is added with the later of its bodies.
   void jointBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[joint]]");
     beginBlock();
@@ -397,7 +397,7 @@ class Builder {
     loops(block, once);
     endLoops(block, once);
   }
-  // Both ends must be there when the later comes, or at `step`.
+  // Both ends must exist when the later one is added, or at `step`.
   template <class Link>
   void useEnds(const Link& link, long step, const toml::table& table) {
     if (m_numbers.rehearsing()) return;
@@ -472,7 +472,7 @@ class Builder {
   SceneNumbers m_numbers;
   std::uint64_t m_seed;
   double m_perturb;
-  std::string m_chosenJoint;  // by the parameter `joint`; empty where there is none
+  std::string m_chosenJoint;  // from the parameter `joint`; empty if there is none
   TableReader m_top, m_script;
   const toml::table* m_defaults = nullptr;
   Settings m_settings;

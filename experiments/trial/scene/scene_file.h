@@ -15,9 +15,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-inline constexpr double kMaxDt = 10;  // longest step that a scene or a sweep may ask for (s)
+inline constexpr double kMaxDt = 10;  // longest step of a scene or a sweep (s)
 
-/// A number; or text, of the one parameter that is: `joint`, a kind of joint with its parameters.
+/// A number; or the text of the parameter `joint`, a kind of joint with its parameters.
 struct ParameterValue {
   double number = 0;
   std::string text;  // empty: a number
@@ -32,12 +32,12 @@ void from_json(const nlohmann::json& in, ParameterValue& value);
 
 using ParameterValues = std::map<std::string, ParameterValue>;
 
-/// Its name, where it is text, is also that of its stage: a star in an axis of that name is every joint kind.
+/// The parameter's name is also that of its stage: a star in an axis of that name stands for every joint kind.
 inline constexpr const char* kJointParameter = "joint";
 
-/// A parameter of every scene: how far bodies start from where the file puts them (m and rad), by the seed.
+/// A parameter of every scene: how far bodies start from the poses in the file (m and rad), at random by the seed.
 inline constexpr const char* kPerturbParameter = "perturb";
-/// m and rad: the most it may be. Such a start is still that of the same scene: less than the size of its bodies.
+/// m and rad: its largest value, smaller than the bodies, so that the scene remains recognisable.
 inline constexpr double kMostPerturbed = 0.1;
 
 struct SceneParameter {
@@ -46,8 +46,8 @@ struct SceneParameter {
   double lo = 0, hi = 0;  // of a number
 };
 
-/// The scene is right, and so is the kind that its parameter `joint` holds, but it cannot join these bodies so: a rod
-/// between two points that meet. A hole in a table of kinds, not a mistake.
+/// The scene is valid, and so is the kind in its parameter `joint`, but that kind cannot join these bodies: a rod
+/// between two coinciding points. A gap in a table of kinds, not an error of the file.
 struct UnsupportedJoint : UserError {
   using UserError::UserError;
 };
@@ -57,7 +57,7 @@ class SceneFile {
   /// Throw UserError with file and line.
   static SceneFile load(const std::string& path);
   static SceneFile parse(std::string bytes, const std::string& path);
-  /// With a script (experiments/scripts/*.toml), which plays in the scene. An empty path: without one.
+  /// With a script (experiments/scripts/*.toml), which runs in the scene. Empty path: no script.
   static SceneFile load(const std::string& path, const std::string& scriptPath);
   static SceneFile parse(std::string bytes, const std::string& path, std::string scriptBytes,
                          const std::string& scriptPath);
@@ -65,16 +65,16 @@ class SceneFile {
   const std::string& name() const;
   const std::string& summary() const;
   const std::string& path() const;
-  const std::string& scriptPath() const;  // empty: without one
+  const std::string& scriptPath() const;  // empty: no script
   const std::string& scriptText() const;
-  /// Its bytes, those of the files that it names, and its script's: what a trial's key is made of.
+  /// The bytes of the file, of the files that it names, and of its script: part of a trial's key.
   std::string content() const;
   const std::vector<int>& dimensions() const;
   const std::vector<SceneParameter>& parameters() const;
-  const SceneParameter* parameter(std::string_view name) const;  // nullptr: there is none
+  const SceneParameter* parameter(std::string_view name) const;  // nullptr: unknown
   bool has(int dimension) const;
   /// Every parameter, with `given` in place of defaults. Throws UserError for unknown names, values out of range, and
-  /// text where a number is meant; what kind of joint a text is, `build` and the planner ask.
+  /// text in place of a number. `build` and the planner check the kind of joint.
   ParameterValues values(const ParameterValues& given) const;
   std::uint64_t defaultSeed() const;
   const Features& needs() const;
@@ -89,11 +89,11 @@ class SceneFile {
   std::shared_ptr<const Parsed> m_parsed;
 };
 
-/// Bodies that ever come, by kind: "dynamic", "fixed", "dynamic sphere", "pinned", "pivot", "force spring", ...
+/// Number of bodies ever added, by kind: "dynamic", "fixed", "dynamic sphere", "pinned", "pivot", "force spring", ...
 template <int D>
 std::map<std::string, int> census(const SceneSpec<D>& scene);
 
-/// The features of a scene as text, sorted: "cache,friction,rotation". Inverse of featuresFromText.
+/// The model of a scene as text, sorted: "cache,friction,rotation". Inverse of featuresFromText.
 std::string featuresText(const Features& features);
 /// Throws UserError with the valid names.
 Features featuresFromText(std::string_view text);

@@ -22,14 +22,14 @@ void placeForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& s
   force.step = numbers.whole(block, "from", 0, 0, kMaxSteps);
   force.removeAt = numbers.whole(block, "until", -1, -1, kMaxSteps);
   if (numbers.rehearsing()) return;
-  // What is left to go wrong is between the kind and its ends, as the file places them.
+  // Remaining errors are between the kind and its ends at their poses in the file.
   Bodies<D> ends;
   const auto end = [&](int body) {
     if (body < 0) return Handle{};
     const auto& spawn = scene.spawns[static_cast<std::size_t>(body)];
     force.step = std::max(force.step, spawn.step);
     ends.used.push_back(1), ends.type.push_back(spawn.body.type);
-    MassProperties<D> mass;  // as World::weigh has it
+    MassProperties<D> mass;  // as in World::weigh
     for (const ShapeDef<D>& s : spawn.body.shapes) {
       mass = combined(mass, transformed(massProperties(s.shape, s.density), s.X_BS));
     }

@@ -7,19 +7,19 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Of unit length; in 2D what lies in the plane.
+// Normalised; in 2D the components in the plane.
 template <int D>
 Vec<D> direction(TableReader& joint, SceneNumbers& numbers, const std::string& key, const toml::node& node) {
   const Vec<D> v = numbers.vector<D>(node);
   const std::string valid = "; valid: such as " + std::string(key == "axis" ? "[0, 0, 1]" : "[1, 0, 0]");
-  // Squares of what is shorter lose their digits.
+  // Shorter vectors lose digits when squared.
   if (!(v.squaredNorm() >= std::numeric_limits<Real>::min()))
     joint.fail(node, "'" + key + "' has no length" + (D == 2 ? " in the plane" : ""));
   if (!std::isfinite(v.norm())) joint.fail(node, "'" + key + "' is longer than numbers hold" + valid);
   return v.normalized();
 }
 
-// By the shortest turn, both unit; half a turn is about `spare`.
+// Shortest rotation from one unit vector to another; half a turn is about `spare`.
 Rot<3> onto(const Vec<3>& from, const Vec<3>& to, const Vec<3>& spare) {
   const Real w = 1 + from.dot(to);
   const bool half = !(w > 8 * std::numeric_limits<Real>::epsilon());
@@ -27,7 +27,7 @@ Rot<3> onto(const Vec<3>& from, const Vec<3>& to, const Vec<3>& spare) {
   return half ? Rot<3>{0, v[0], v[1], v[2]} : Rot<3>{w, v[0], v[1], v[2]}.normalized();
 }
 
-// The frame's z is `axis`, its x is `along`; one that is not given is where the shortest turn of the other leaves it.
+// The frame's z is `axis`, its x is `along`. If one is missing, the shortest rotation to the other decides.
 Rot<2> readFrame(TableReader& joint, SceneNumbers& numbers, const Rot<2>& none) {
   joint.find("axis");  // of 3D
   const toml::node* along = joint.find("along");
@@ -83,7 +83,7 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
     return kindOf(StageKind::joint, kind.name, numbers, D).create(kind);
   });
   if (numbers.rehearsing()) return def;
-  // What is left to go wrong is between the kind and the frames, but for forces to break at.
+  // Remaining errors are between the kind and the frames, except the forces at which a joint breaks.
   try {
     makeJoint<D>(def, {}, {});
   } catch (const UserError& e) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Kinds of joints and forces, as blocks of a scene name them.
+// Kinds of joints and forces in blocks of a scene.
 #include <algorithm>
 
 #include "experiments/trial/scene/scene_parsed.h"
@@ -7,7 +7,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-// A block of no turns may be one of the other dimension.
+// A block without turns may belong to the other dimension.
 const Registered& kindOf(StageKind stage, const std::string& name, const SceneNumbers& numbers, int dimension) {
   const auto known = [&](int d) {
     const auto all = Registry::instance().list(stage, d);
@@ -17,7 +17,7 @@ const Registered& kindOf(StageKind stage, const std::string& name, const SceneNu
   return Registry::instance().find(stage, other ? 5 - dimension : dimension, name);
 }
 
-// Numbers may be expressions, so what is a number is asked of the kind.
+// A number may be an expression, so the kind tells which parameters are numbers.
 Spec readKind(TableReader& block, SceneNumbers& numbers, StageKind stage, int dimension) {
   const std::string text = block.requireString("kind");
   const bool whole = text.find('{') != text.npos;  // with parameters, as a program writes it
@@ -27,12 +27,12 @@ Spec readKind(TableReader& block, SceneNumbers& numbers, StageKind stage, int di
   if (!given) return spec;
   for (const auto& [key, node] : inFileOrder(*given)) {
     bool known = false;
-    std::string value = "0";  // of a name that the kind does not know, as it will say
+    std::string value = "0";  // of a name that the kind does not know, which it reports itself
     for (const ParamInfo& p : kind.params) {
       if (p.name != key) continue;
       if (!p.choices.empty()) {
         value = node->is_boolean() ? (**node->as_boolean() ? "true" : "false") : node->value_or(std::string("number"));
-        // As text it would be read with what follows a comma.
+        // As text it would be read with the part after a comma.
         if (std::find(p.choices.begin(), p.choices.end(), value) == p.choices.end()) {
           block.fail(*node, "'" + key + "' is '" + value + "'" + validNames(p.choices, value));
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A scene's file, and its script's, before anything is built of them: syntax, header, parameters, meshes.
+// Reads a scene's file, and its script's, before anything is built: syntax, header, parameters, meshes.
 #include <algorithm>
 
 #include "experiments/trial/scene/scene_parsed.h"
@@ -14,7 +14,7 @@ std::string readLine(TableReader& top, const std::string& key) {
   return text;
 }
 
-// Adds those of the file.
+// Adds the model features of the file.
 void readNeeds(TableReader& top, Features& needs) {
   for (const std::string& need : top.strings("needs")) {
     try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Shapes of scene files that are files of their own.
+// Shapes of scene files in files of their own.
 #include <filesystem>
 #include <functional>
 
@@ -8,7 +8,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Every table of the scene, and of what it holds.
+// Visits every table of the scene and its nested tables.
 void walk(const toml::node& node, const std::function<void(const toml::table&)>& see) {
   if (const toml::table* t = node.as_table()) {
     see(*t);
@@ -21,7 +21,7 @@ void walk(const toml::node& node, const std::function<void(const toml::table&)>&
 std::string fileOf(TableReader& shape, SceneNumbers& numbers) {
   const std::string name = shape.requireString("file");
   if (shape.find("points")) shape.fail("it has 'file' and 'points'; valid: one of them");
-  // Of a table that readMeshes took for no shape.
+  // Of a table that readMeshes did not take for a shape.
   if (!numbers.meshes.count(name))
     shape.fail("'file' is of no shape that has one; valid: kind = \"polytope\", \"mesh\"");
   return name;

@@ -28,8 +28,8 @@ void SceneNames::renumber(const std::vector<int>& place) {
   std::sort(m_numbered.begin(), m_numbered.end());
 }
 
-// A script that goes on brings more bodies, which are read before those that come of others (`take_apart`): these have
-// names, whose order stays.
+// A continued script adds bodies, which are read before those made of others (`take_apart`). The latter have names,
+// whose order does not change.
 template <int D>
 void SceneNames::write(SceneSpec<D>& scene) const {
   const auto call = [&](const std::vector<int>& list, const std::string& before, const std::string& after) {

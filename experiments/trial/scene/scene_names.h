@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// How bodies, joints and forces of a scene are called, and whether a body is there when somebody names it.
+// Names of bodies, joints and forces of a scene, and checks that a named body exists at that time.
 #pragma once
 
 #include <limits>
@@ -12,32 +12,33 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Of a block: its `name`, empty where it has none.
+/// The block's `name`; empty if it has none.
 std::string nameOf(TableReader& block);
-/// Throws UserError at the line of this key where a body cannot be called so.
+/// Throws UserError at the line of this key if a body cannot have this name.
 void checkName(TableReader& block, const std::string& key, const std::string& name);
 
-/// The names of one kind of thing. A name is of all that have it, in the order in which they were read: "plank[i + 1]",
-/// "plank" for the first. "#12" is the thirteenth of the scene's own, whatever it is called: those of its script do not
-/// count, so that a script can name who has no name. Of those "##12" is the thirteenth that was read.
+/// The names of one kind of object. A name stands for all objects with it, in the order in which they were read:
+/// "plank[i + 1]", "plank" for the first. "#12" is the thirteenth object of the scene itself, whatever its name;
+/// objects of its script do not count, so a script can refer to unnamed objects. "##12" is the thirteenth object that
+/// the script read.
 class SceneNames {
  public:
   explicit SceneNames(std::string what) : m_what(std::move(what)) {}
 
-  /// A name that is valid, also when nobody has it.
+  /// Declares a valid name, which no object need have.
   void know(const std::string& name) { m_named[name]; }
-  /// An empty name: it has none.
+  /// An empty name: the object has none.
   void add(const std::string& name, int place) {
     if (!name.empty()) m_named[name].push_back(place);
   }
   void number(int place) { m_numbered.push_back(place); }
   void numberOfScript(int place) { m_ofScript.push_back(place); }
-  /// Who was at i is now at place[i]; numbers follow the new places.
+  /// The object at i is now at place[i]; numbers follow the new places.
   void renumber(const std::vector<int>& place);
-  /// Of bodies: Spawn::called.
+  /// For bodies: Spawn::called.
   template <int D>
   void write(SceneSpec<D>& scene) const;
-  /// Whom the text under this key means, as a place. Throws UserError at its line.
+  /// The object that the text under this key names, as an index. Throws UserError at its line.
   int find(TableReader& block, SceneNumbers& numbers, const std::string& key) const;
 
  private:
@@ -46,20 +47,20 @@ class SceneNames {
   std::vector<int> m_numbered, m_ofScript;
 };
 
-/// When bodies are named, which must be there then.
+/// Checks that bodies exist at the times when they are named.
 template <int D>
 class ScenePresence {
  public:
-  // Of what stands in no event: before those of its step, or after them.
+  // For blocks other than events: before the events of its step, or after them.
   static constexpr int kBefore = -1, kAfter = std::numeric_limits<int>::max();
 
-  /// `block`: the number of the event's block, or one of the above.
+  /// `block`: the number of the event's block, or one of the constants above.
   void use(int body, long step, int block, const toml::table& place) {
     if (body >= 0) m_uses.push_back({body, {step, block}, &place});
   }
-  /// All go.
+  /// All bodies are removed.
   void clear(long step, int block) { m_clears.push_back({step, block}); }
-  /// Throws UserError at the line of the first who names a body that is not there.
+  /// Throws UserError at the line of the first use of a body that does not exist then.
   void check(const SceneSpec<D>& scene, const std::string& file);
 
  private:

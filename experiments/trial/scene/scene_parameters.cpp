@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Parameters of scenes: numbers with their ranges, and the kind of its joints, a text.
+// Parameters of scenes: numbers with ranges, and the kind of its joints as text.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -68,7 +68,7 @@ std::vector<SceneParameter> readParameters(TableReader& top) {
 
 void addScriptParameters(TableReader& script, SceneFile::Parsed& scene) {
   std::vector<SceneParameter> own = readParameters(script);
-  own.pop_back();  // that of every scene
+  own.pop_back();  // `perturb`, which every scene has
   for (SceneParameter& p : own) {
     for (const SceneParameter& other : scene.parameters) {
       if (p.name != other.name) continue;

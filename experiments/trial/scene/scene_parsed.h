@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is inside a SceneFile; only the sources of scene reading see it.
+// Internals of a SceneFile; only the sources that read scenes include it.
 #pragma once
 
 #include <limits>
@@ -15,7 +15,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The files that a scene's shapes name, by that name, as they were when the scene was loaded.
+/// The files of a scene's shapes by name, with their content at load time.
 struct SceneMesh {
   std::string bytes;
   MeshFile mesh;
@@ -24,9 +24,9 @@ using SceneMeshes = std::map<std::string, SceneMesh>;
 
 struct SceneFile::Parsed {
   std::string path, bytes, name, summary;
-  std::string scriptPath, scriptBytes;  // empty: without one
+  std::string scriptPath, scriptBytes;  // empty: no script
   toml::table script;
-  std::string saved;  // bytes of the world that it begins with; empty: none
+  std::string saved;  // bytes of the saved world that the scene starts from; empty: none
   std::vector<int> dimensions;
   std::vector<SceneParameter> parameters;
   std::uint64_t seed = 1;
@@ -35,30 +35,30 @@ struct SceneFile::Parsed {
   SceneMeshes meshes;
 };
 
-/// The meshes of all tables that are a shape with a `file`. Throws UserError with the place of who names it.
+/// Reads the meshes of all shape tables with a `file`. Throws UserError with the position of the table.
 SceneMeshes readMeshes(const toml::table& scene, const std::string& path);
 
 inline constexpr double kLargest = std::numeric_limits<double>::max();
 
-/// Of the key `saved`. Throws UserError with its place for a file that is no saved world, or one of no dimension that
-/// the scene has.
+/// Reads the file of the key `saved`. Throws UserError with its position if the file is not a saved world, or of a
+/// dimension that the scene lacks.
 std::string readSaved(TableReader& top, const SceneFile::Parsed& scene);
-/// Begins the scene with that world: its settings, and its bodies as they are. One of the other precision is left to
-/// who can read it.
+/// Starts the scene from that world: its settings and its bodies. A world of the other precision is left to a program
+/// that can read it.
 template <int D>
 void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec<D>& scene);
 
 /// Throws UserError with the valid names.
 void setFeature(Features& features, const std::string& name);
 
-/// Names of numbers that the scene language sets itself.
+/// Names of numbers that the scene language itself sets.
 inline constexpr const char* kSetNames[] = {"dimension", "k", "part", "step"};
 
-/// The most that a scene may have of each: bodies, shapes, points, joints, forces, events and turns of loops, all its
-/// blocks together. The largest scenes of the field have some 100,000 bodies, so that more is a slip of the pen.
+/// Largest number of each in a scene: bodies, shapes, points, joints, forces, events and turns of loops, over all
+/// blocks. The largest scenes of the field have some 100,000 bodies; more is a typing error.
 inline constexpr long kMostOfEach = 1000000;
 
-/// The most parameters, loop indices and `let`s together: each expression is compiled with all of them.
+/// Largest number of parameters, loop indices and `let`s together: each expression is compiled with all of them.
 inline constexpr std::size_t kMostNames = 100;
 inline constexpr const char* kTooManyNames = "more than 100 parameters, indices and 'let's together";
 
@@ -68,8 +68,8 @@ class SceneNumbers {
   SceneNumbers(std::string file, std::uint64_t seed, const SceneMeshes& of)
       : expressions(seed), meshes(of), m_file(std::move(file)) {}
 
-  /// While it lives, a block is only read for its mistakes: expressions are, but have no values and draw nothing, and
-  /// what is made of numbers is nobody's.
+  /// During its lifetime blocks are read only for their errors: expressions are parsed but have no value and draw no
+  /// random number, and results are discarded.
   class Rehearsal {
    public:
     explicit Rehearsal(SceneNumbers& numbers) : m_numbers(numbers), m_before(numbers.m_rehearsing) {
@@ -85,13 +85,13 @@ class SceneNumbers {
   };
   bool rehearsing() const { return m_rehearsing; }
 
-  /// `n` more of `what` come at that place: refused when the scene then has more than kMostOfEach.
+  /// Counts `n` more of `what` at that position; throws if the scene then exceeds kMostOfEach.
   void count(const toml::node& place, std::string_view what, long n = 1);
 
-  /// Always finite, as a Real too.
+  /// Always finite, also as a Real.
   double number(const toml::node& node);
   double number(TableReader& table, const std::string& key, double fallback);
-  /// Both ends count as valid.
+  /// Both ends are valid.
   double between(const toml::node& node, const std::string& key, double lo, double hi);
   double between(TableReader& table, const std::string& key, double fallback, double lo, double hi);
   long whole(TableReader& table, const std::string& key, long fallback, long lo, long hi);
@@ -114,26 +114,26 @@ class SceneNumbers {
 
 inline Rot<2> rotationOf(const Ang<2>& vector) { return Rot<2>::angle(vector[0]); }
 inline Rot<3> rotationOf(const Ang<3>& vector) { return Rot<3>::vector(vector); }
-/// As readAngular, of an angle and no speed: up to kLargestAngle.
+/// Like readAngular for an angle, which is limited to kLargestAngle.
 template <int D>
 Ang<D> readAngle(TableReader& table, SceneNumbers& numbers, const std::string& key);
-/// By `angle`, or by `rotation`: cosine and sine, in 3D a quaternion (w, x, y, z), whose numbers are taken as they are,
-/// so that what a program writes is what it has, to the last bit.
+/// Reads `angle`, or `rotation`: cosine and sine, in 3D a quaternion (w, x, y, z). The numbers of `rotation` are used
+/// unchanged, so that a program reads back its own bits.
 template <int D>
 Rot<D> readRotation(TableReader& table, SceneNumbers& numbers);
-/// Of the key `type`; dynamic without it.
+/// Reads the key `type`; dynamic without it.
 BodyType readBodyType(TableReader& body);
-/// A number turns about z, in the plane of 2D; a list of three is a rotation vector, of which 2D sees the third. Zero
-/// where the key is missing.
+/// A number is a rotation about z; a list of three is a rotation vector, of which 2D uses the third. Zero if the key is
+/// missing.
 template <int D>
 Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string& key);
 
-/// The [parameters] of a scene, in the order of its file.
+/// The [parameters] of a scene, in file order.
 std::vector<SceneParameter> readParameters(TableReader& top);
-/// Those of its script join them: of other names, since a script knows none of the scene's.
+/// Adds the parameters of its script. Their names must differ, since a script does not know those of the scene.
 void addScriptParameters(TableReader& script, SceneFile::Parsed& scene);
 
-/// What is wrong with a kind or its parameters is told with the place of the block.
+/// Adds the position of the block to errors of a kind or its parameters.
 template <class Make>
 auto atBlock(const TableReader& block, const Make& make) {
   try {
@@ -142,16 +142,16 @@ auto atBlock(const TableReader& block, const Make& make) {
     block.fail(e.what());
   }
 }
-/// In a rehearsal it may be one of the other dimension.
+/// In a rehearsal it may belong to the other dimension.
 const Registered& kindOf(StageKind stage, const std::string& name, const SceneNumbers& numbers, int dimension);
-/// The `kind` of a block with its `parameters`.
+/// Reads the `kind` of a block with its `parameters`.
 Spec readKind(TableReader& block, SceneNumbers& numbers, StageKind stage, int dimension);
 
-/// The rule of that key, where it is given. Throws UserError with the valid names.
+/// Reads the rule under that key, if present. Throws UserError with the valid names.
 void readMixRule(TableReader& table, const std::string& key, MixRule& rule);
 
-/// One [[joint]] block at one turn of its loops, without its bodies. What makes no joint is an error of the block; but
-/// UnsupportedJoint where the kind is `chosen`, the text of the scene's parameter of kinds.
+/// One [[joint]] block at one turn of its loops, without its bodies. Invalid joints are errors of the block, except if
+/// the kind is `chosen`, the text of the scene's parameter `joint`: then UnsupportedJoint.
 template <int D>
 JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::string& chosen);
 
@@ -161,32 +161,32 @@ inline constexpr long kMaxSteps = 1000000000;
 /// One [[force]] block at one turn of its loops, without its bodies.
 template <int D>
 ForceDef<D> readForce(TableReader& block, SceneNumbers& numbers);
-/// When that block's force comes and goes, and whether it can be between its bodies as the file places them.
+/// Reads when the block's force starts and ends, and checks it against its bodies at their poses in the file.
 template <int D>
 void placeForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& scene,
                 typename SceneSpec<D>::Force& force);
 
-/// How far a face's normal, as a scene gives it, may be from the one that the hull of the corners has (1). Larger: a
-/// normal of another face passes. Smaller: those of slivers, which are made of rounding, are refused.
+/// Largest deviation of a given face normal from that of the corners' hull (1). Larger: a normal of another face
+/// passes. Smaller: rounded normals of slivers are refused.
 inline constexpr Real kGivenNormal = Real(1e-2);
-/// The hull of the corners with these normals, one for each face in its order: what a program writes has so, to the
-/// last bit, those that it had, though rounding may choose others when the hull is sought again. Throws UserError.
+/// The hull of the corners with these normals, one for each face in order. A program thus reads back its own bits,
+/// although rounding may choose other normals when the hull is computed again. Throws UserError.
 std::shared_ptr<const Polytope<3>> hullWithNormals(std::span<const Vec<3>> corners, std::span<const Vec<3>> normals);
-/// A polytope by `file`.
+/// Reads a polytope from `file`.
 template <int D>
 Shape<D> readHull(TableReader& shape, SceneNumbers& numbers, Real rounding);
-/// Points and triangles by `file`, in metres; none in a rehearsal.
+/// Reads points and triangles from `file`, in metres; none in a rehearsal.
 MeshFile readMesh(TableReader& shape, SceneNumbers& numbers);
 
-/// One [[body]] block at one turn of its loops. What a shape does not say [defaults] do, and what they do not say the
-/// settings.
+/// One [[body]] block at one turn of its loops. [defaults] fill in what a shape omits, and the settings what these
+/// omit.
 template <int D>
 BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults, const Settings& settings);
 
-/// Moves every dynamic body from where the file puts it: each coordinate by up to `amount` (m) and each angle by up to
-/// `amount` (rad), drawn from a stream of its own, so that `rand` gives the same numbers with and without. A pinned
-/// body only turns; what does not rotate is only shifted, also where the scene has rotation off. Joints are made at the
-/// poses that the bodies then have, from anchors in the world, so none starts with an error.
+/// Perturbs every dynamic body: each coordinate by up to `amount` (m) and each angle by up to `amount` (rad). The
+/// random numbers come from a separate stream, so that `rand` is unchanged. A pinned body only turns; a body that
+/// cannot rotate is only shifted, also if the scene has no rotation. Joints are made at the perturbed poses, from
+/// anchors in the world, so none starts with an error.
 template <int D>
 void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed);
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// Ensembles: the same scene many times, each started a little beside the others.
+// Ensembles: the same scene many times, each run slightly perturbed at the start.
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/shape/mass.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Another stream than that of the file's expressions, which starts at the seed itself.
+// A separate random stream; that of the file's expressions starts at the seed itself.
 constexpr std::uint64_t kStream = 0x7065727475726221u;
 
 template <class Vector>
@@ -16,7 +16,7 @@ Vector drawn(Random& random, double amount) {
   return out;
 }
 
-// Of mass, in the body's frame.
+// Centre of mass, in the body's frame.
 template <int D>
 Vec<D> centerOf(const BodyDef<D>& body) {
   MassProperties<D> mass;
@@ -35,12 +35,12 @@ void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed) {
   for (auto& spawn : scene.spawns) {
     BodyDef<D>& body = spawn.body;
     if (body.type != BodyType::dynamic || spawn.exact) continue;
-    // Drawn for all alike: what is pinned or does not turn shifts nobody else's numbers.
+    // Drawn for every body: a pinned or non-rotating body then does not shift the numbers of others.
     const Vec<D> shift = drawn<Vec<D>>(random, amount);
     const Ang<D> turn = drawn<Ang<D>>(random, amount);
     const bool turns = body.rotatable && scene.settings.features.rotation;
     const Rot<D> q = turns ? Rot<D>(rotationOf(turn) * body.X_WB.q) : body.X_WB.q;
-    if (body.pinned) {  // it turns about its centre of mass, which stays where it is
+    if (body.pinned) {  // it turns about its centre of mass, which is fixed
       const Vec<D> center = centerOf(body);
       body.X_WB.p += body.X_WB.q * center - q * center;
     } else {

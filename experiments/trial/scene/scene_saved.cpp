@@ -44,7 +44,7 @@ void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec
     top.fail(*top.find("saved"), "'saved' without 'dt' (s); valid: the step that it was saved at, or another");
   scene.saved = parsed.saved;
   if (kindOf(parsed.saved).realBytes != static_cast<int>(sizeof(Real))) return;
-  World<D> world(Pipeline::parse("contacts=query_clip"));  // which has all shapes
+  World<D> world(Pipeline::parse("contacts=query_clip"));  // supports all shapes
   try {
     std::istringstream in(parsed.saved);
     world.load(in);

@@ -23,7 +23,7 @@ std::string inQuotes(const std::string& text) {
   return out.str();
 }
 
-// Always with a point or an exponent: a whole number of TOML has no sign of zero and 64 bits.
+// Always with a point or an exponent: an integer of TOML has no signed zero and only 64 bits.
 std::string numberText(Real x) {
   if (!std::isfinite(x)) throw UserError("a number that is not finite cannot be written into a script");
   const std::string text = asText(double(x));
@@ -51,8 +51,8 @@ std::string pointsText(std::span<const Vec<D>> all) {
 std::string keyLine(const std::string& key, const std::string& value) { return key + " = " + value + "\n"; }
 std::string flagText(bool x) { return x ? "true" : "false"; }
 
-// A hull is sought again from its corners, and normals of slivers, which are made of rounding, may come out otherwise:
-// then they are written. What comes out otherwise all the same must not be.
+// Reading a hull computes it again from its corners, and rounded normals of slivers may differ: then the normals are
+// written. A hull that still differs is refused.
 bool sameHull(const Polytope<2>& a, const Polytope<2>& b) { return a.vertices == b.vertices && a.normals == b.normals; }
 bool sameHull(const Polytope<3>& a, const Polytope<3>& b) {
   const auto same = [](const auto& f, const auto& g) {
@@ -156,7 +156,7 @@ std::string massKeys(const MassProperties<D>& m) {
   return keyLine("mass", numberText(m.mass)) + keyLine("center", listText(m.center)) + keyLine("inertia", inertia);
 }
 
-// A file but for the lines of those keys of its own: TOML has no two of them in a line.
+// The file without the lines of those keys: TOML has at most one of them in a line.
 std::string withoutKeys(const std::string& text, const toml::table& table, const std::vector<const char*>& keys) {
   std::set<std::size_t> gone;
   for (const char* key : keys) {
@@ -348,7 +348,7 @@ std::string ScriptWriter<D>::text(const std::string& summary, std::optional<long
     needs.insert(need);
   }
   if (m_joins) needs.insert("joints");
-  std::vector<const char*> keys = {"summary", "needs"};  // its own stand above
+  std::vector<const char*> keys = {"summary", "needs"};  // its own are above
   if (steps) keys.push_back("steps");
   std::string list;
   for (const std::string& need : needs) list += (list.empty() ? "" : ", ") + inQuotes(need);

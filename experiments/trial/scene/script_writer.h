@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A script of what was done by calls on a World between its steps: `lpc run SCENE --script FILE` then does the same, to
-// the last bit of every number. One method for each kind of [[event]] (scene_event.cpp), with what the call was given.
+// Writes a script of calls on a World between steps: `lpc run SCENE --script FILE` then repeats them bit by bit. One
+// method for each kind of [[event]] (scene_event.cpp), with the arguments of the call.
 #pragma once
 
 #include <optional>
@@ -12,24 +12,24 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Bodies are called as a script does: by a name that `add` or `takeApart` gave, by that of the scene, or "#12", the
-/// thirteenth of the scene's own; so are joints and forces. `step`: the number of steps that the script's world has
-/// made, those before a `clear` as well. Calls come in the order of the deeds. All throw UserError, and have written
-/// nothing, for what a script cannot say: names with line breaks, numbers that are not finite, user data.
+/// Bodies, joints and forces are named as in a script: by a name from `add` or `takeApart`, by the scene's name, or
+/// "#12", the thirteenth of the scene. `step`: number of steps of the script's world, including those before a `clear`.
+/// Calls come in the order of the actions. All throw UserError, and write nothing, for what a script cannot express:
+/// names with line breaks, numbers that are not finite, user data.
 template <int D>
 class ScriptWriter {
  public:
   void add(long step, const std::string& name, const BodyDef<D>& body);
   void remove(long step, const std::string& body);
-  /// World::applyImpulse: an impulse at the centre of mass and one about it.
+  /// World::applyImpulse: an impulse at the centre of mass, and one about it.
   void push(long step, const std::string& body, const Wrench<D>& impulse);
-  /// World::applyForce at the centre of mass, where the body is then, and applyTorque.
+  /// World::applyForce at the body's present centre of mass, and applyTorque.
   void force(long step, const std::string& body, const Wrench<D>& force);
   /// World::applyForce at a point of the body, in its own frame (m).
   void pull(long step, const std::string& body, const Vec<D>& force, const Vec<D>& at);
-  /// World::setPose and setMotion of what is given.
+  /// World::setPose and setMotion of the given values.
   struct Place {
-    std::optional<Vec<D>> position = {};  // m, of its own frame
+    std::optional<Vec<D>> position = {};  // m, of the body's frame
     std::optional<Rot<D>> rotation = {};
     std::optional<Vec<D>> velocity = {};         // m/s
     std::optional<Ang<D>> angularVelocity = {};  // rad/s
@@ -37,14 +37,13 @@ class ScriptWriter {
   void set(long step, const std::string& body, const Place& place);
   void set(long step, const std::string& body, const Pose<D>& X_WB);      // World::setPose
   void set(long step, const std::string& body, const Motion<D>& motion);  // World::setMotion
-  /// The handles of both definitions count for nothing: `a` and `b` are their bodies, "world" or, of a force, ""
-  /// nobody.
+  /// The handles in both definitions are ignored: `a` and `b` are their bodies, "world", or, for a force, "" for none.
   void joint(long step, const std::string& name, const JointDef<D>& def, const std::string& a, const std::string& b);
   void unjoin(long step, const std::string& joint);
   void addForce(long step, const std::string& name, const ForceDef<D>& def, const std::string& a, const std::string& b);
   void removeForce(long step, const std::string& force);
   void merge(long step, const std::string& into, const std::string& other);
-  /// One name for each shape; the first is the body itself, which keeps its former name, too.
+  /// One name for each shape; the first is the body itself, which also keeps its former name.
   void takeApart(long step, const std::string& body, std::span<const std::string> names);
   void wake(long step, const std::string& body);
   void wakeAll(long step);
@@ -54,14 +53,14 @@ class ScriptWriter {
   struct Material {
     std::optional<Real> friction = {}, restitution = {}, density = {};
   };
-  /// World::change of the body's definition: of all its shapes what is given.
+  /// World::change of the body's definition: sets the given values of all its shapes.
   void material(long step, const std::string& body, const Material& material);
-  // World::change, as material.
+  // World::change, like material.
   void pin(long step, const std::string& body, bool pinned);
   void type(long step, const std::string& body, BodyType type);
 
-  /// The script's file; `steps`: how long it plays, if it knows. Where it joins bodies, it needs `joints`. `before`:
-  /// the text of another script, which it then is, too: within a step what that does comes first.
+  /// The script's file; `steps`: its length, if known. Where it joins bodies, it needs `joints`. `before`: the text of
+  /// another script, which it includes; within a step the actions of that script come first.
   std::string text(const std::string& summary, std::optional<long> steps = {}, const std::string& before = "") const;
 
  private:

@@ -9,8 +9,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A world with these stages, or what "engine=NAME" begins; with the scene's settings, or as it was saved. Nobody of
-/// the scene has come yet. Throws UserError for what this scene or this build cannot have.
+/// A world with these stages, or an engine for "engine=NAME"; with the scene's settings, or as it was saved, and
+/// without the scene's bodies. Throws UserError for anything that this scene or this build cannot have.
 template <int D>
 std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const SceneSpec<D>& scene);
 
