@@ -14,17 +14,19 @@ from typing import Callable, Optional
 
 import pandas as pd
 
+import finding
 import load
 import metrics
+from finding import Finding
 from sentences import listing
 from style import Looks
 
 
 @dataclass(frozen=True)
 class Headline:
-    """The sentence of a chart that a researcher would repeat, and the numbers that it compares: they rank it, and are drawn
-    small beside it (headlines.py)."""
-    text: str
+    """A chart's entry on the first screen of the page: a sentence of at most 30 words, and the numbers that it compares. They rank
+    the entry and are drawn small beside it (headlines.py)."""
+    text: str  # empty: the headline of the chart's finding
     values: dict  # name -> number; NaN is what failed
     unit: str = "1"
     quantity: str = ""  # what the numbers are, in words
@@ -45,16 +47,22 @@ class Chart:
     id: str
     section: str  # the question of its section; charts of one question stand together
     title: str
-    finding: str  # one sentence computed from the data
+    finding: Finding  # computed from the data; a text is a headline without a table
     sweep: str  # the sweep that made the data
     figure: object = None  # None when there was nothing to draw; the finding then says why
     table: pd.DataFrame = field(default_factory=pd.DataFrame)
     holes: list = field(default_factory=list)  # sentences: what is missing or refused and why
-    note: str = ""  # how to read it
+    note: str = ""  # one line on how to read the chart
     others: tuple = ()  # more sweeps that made the data
     made_by: str = ""  # arguments of `lpc` where no sweep made the data
     telling: bool = False  # may stand for the whole report
-    headline: Optional[Headline] = None  # where the data tell one: a difference that is larger than the noise
+    headline: Optional[Headline] = None  # only for a difference that is larger than the noise
+
+    def __post_init__(self):
+        if isinstance(self.finding, str):
+            self.finding = Finding(self.finding)
+        if self.headline is not None and not self.headline.text:
+            self.headline = replace(self.headline, text=self.finding.headline)
 
 
 @dataclass(frozen=True)
@@ -110,6 +118,15 @@ def kinds():
 
 def made(kind, context):
     """The charts of one kind."""
+    charts = _made(kind, context)
+    for chart in charts if finding.strict else ():
+        for text in filter(None, (chart.finding.headline, chart.headline and chart.headline.text)):
+            assert not finding.fault(text), f"{chart.id}: {finding.fault(text)}"
+        assert len(chart.finding.table) <= finding.ROWS, f"{chart.id}: {len(chart.finding.table)} rows of a finding"
+    return charts
+
+
+def _made(kind, context):
     if kind.needs is None:
         return kind.make(context) or [kind.absent]
     context.check(kind)
@@ -122,16 +139,17 @@ def made(kind, context):
                  and about.report and kind.name not in about.report]  # sweeps that are for other charts
     if found or not elsewhere:
         return found or [kind.absent]
-    return [replace(kind.absent, finding=f"{kind.absent.finding} That is without {listing(elsewhere)}, which "
-                    f"{'names' if len(elsewhere) == 1 else 'name'} other charts.")]
+    return [replace(kind.absent, holes=[f"Not used for this chart: {listing(elsewhere)}. The `report` of "
+                                        f"{'this sweep' if len(elsewhere) == 1 else 'these sweeps'} lists other charts."])]
 
 
 def _asked_for(kind, sweep, context):
-    """What stands for a chart that a sweep names and has not the data for: what it has, it is not told that it lacks."""
+    """Stands for a chart that a sweep lists in `report` without the data for it. Names only what the sweep lacks."""
     absent, needs = kind.absent, kind.needs
     wanted = (needs.also or "a cell that it can draw") if context.has(sweep, kind) else described(needs)
     return Chart(identifier(f"{sweep} {absent.id}"), absent.section, f"{absent.title}: {sweep}",
-                 f"{sweep} asks for this chart and has not what it needs: {wanted}.", sweep)
+                 f"The `report` of {sweep} lists this chart, but the sweep lacks its data.", sweep,
+                 holes=[f"The chart needs {wanted}."])
 
 
 def described(needs):

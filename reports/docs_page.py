@@ -9,6 +9,7 @@ import json
 import re
 import zipfile
 
+import finding
 import pages
 import table
 from load import UserError
@@ -22,7 +23,10 @@ NUMBERS = "numbers.zip"  # ID.json of every chart on the pages of a folder
 def block(facts):
     """What stands between the marks, with them."""
     made = ", then ".join(f"`{line}`" for line in facts["commands"])
-    return (f"<!-- chart {facts['id']} -->\n![{facts['title']}](figures/{facts['id']}.png)\n\n*{facts['finding']}* "
+    found = table.to_markdown(facts.get("found", []))
+    note = f"{facts['note']} " if facts.get("note") else ""
+    return (f"<!-- chart {facts['id']} -->\n*{facts['finding']}*\n\n{found}{'' if not found else chr(10)}"
+            f"![{facts['title']}](figures/{facts['id']}.png)\n\n{note}"
             f"Numbers: `{facts['id']}.json` in [{NUMBERS}](figures/{NUMBERS}); made by {made}.\n<!-- end -->")
 
 
@@ -77,10 +81,11 @@ def write(context, charts, page):
         chart = drawn[name]
         commands = [line for sweep in dict.fromkeys((chart.sweep, *chart.others)) if sweep
                     for line in pages.sweep_commands(context.store, sweep, f"results/{context.store.path.name}")]
-        facts = {"id": name, "title": chart.title, "finding": chart.finding,
+        facts = {"id": name, "title": chart.title, "finding": chart.finding.headline,
+                 "found": chart.finding.rows(), "note": chart.note.strip(),
                  "commands": commands + [f"reports/make.py --store results/{context.store.path.name} --page docs/{page.name}"],
                  **pages.source(context.store)}
-        described = {"Software": "LPC reports", "Description": chart.finding}
+        described = {"Software": "LPC reports", "Description": chart.finding.text()}
         pages.whole(figures / f"{name}.png",
                     lambda target: chart.figure.savefig(target, format="png", dpi=DPI, metadata=described))  # noqa: B023
         numbers[name] = table.json_of(chart.table, facts)
@@ -101,6 +106,6 @@ def faults(page):
         facts = json.loads(numbers[name])
         if found[0] != block(facts):
             said.append(f"{name}: what the page says is not what {name}.json does")
-        if finding_in(picture) != facts["finding"]:
+        if finding_in(picture) != finding.text(facts["finding"], facts.get("found", [])):
             said.append(f"{name}: the picture is of other data than {name}.json")
     return said

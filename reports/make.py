@@ -97,7 +97,7 @@ def run(options):
         raise UserError(f"--only {options.only}: no such chart; there are {names}")
     if options.list:
         for chart in charts:
-            print(f"{chart.id}  {chart.title}\n    {chart.finding}")
+            print(f"{chart.id}  {chart.title}\n    " + chart.finding.text().replace("\n", "\n      "))
         print("\nmetrics")
         for name, metric in known(store).items():
             print(f"  {name} ({metric.unit})  {metric.meaning}")
@@ -117,7 +117,7 @@ def run(options):
             raise UserError(f"--to {options.to}: unknown ending; valid are .svg, .png, .pdf")
         pages.folder(target.parent)
         pages.save(found.figure, target)
-        print(f"{target}: {found.finding}")
+        print(f"{target}: {found.finding.headline}")
         return 0
     out = Path(options.out)
     if out.exists() and not out.is_dir():

@@ -142,8 +142,8 @@ def write_charts(store, charts, out):
         plt.close(chart.figure)
     for chart in charts:
         if len(chart.table):
-            about = {"id": chart.id, "title": chart.title, "question": chart.section, "finding": chart.finding,
-                     "sweep": chart.sweep}
+            about = {"id": chart.id, "title": chart.title, "question": chart.section,
+                     "finding": chart.finding.headline, "found": chart.finding.rows(), "sweep": chart.sweep}
             save_table(chart.table, {**about, **source(store)}, tables / chart.id)
     return [pictures / f"{chart.id}.svg" for chart in drawn]
 
@@ -167,7 +167,8 @@ def write(context, charts, out, store_argument, out_argument):
     write_charts(context.store, charts, out)
     first, sections = write_headlines(charts, out), {}
     for chart in charts:
-        item = {"id": chart.id, "title": chart.title, "finding": chart.finding, "note": chart.note,
+        item = {"id": chart.id, "title": chart.title, "finding": chart.finding.headline, "note": chart.note,
+                "found": table.to_html(chart.finding.table) if len(chart.finding.table) else "",
                 "holes": chart.holes, "drawn": chart.figure is not None,
                 "width": round(100 * chart.figure.get_figwidth()) if chart.figure is not None else 0,
                 "table": table.to_html(chart.table) if len(chart.table) else "", "rows": len(chart.table),

@@ -30,6 +30,15 @@ def methods(names, everyone):
     return listing(said)
 
 
+def some(names, everyone=(), most=2):
+    """As methods(), short enough for a headline: of many the first, and how many more there are."""
+    names = list(names)
+    text = methods(names, everyone)
+    if text.count(",") + (" and " in text) < most:
+        return text
+    return listing([*names[:most], f"{len(names) - most} more"]) if len(names) > most else listing(names)
+
+
 def verb(count, many, one=""):
     """The verb of so many: `fails` of one, `fail` of several."""
     return many if count != 1 else one or IRREGULAR.get(many) or many + "s"

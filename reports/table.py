@@ -57,6 +57,29 @@ def to_html(table):
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
 
 
+def texts(row):
+    """The values of a row {title: value} for eyes; an infinity may be a text, as in JSON."""
+    found = []
+    for name, value in row.items():
+        unit = heading(name)[1]
+        found.append(shown(float(value) if unit and isinstance(value, str) else value, unit))
+    return found
+
+
+def to_markdown(rows):
+    """A table of rows {title: value} for pages of docs/, with numbers rounded; empty where there are none."""
+    if not rows:
+        return ""
+    cell = lambda text: text.replace("|", "\\|")  # noqa: E731
+    lines = [[heading(name)[0] for name in rows[0]], ["---"] * len(rows[0]), *map(texts, rows)]
+    return "".join(f"| {' | '.join(map(cell, line))} |\n" for line in lines)
+
+
+def records(table):
+    """Rows {title of the column: value} for JSON; unknown is null, infinite is the text "inf" or "-inf"."""
+    return [dict(zip(map(str, table.columns), map(_plain, row))) for row in table.itertuples(index=False, name=None)]
+
+
 def to_csv(table, target):
     """Every digit of a number, so that it is read back as it was; unknown is empty."""
     table.to_csv(target, index=False)
