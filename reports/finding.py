@@ -37,7 +37,8 @@ class Finding:
 
 def text(headline, rows):
     """`rows`: as Finding.rows gives them, or as JSON gives them back."""
-    return "\n".join([headline, *("; ".join(part for part in tables.texts(row) if part) for row in rows)])
+    titles = ["; ".join(tables.heading(name)[0] for name in rows[0])] if rows else []
+    return "\n".join([headline, *titles, *("; ".join(part for part in tables.texts(row) if part) for row in rows)])
 
 
 def fault(headline):
@@ -47,6 +48,11 @@ def fault(headline):
     if not re.search(r"\w", headline) or not headline.endswith(".") or re.search(r"[.!?]\s", headline):
         return f"not one sentence with a full stop: {headline}"
     return f"more than one semicolon: {headline}" if headline.count(";") > 1 else ""
+
+
+def fits(*headlines):
+    """The first of these wordings, the fullest first, that has no fault; the last where all have one."""
+    return next((text for text in headlines if not fault(text)), headlines[-1])
 
 
 def cut(table, keep=(), most=ROWS):
