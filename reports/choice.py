@@ -31,6 +31,7 @@ TOGETHER = "together"  # the axis of a sweep of whole pipelines, in which what i
 OWN = ("work_box_tests", "work_node_visits", "work_sort_moves")  # counted by broadphases, by nobody after them
 AS_RIGHT = 2.0  # a method errs as little as another when it errs at most so many times as much: half as wrong is worth no time
 TURNS = "not told from chance over the seeds"
+COMMON = "is in the pipeline that all sweeps share"
 ORDER = ("take", "tie", "slower", "errs more", "not ranked")
 DEPTH = "less overlap"  # what less of a depth means
 JITTER, AT_REST = "jitter", 0.05  # m/s; slower than this is at rest (experiments/trial/measure/settling.h)
@@ -217,8 +218,8 @@ def _of_equals(context, cells, least, given):
             return first[0], f"has the smallest {context.title(error).removeprefix('largest ')} over {_seeds(first[0])}"
     for cell in cells:
         if given and pipeline_of(context.store, cell) == given:
-            return cell, "is what the other stages were judged with"
-    return cells[0], "is the fastest by chance"
+            return cell, COMMON
+    return cells[0], "is the fastest, but the difference is noise"
 
 
 def given_of(context, parts):

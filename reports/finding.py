@@ -38,7 +38,7 @@ class Finding:
 def text(headline, rows):
     """`rows`: as Finding.rows gives them, or as JSON gives them back."""
     titles = ["; ".join(tables.heading(name)[0] for name in rows[0])] if rows else []
-    return "\n".join([headline, *titles, *("; ".join(part for part in tables.texts(row) if part) for row in rows)])
+    return "\n".join([headline, *titles, *("; ".join(part or "–" for part in tables.texts(row)) for row in rows)])
 
 
 def fault(headline):
