@@ -190,7 +190,8 @@ def found(context, others, runs, where):
     for method in everyone:
         bad = others[(others["method"] == method) & others[FAR].isna()]
         outcome = "" if method in far else f"not ranked: {why[method]}" if method in why else (
-            f"ended before: {bad['outcome'].iloc[0]}" if len(bad) else f"costs more than {cost(ends[-1])}" if ends else "not compared")
+            "not compared" if len(bad) and bad["outcome"].iloc[0] == "ok" else f"ended before: {bad['outcome'].iloc[0]}" if len(bad) else
+            f"costs more than {cost(ends[-1])}" if ends else "not compared")
         lines.append(Line(method, far.get(method, math.nan), outcome=outcome, more={} if len(ends) < 2 else quantity(
             f"within {cost(ends[0])}", "m", [float(reached[ends[0]][method][FAR]) if method in reached[ends[0]] else math.nan])))
     lines = [Line(line.name, line.value, outcome=line.outcome, more={k: v[0] for k, v in line.more.items()}) for line in lines]
@@ -199,7 +200,7 @@ def found(context, others, runs, where):
         m for m in firsts if far[m] == best][1:], keep=[context.baseline(others)])
     until = f" until {si(runs.horizon, 's')}" if runs.horizon is not None else ""
     if not any(runs.serves(time) for time in runs.spread):
-        return Finding(f"On {where} no method is ranked: {_parted(runs)} at {si(runs.horizon, 's')}.", table), None
+        return Finding(f"On {where} no method is ranked: {_parted(runs)} at {si(runs.horizon, 's')}."), None
     if not far:
         return Finding(f"On {where} no ranked method runs as long as the reference is valid.", table), None
     if len(far) == 1:
@@ -207,7 +208,7 @@ def found(context, others, runs, where):
     budget = f", {at}," if ends[-1] < math.inf else ""
     head = f"On {where}{until}{budget} {some(firsts, everyone)} {verb(len(firsts), 'stay')} nearest to the reference ({si(best, 'm')})"
     ratio = f", {times(most / best)} times as far" if lasts and best > 2 * runs.doubt else ""
-    goes = f"; {some(lasts, everyone, 1)} {verb(len(lasts), 'go')} {si(most, 'm')}" if lasts else ""
+    goes = f"; {some(lasts, everyone, 1)} {verb(len(lasts), 'are')} {si(most, 'm')} away" if lasts else ""
     made = Finding(fits(f"{head}{goes}{ratio}.", f"{head}{goes}.", f"{head}."), table)
     if not lasts or best <= 2 * runs.doubt or budgets == [math.inf]:
         return made, None

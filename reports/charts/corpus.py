@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 
 from chart import Chart, Headline, of_store
 from finding import Finding, cut, fits
-from sentences import listing, plural, some, verb
+from sentences import listing, plural, some
 from silhouette import of_case
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, grid_of_axes, plt, si
 from table import quantity
@@ -85,8 +85,8 @@ def found_pairs(pairs, dimension, precision):
                                        for end in ends]})
     case, error = worst[order[0]], worst[order[0]]["found"].get("error") or 0
     of = "along its normal alone" if ends[0] == "wrong_normal" else WRONG.get(ends[0], ends[0].replace("_", " "))
-    return Finding(f"In {dimension}D, {precision}, the largest error of {plural(len(order), 'method')} is {error:.2g} of the size, "
-                   f"{order[0]} on {said(case)}: {of}.", cut(table))
+    return Finding(f"In {dimension}D, {precision}, {order[0]} has the largest error of {plural(len(order), 'method')}, {error:.2g} of "
+                   f"the size, on {said(case)}: {of}.", cut(table))
 
 
 def _pairs_chart(context, pairs, dimension, precision):
@@ -204,10 +204,13 @@ def found(table, rows):
     declared = bad + table["ok"]
     small = pd.DataFrame({"method": table["method"], "role": table["role"], "cases declared": declared, "failed": bad,
                           **{{"failed": "no answer"}.get(end, end): table[end] for end in FAILURES if table[end].any()}})
-    small = small.sort_values(["failed", "role", "method"], kind="stable").reset_index(drop=True)
+    small = small.sort_values(["failed", "role", "method"], ascending=[False, True, True], kind="stable").reset_index(drop=True)
     ours, theirs = table["role"] == "competitor", table["role"] == "witness"
     wrong, cases = [table["method"][row] for row in table.index if ours[row] and bad[row]], rows[["id", "query"]].drop_duplicates()
-    said = f"{some(wrong)} {verb(len(wrong), 'fail')}" if wrong else "our methods fail on none that they declare"
+    most = max(wrong, key=lambda name: bad[table["method"] == name].iloc[0], default=None)
+    at = table.index[table["method"] == most]
+    said = f"{most} fails on {bad[at[0]]} of the {declared[at[0]]} that it declares" if len(wrong) == 1 else (
+        f"{some(wrong)} fail, {most} on {bad[at[0]]} of {declared[at[0]]}" if wrong else "our methods fail on none that they declare")
     worst = bad[theirs].idxmax() if theirs.any() and bad[theirs].max() else None
     other = "" if not theirs.any() else "; no witness fails" if worst is None else (
         f"; {table['method'][worst]} fails on {bad[worst]} of {declared[worst]}, the most of "

@@ -157,7 +157,7 @@ class Choose(undrawn.Undrawn):
         taken, _, made = fill(2e-3, 1e-3)
         self.assertEqual(taken, "catto+none", "2 mm are within the slop")
         self.assertIn("up to 5 mm, the slop that methods keep on purpose", made.note)
-        self.assertIn("jitter up to 50 mm/s, at rest", made.note)
+        self.assertIn("jitter counts as 0 up to 50 mm/s, which is rest", made.note)
         taken, reasons, _ = fill(2e-2, 1e-3)
         self.assertEqual(taken, "soft_step", "20 mm are not")
         self.assertIn("which counts as none", reasons["catto+none"])
@@ -249,7 +249,7 @@ class Choose(undrawn.Undrawn):
 
     def test_nobody_who_finished_is_no_error(self):
         _, made = self.made({m: (1.0, 1e-3, 1e-3, "collapsed", FLAT, FLAT) for m in ("catto+none", "soft_step")}, seeds=SEEDS[:1])
-        self.assertIn("no method can be taken; no method finished with a time for resolver", made[0].finding.headline)
+        self.assertIn("take broadphase sort_and_sweep; no method finished with a time for resolver.", made[0].finding.headline)
         self.assertEqual(row(made[0], "resolver")["take"], "none finished with a time")
         self.assertEqual(choice.to_run(chart.Context(load.Store(self.path))), "")
 
