@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Every planned trial with what came of it; what is not ok is listed with its reason."""
+"""Every planned trial with its outcome; failed and missing trials with their reason."""
 
 import numpy as np
 import pandas as pd
@@ -48,13 +48,13 @@ def _order(axes):
 
 
 def outcomes(table):
-    """One row per outcome that there can be: the letter that marks it, what it means, how many trials of this store have it."""
+    """One row per possible outcome: its letter, its meaning, the number of trials of this store."""
     return pd.DataFrame([(name, OUTCOMES[name][1], meaning, int((table["outcome"] == name).sum()))
                          for name, meaning in MEANINGS.items()], columns=["outcome", "letter", "what it means", "trials"])
 
 
 def not_ok(table):
-    """All trials that are not ok; the timed and untimed trial of a cell that ended alike share a line."""
+    """All failed and missing trials; timed and untimed trials of a cell with the same outcome share a row."""
     bad = table[table["outcome"] != "ok"]
     grouped = bad.groupby(["sweep", "cell", "outcome", "reason"], sort=False, dropna=False)
     return grouped.agg(step=("step", "max"), trials=("timed", "size")).reset_index()[

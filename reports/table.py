@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Zlib
-"""Tables: for programs as CSV and JSON with raw SI numbers, for eyes as HTML with the same numbers rounded.
+"""Tables: as CSV and JSON with raw SI numbers, as HTML and markdown with the same numbers rounded.
 
-A column of numbers is titled "what it is [unit]", with the unit in SI; texts and counts of things have no unit. Nothing is
-formatted before the page is written, so a number that is read from a table is the one that the chart was drawn from.
+A column of numbers is titled "quantity [unit]", with an SI unit; texts and counts have no unit. Numbers are formatted only when a
+page is written, so a table holds the numbers that the chart was drawn from.
 """
 
 import html
@@ -15,17 +15,17 @@ import pandas as pd
 
 from style import si
 
-SI = {"ms": (1e3, "s"), "us": (1e6, "s"), "ns": (1e9, "s")}  # the units of metrics that are not SI: parts of one, and the one
+SI = {"ms": (1e3, "s"), "us": (1e6, "s"), "ns": (1e9, "s")}  # units of metrics that are not SI: how many are in the SI unit, and that unit
 
 
 def quantity(title, unit, values):
-    """{title of the column: its numbers}, in SI. For an unknown value NaN."""
+    """{title of the column: its numbers} in SI; NaN for an unknown value."""
     parts, unit = SI.get(unit, (1.0, unit))
     return {f"{title} [{unit}]": [math.nan if v is None else float(v) / parts for v in values]}
 
 
 def heading(name):
-    """(title, unit) of a column; the unit is empty where it has none."""
+    """(title, unit) of a column; an empty unit for a column without one."""
     found = re.fullmatch(r"(.+) \[([^\[\]]+)\]", str(name))
     return (found[1], found[2]) if found else (str(name), "")
 
@@ -35,7 +35,7 @@ def unknown(value):
 
 
 def shown(value, unit):
-    """A value for eyes: empty where it is unknown, rounded where it is a number; zero is 0."""
+    """A value as text: empty where it is unknown, a number rounded; zero is 0."""
     if unknown(value):
         return ""
     if isinstance(value, numbers.Real) and unit:
@@ -46,7 +46,7 @@ def shown(value, unit):
 
 
 def to_html(table):
-    """Numbers right, nothing hidden."""
+    """The whole table, numbers at the right."""
     headings = [heading(name) for name in table.columns]
     head = "".join(f"<th>{html.escape(title)}</th>" for title, _ in headings)
     body = []
@@ -58,7 +58,7 @@ def to_html(table):
 
 
 def texts(row):
-    """The values of a row {title: value} for eyes; an infinity may be a text, as in JSON."""
+    """The values of a row {title: value} as texts; an infinity may be a text, as in JSON."""
     found = []
     for name, value in row.items():
         unit = heading(name)[1]
@@ -81,7 +81,7 @@ def records(table):
 
 
 def to_csv(table, target):
-    """Every digit of a number, so that it is read back as it was; unknown is empty."""
+    """Writes CSV with all digits of a number, so that it reads back unchanged; unknown is empty."""
     table.to_csv(target, index=False)
 
 

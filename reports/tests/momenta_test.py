@@ -52,7 +52,7 @@ class Momenta(with_store.WithStore):
         self.assertEqual(row(made[0], "2 methods")["methods"], "catto and naive")
         self.assertEqual(made[0].headline.values["catto"], 0)
         table = made[0].table.set_index("method")
-        self.assertAlmostEqual(table.at["avbd", "change of momentum over what there is [1]"], 0.03)
+        self.assertAlmostEqual(table.at["avbd", "relative change of momentum [1]"], 0.03)
         self.assertEqual(list(table["declares a change of linear momentum"]), [m == "avbd" for m in table.index])
 
     def test_who_changes_about_as_much_as_the_worst_is_named_beside_it(self):
