@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Zlib
 """A chart: its question, its finding (finding.py), the figure, the numbers behind it, and what is missing.
 
-A kind of chart is one function in a file of charts/, where it is found automatically; a file holds the kinds of one subject. Under
-`@of_sweeps`, with the needs of the chart, the function gets the cells of each sweep that meets them. Under `@of_store` it gets the
-whole store. It returns charts. Where it returns none, the page says what is missing.
+A kind of chart is one function in a file of charts/, where it is found automatically; a file holds the kinds of one subject.
+Under `@of_sweeps`, with the needs of the chart, the function gets the cells of each sweep that meets them. Under `@of_store` it
+gets the whole store. It returns charts. Where it returns none, the page says what is missing.
 """
 
 import importlib
@@ -24,10 +24,10 @@ from style import Looks
 
 @dataclass(frozen=True)
 class Headline:
-    """A chart's entry on the first screen of the page: a sentence of at most 30 words, and the numbers that it compares. They rank
-    the entry and are drawn small beside it (headlines.py)."""
+    """A chart's entry on the first screen of the page: a sentence of at most 30 words, and the numbers that it compares. They
+    rank the entry and are drawn small beside it (headlines.py)."""
     text: str  # empty: the headline of the chart's finding
-    values: dict  # name -> number; NaN is what failed
+    values: dict  # name -> number; NaN for a failure
     unit: str = "1"
     quantity: str = ""  # name of the numbers
     larger: bool = False  # whether larger is better; failures are then drawn at the lower end

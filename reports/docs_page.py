@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Zlib
 """Charts on a page of docs/: finding, figure and numbers between each pair of marks, all from one store.
 
-A page marks the place of a chart with `<!-- chart ID -->` and `<!-- end -->`. The text between the marks is written from ID.json in
-figures/numbers.zip alone; the picture's metadata hold the finding, too. A test writes the text again and compares.
+A page marks the place of a chart with `<!-- chart ID -->` and `<!-- end -->`. The text between the marks is written from ID.json
+in figures/numbers.zip alone; the picture's metadata hold the finding, too. A test writes the text again and compares.
 """
 
 import json
@@ -63,8 +63,8 @@ def finding_in(picture):
 
 
 def write(context, charts, page):
-    """Writes the page, and figures/ID.png and the numbers of each chart that it marks; returns the ids. Drops numbers that no page
-    of the folder uses."""
+    """Writes the page, and figures/ID.png and the numbers of each chart that it marks; returns the ids. Drops numbers that no
+    page of the folder uses."""
     if not page.is_file():
         raise UserError(f"--page {page}: no such file")
     text = page.read_text(encoding="utf-8")

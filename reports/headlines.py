@@ -37,8 +37,8 @@ class Row:
 
 
 def rows_of(headline):
-    """Rows from the best to the worst, failures last. Of many rows: the ends, the rows that the sentence names, then the best; a gap
-    says how many rows it leaves out."""
+    """Rows from the best to the worst, failures last. Of many rows: the ends, the rows that the sentence names, then the best; a
+    gap says how many rows it leaves out."""
     rows, sign = merged(headline), -1 if headline.larger else 1
     rows = sorted((row for row in rows if row.value == row.value), key=lambda row: sign * row.value) + [
         row for row in rows if row.value != row.value]
@@ -94,8 +94,8 @@ def caption(headline, wide):
 
 
 def drawn(headline):
-    """One dot per row, on a linear scale from zero, or on a logarithmic one where the numbers span more than a decade. Failures are
-    crosses at the worse end."""
+    """One dot per row, on a linear scale from zero, or on a logarithmic one where the numbers span more than a decade. Failures
+    are crosses at the worse end."""
     rows = rows_of(headline)
     tops, height = [], 0.03
     for row in rows:

@@ -277,8 +277,8 @@ class Store:
         return [(json.loads(text), vertices, size) for text, vertices, size in rows]
 
     def ledger(self):
-        """The ledger of `lpc verify`: one row per method, kinds of shape and value of one axis; histograms as dictionaries. Rows of
-        `lpc verify --metamorphic` are left out."""
+        """The ledger of `lpc verify`: one row per method, kinds of shape and value of one axis; histograms as dictionaries. Rows
+        of `lpc verify --metamorphic` are left out."""
         ledger = pd.read_sql("SELECT * FROM ledger WHERE axis <> 'relation' ORDER BY stage, precision, dimension, axis, value, "
                              "kind_a, kind_b, method", self.db)
         ledger["histogram"] = [json.loads(text) if text else {} for text in ledger["histogram"]]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""The single values behind a cell's metric, of which the metric's column has the median. The column MEASURED has them by metric."""
+"""The single values behind a cell's metric, of which the metric's column has the median. The column MEASURED has them by
+metric."""
 
 import math
 from dataclasses import dataclass

@@ -45,8 +45,8 @@ plt.rcParams.update({
 class Looks:
     """Colour and marker of each method label of one pool: the methods that can be in one chart.
 
-    The family of the label (`catto` of `catto+linear`) gives the colour, the member the marker. The looks of registered names depend
-    on the registry alone, so a label looks the same on all pages. Other labels take the looks that are left.
+    The family of the label (`catto` of `catto+linear`) gives the colour, the member the marker. The looks of registered names
+    depend on the registry alone, so a label looks the same on all pages. Other labels take the looks that are left.
     """
 
     def __init__(self, store, registered, labels):

@@ -15,7 +15,8 @@ import pandas as pd
 
 from style import si
 
-SI = {"ms": (1e3, "s"), "us": (1e6, "s"), "ns": (1e9, "s")}  # units of metrics that are not SI: how many are in the SI unit, and that unit
+# Units of metrics that are not SI: how many make the SI unit, and the SI unit.
+SI = {"ms": (1e3, "s"), "us": (1e6, "s"), "ns": (1e9, "s")}
 
 
 def quantity(title, unit, values):

@@ -165,8 +165,8 @@ def agreement(runs):
 
 
 def nearest(reached, doubt):
-    """(methods nearest to the reference, the least distance, the farthest methods, the largest distance). Two distances differ when
-    they do by more than twice the doubt of the reference."""
+    """(methods nearest to the reference, the least distance, the farthest methods, the largest distance). Distances that differ
+    by at most twice the doubt of the reference are equal."""
     best, most = min(reached.values()), max(reached.values())
     firsts = [m for m in sorted(reached) if reached[m] - best <= 2 * doubt]
     return firsts, best, [m for m in sorted(reached) if most - reached[m] <= 2 * doubt and m not in firsts], most
@@ -188,10 +188,16 @@ def found(context, others, runs, where):
     firsts, best, lasts, most = nearest(far, runs.doubt) if far else ([], math.nan, [], math.nan)
     lines = []
     for method in everyone:
-        bad = others[(others["method"] == method) & others[FAR].isna()]
-        outcome = "" if method in far else f"not ranked: {why[method]}" if method in why else (
-            "not compared" if len(bad) and bad["outcome"].iloc[0] == "ok" else f"ended before: {bad['outcome'].iloc[0]}" if len(bad) else
-            f"costs more than {cost(ends[-1])}" if ends else "not compared")
+        ended = others[(others["method"] == method) & others[FAR].isna()]["outcome"]
+        outcome = "not compared"
+        if method in far:
+            outcome = ""
+        elif method in why:
+            outcome = f"not ranked: {why[method]}"
+        elif len(ended) and ended.iloc[0] != "ok":
+            outcome = f"ended before: {ended.iloc[0]}"
+        elif not len(ended) and ends:
+            outcome = f"costs more than {cost(ends[-1])}"
         lines.append(Line(method, far.get(method, math.nan), outcome=outcome, more={} if len(ends) < 2 else quantity(
             f"within {cost(ends[0])}", "m", [float(reached[ends[0]][method][FAR]) if method in reached[ends[0]] else math.nan])))
     lines = [Line(line.name, line.value, outcome=line.outcome, more={k: v[0] for k, v in line.more.items()}) for line in lines]
@@ -206,7 +212,8 @@ def found(context, others, runs, where):
     if len(far) == 1:
         return Finding(f"On {where}{until} only {firsts[0]} has a rank, {si(best, 'm')} from the reference.", table), None
     budget = f", {at}," if ends[-1] < math.inf else ""
-    head = f"On {where}{until}{budget} {some(firsts, everyone)} {verb(len(firsts), 'stay')} nearest to the reference ({si(best, 'm')})"
+    head = (f"On {where}{until}{budget} {some(firsts, everyone)} {verb(len(firsts), 'stay')} nearest to the reference "
+            f"({si(best, 'm')})")
     ratio = f", {times(most / best)} times as far" if lasts and best > 2 * runs.doubt else ""
     goes = f"; {some(lasts, everyone, 1)} {verb(len(lasts), 'are')} {si(most, 'm')} away" if lasts else ""
     made = Finding(fits(f"{head}{goes}{ratio}.", f"{head}{goes}.", f"{head}."), table)
@@ -216,7 +223,8 @@ def found(context, others, runs, where):
 
 
 def _parted(runs):
-    return ("the reference and its own runs part" if runs.itself[runs.horizon] > APART else "the reference and another solver part")
+    return ("the reference and its own runs part" if runs.itself[runs.horizon] > APART else "the reference and another solver "
+                                                                                            "part")
 
 
 def _chart(context, others, runs, own, where):

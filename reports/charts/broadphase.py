@@ -59,8 +59,8 @@ def baseline_of(context, cells):
 
 
 def crossings(cells, base, least=1.0):
-    """Per distribution and method: the size from which it is faster than the baseline. There is no crossing where the two times at
-    the largest size differ by no more than noise (noise.tells, with the floor `least`)."""
+    """Per distribution and method: the size from which it is faster than the baseline. There is no crossing where the two times
+    at the largest size differ by no more than noise (noise.tells, with the floor `least`)."""
     rows = []
     for distribution, part in cells.groupby("distribution", sort=True):
         methods = sorted(part["method"].unique())
@@ -91,7 +91,7 @@ def crossings(cells, base, least=1.0):
 
 
 def _bracket(part, base, method, sizes, cross, least):
-    """The nearest sizes on both sides of a crossing at which the two differ beyond noise; else the first or last measured size."""
+    """The nearest sizes on both sides of a crossing at which the two differ beyond noise; else the first or last size."""
     at = {n: [part[(part["method"] == name) & (part["n"] == n)].iloc[0] for name in (base, method)] for n in sizes}
     apart = [n for n in sizes if noise.tells(*at[n], TIME, least)]
     return (max([n for n in apart if n <= cross], default=sizes.min()),
@@ -123,7 +123,7 @@ def crossing_methods(cross):
 
 def found(cells, cross, base, dimension, ahead, least, asked=""):
     """(finding, entry of the first screen or None): a row per distribution, and one for the method `asked`."""
-    rows, marked = [], crossing_methods(cross)
+    rows, marked, alike = [], crossing_methods(cross), f" ({noise.IN_WORDS[noise.silence(least)]})"
     for distribution, part in cross.groupby("distribution", sort=True):
         hit = marked[marked["distribution"] == distribution]
         shown = [*hit.itertuples(), *(row for row in part[part["method"] == asked].itertuples()
@@ -133,8 +133,7 @@ def found(cells, cross, base, dimension, ahead, least, asked=""):
         known = part.dropna(subset=["ratio"])
         last = known.nsmallest(2, "ratio") if len(part) >= 4 else known[:0]
         rows[-max(1, len(shown))] |= {
-            "bodies [1]": n, "fastest there": listing(names) + (f" ({noise.IN_WORDS[noise.silence(least)]})" if len(names) > 1 else ""
-                                                               ) if names else "",
+            "bodies [1]": n, "fastest there": listing(names) + alike * (len(names) > 1) if names else "",
             f"speed, over {base}": speeds(ratios) + " times" if names else f"{TIE} with {base}, or slower" if len(known) else "",
             "slowest there": listing(f"{row['method']} ({times(row['ratio'])} times)" for _, row in last.iterrows())
             if len(last) else ""}
@@ -149,8 +148,9 @@ def found(cells, cross, base, dimension, ahead, least, asked=""):
     distribution, (n, names, ratios) = max(ahead.items(), key=lambda item: item[1][2][0])
     part = cells[(cells["distribution"] == distribution) & (cells["n"] == n) & (cells["outcome"] == "ok")]
     crossed = cross[(cross["distribution"] == distribution) & (cross["method"] == names[0]) & (cross["kind"] == "crosses")]
-    alike = f" ({noise.IN_WORDS[noise.silence(least)]})" if len(names) > 1 else ""
-    text = (f"Among {n:,.0f} {distribution} boxes in {dimension}D {some(names)}{alike} {verb(len(names), 'are')} {speeds(ratios)} "
+    alike *= len(names) > 1
+    text = (f"Among {n:,.0f} {distribution} boxes in {dimension}D {some(names)}{alike} {verb(len(names), 'are')} "
+            f"{speeds(ratios)} "
             f"times as fast as {base}")
     since = "".join(f"; {row.method} is faster from about {row.n:,.0f} bodies on" for row in crossed.itertuples())
     text = fits(f"{text}{since}.", f"{text}.")
@@ -256,7 +256,8 @@ def _broadphase_chart(context, cells, dimension, where, refused):
                  f"{dimension}D" + (f", {where}" if where else ""),
                  about, cells["sweep"].iloc[0], figure, table,
                  refused + untimed(cells) + holes(cells, ["distribution", "method", "n"]),
-                 "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over frames. The dotted line is where the "
+                 "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over frames. The dotted line is where "
+                 "the "
                  f"named method becomes faster than {base}, interpolated between two measured sizes; other methods may be faster "
                  f"there. Whiskers hold the median of the repeats. {noise.rule(least)}" + caption_of_lines(lines),
                  headline=entry)
@@ -300,7 +301,7 @@ def found_parameters(rows, panels, n, least):
         told = sorted((row for row in rows if row["family"] == name and row["told"]), key=lambda row: row["ratio"])
         line = {"family": name}
         if not told:
-            lines.append(line | {"fastest": f"no change {noise.IN_WORDS[noise.silence(least)]}".replace("no change within", "all within")})
+            lines.append(line | {"fastest": f"all {noise.IN_WORDS[noise.silence(least)]}"})
             continue
         first, last = told[0], told[-1]
         gains = [row["method"] for row in told if row["ratio"] < 1]
@@ -321,7 +322,8 @@ def found_parameters(rows, panels, n, least):
         return Finding(f"Of {n} no parameter changes the time of {plural(len(lines), 'broadphase')} beyond the noise." if
                        why == noise.NOISE else f"Of {n} there are too few repeats to measure the effect of a parameter.", table)
     worst = max(told, key=lambda row: abs(math.log(row["ratio"])))
-    return Finding(f"On {worst['panel']} {worst['method']} takes {times(worst['ratio'])} times the time of {worst['family']} with its "
+    return Finding(f"On {worst['panel']} {worst['method']} takes {times(worst['ratio'])} times the time of {worst['family']} "
+                   f"with its "
                    "defaults, the largest effect of a parameter.", table)
 
 

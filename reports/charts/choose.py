@@ -43,7 +43,8 @@ def _found(context, advice):
             against = f"tie: {why}" if why else f"{ratio(found)} times" if math.isfinite(found) else advice.given["outcome"]
             whole["against the pipeline of the sweeps"] = against
             if not why and math.isfinite(found) and not tail:
-                tail = f": {si(float(advice.run[COST]), 'ms')} a step, {ratio(found)} times the time of the pipeline of the sweeps"
+                tail = (f": {si(float(advice.run[COST]), 'ms')} a step, {ratio(found)} times the time of the pipeline of the "
+                        "sweeps")
         rows.append(whole | _errors(context, advice, advice.run))
     table = pd.DataFrame(rows).dropna(axis="columns", how="all")
     table = table.drop(columns=[name for name in table if table[name].isin(["", None]).all()])
@@ -186,7 +187,8 @@ def _chart(context, advice):
                  advice.choices[0].sweep, figure, _table(context, advice), advice.refused + missing + bad,
                  f"A stage takes its fastest method among those that finished and err at most {AS_RIGHT:g} times the least error "
                  f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}; {none_of(context, advice)}). "
-                 "“Errs more” and “slower” hold beyond doubt over the seeds, “slower” also beyond the noise; else methods tie. Of "
+                 "“Errs more” and “slower” hold beyond doubt over the seeds, “slower” also beyond the noise; else methods tie. "
+                 "Of "
                  "methods that tie the one with the least error beyond doubt is taken, else that of the sweeps' common pipeline. "
                  f"{' '.join(rules)}{_pasted(context, advice)}", telling=True, headline=_headline(advice),
                  others=tuple(dict.fromkeys([choice.sweep for choice in advice.choices[1:]] +

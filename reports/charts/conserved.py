@@ -67,13 +67,15 @@ def adds_bodies(context, cells):
 def found_energy(context, shown, dimension, at):
     """The finding: one row per scene. `shown`: [(scene, cells with the column `exchanged`, whether a script adds bodies)]."""
     # Of runs that finished: beside the energy of one explosion every other exchange would be small.
-    largest = max([v for _, part, _ in shown for v in part[part["outcome"] == "ok"]["exchanged"] if math.isfinite(v)], default=0.0)
+    finished = [part[part["outcome"] == "ok"] for _, part, _ in shown]
+    largest = max([v for part in finished for v in part["exchanged"] if math.isfinite(v)], default=0.0)
     rows, gaining, everyone = [], [], sorted({m for _, part, _ in shown for m in part["method"]})
     for where, part, scripted in shown:
         cells = ranking.eligible(context, part)
         good = cells[(cells["outcome"] == "ok") & np.isfinite(cells["energy_gain"].astype(float))]
         gains = good[good["energy_gain"] > ROUNDING]
-        row = {"scene": where, "methods that gain": "none", "most": "", "gain [J]": math.nan, "of the energy exchanged [1]": math.nan}
+        row = {"scene": where, "methods that gain": "none", "most": "", "gain [J]": math.nan, "of the energy exchanged "
+                                                                                              "[1]": math.nan}
         if scripted:
             row |= {"methods that gain": "", "remark": "not compared: the script adds bodies and with them energy"}
         elif not len(good):
@@ -97,9 +99,9 @@ def found_energy(context, shown, dimension, at):
     on = f" on {len(gaining)} of {compared} scenes" if compared > 1 else ""
     place = f" on {where}" if compared > 1 else ""
     one = row["methods that gain"] == row["most"]
-    return Finding(fits(*(f"In {dimension}D{text} {row['most']} gains energy on {where}, {much}." if one and len(gaining) == 1 else
-                          f"In {dimension}D{text} methods gain energy{on or f' on {where}'}, {row['most']} most{place} ({much})."
-                          for text in (at, ""))), table)
+    said = (f"methods gain energy{on or f' on {where}'}, {row['most']} most{place} ({much})" if not one or len(gaining) > 1 else
+            f"{row['most']} gains energy on {where}, {much}")
+    return Finding(fits(*(f"In {dimension}D{text} {said}." for text in (at, ""))), table)
 
 
 def _energy_chart(context, cells, shown, left_out, setting):
@@ -119,8 +121,8 @@ def _energy_chart(context, cells, shown, left_out, setting):
     shown = [(where, part.assign(exchanged=[exchanged(context, cell) for _, cell in part.iterrows()]), adds_bodies(context, part))
              for where, part in shown]
     return Chart(f"{cells['sweep'].iloc[0]}_energy_{dimension}d", FROM_NOWHERE, f"Energy over the steps, {dimension}D",
-                 found_energy(context, shown, dimension, over_steps.setting_of(drawn, setting).split(" (")[0]), cells["sweep"].iloc[0],
-                 figure, table,
+                 found_energy(context, shown, dimension, over_steps.setting_of(drawn, setting).split(" (")[0]),
+                 cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method"]),
                  "Kinetic energy and energy of gravity, above the start, over the largest energy that the run exchanged. Values "
                  "beyond 1.1 are drawn at 1.1. Lines are medians of stretches. Above 0 a run has gained energy, unless a script "
@@ -189,10 +191,12 @@ def found_momenta(context, cells, declared, rounding, at):
     table = ranked(lines, f"change of {SHORT[SHARES[1]]} momentum", "1", keep=[lines[-1].name] if lines else ())
     if not everyone:
         return Finding(f"{at}no method has a rank.", table), None
-    head = f"{at}{len(keep)} of {plural(len(everyone), 'method')} {verb(len(keep), 'keep')} both momenta of free bodies to rounding"
+    head = (f"{at}{len(keep)} of {plural(len(everyone), 'method')} {verb(len(keep), 'keep')} both momenta of free bodies to "
+            "rounding")
     share = SHARES[1] if of[SHARES[1]] else SHARES[0]
     most = [m for m, v in of[share].items() if v >= max(of[share].values()) * ALIKE]
-    text = f"; {some(most)} {verb(len(most), 'change')} {SHORT[share]} momentum most ({si(100 * max(of[share].values()))} %)" if most else ""
+    text = (f"; {some(most)} {verb(len(most), 'change')} {SHORT[share]} momentum most ({si(100 * max(of[share].values()))} "
+            "%)") if most else ""
     short = head.removeprefix(at)
     text = fits(f"{head}{text}.", f"{short[0].upper()}{short[1:]}{text}.", f"{head}.", f"{short[0].upper()}{short[1:]}.")
     shares = good.groupby("method")[SHARES[1]].max()
@@ -246,7 +250,9 @@ def _momenta_chart(context, shown, left_out, setting):
     about, entry = found_momenta(context, cells, declared, rounding, at)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} momenta {dimension}d"), STAY, f"Momenta of free bodies, {dimension}D",
                  about, cells["sweep"].iloc[0], figure, table, left_out + holes(cells, ["where", "method"]),
-                 "The change of momentum from the start of the run to its end, over the momentum that the scene declares; angular "
-                 f"momentum is about the world's origin. A change up to {rounding:g} is rounding and is drawn at the left edge. A "
+                 "The change of momentum from the start of the run to its end, over the momentum that the scene declares; "
+                 "angular "
+                 f"momentum is about the world's origin. A change up to {rounding:g} is rounding and is drawn at the left edge. "
+                 f"A "
                  "ring marks a method that declares this failure (info().failures), which is tested.",
                  headline=entry)

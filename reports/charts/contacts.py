@@ -216,7 +216,8 @@ def _rules_chart(context, cells, where, refused):
     return Chart(identifier(f"{sweep} contact_rules {where}"), RULES, f"Contact rules: {where}",
                  about, sweep, figure, table[["method", "outcome"]].assign(**numbers),
                  refused + holes(cells, ["method"]) + noise.idle_seeds(cells),
-                 "Bars are the range over all seeds, of times over the repeats. The table gives a result's ratio where it differs "
+                 "Bars are the range over all seeds, of times over the repeats. The table gives a result's ratio where it "
+                 "differs "
                  f"by at least {100 * (TOLD - 1):.0f} % beyond doubt; else the two tie. "
                  f"{ranking.rule_of_pairs(max(map(len, cells['seeds'])), max(1, finished - 1))} {noise.rule(least)}",
                  headline=entry)

@@ -85,7 +85,8 @@ def found_pairs(pairs, dimension, precision):
                                        for end in ends]})
     case, error = worst[order[0]], worst[order[0]]["found"].get("error") or 0
     of = "along its normal alone" if ends[0] == "wrong_normal" else WRONG.get(ends[0], ends[0].replace("_", " "))
-    return Finding(f"In {dimension}D, {precision}, {order[0]} has the largest error of {plural(len(order), 'method')}, {error:.2g} of "
+    return Finding(f"In {dimension}D, {precision}, {order[0]} has the largest error of {plural(len(order), 'method')}, "
+                   f"{error:.2g} of "
                    f"the size, on {said(case)}: {of}.", cut(table))
 
 
@@ -118,9 +119,12 @@ def _pairs_chart(context, pairs, dimension, precision):
     return Chart(f"failing_pairs_{dimension}d_{precision}", SECTION,
                  f"The simplest and the worst failing pair of each method, {dimension}D, {precision}",
                  found_pairs(pairs, dimension, precision), "", figure, numbers, missing,
-                 "Upper rows: the failing pair with the fewest vertices; lower rows: the one with the largest error. Under each pair "
-                 "stand its family and the failure. A wrong distance is given with the true one; its error is that of the distance "
-                 "or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is the missing "
+                 "Upper rows: the failing pair with the fewest vertices; lower rows: the one with the largest error. Under each "
+                 "pair "
+                 "stand its family and the failure. A wrong distance is given with the true one; its error is that of the "
+                 "distance "
+                 "or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is the "
+                 "missing "
                  "separation along it. A wrong side is apart for overlapping, or the reverse. A is blue, B orange; in 3D shadows "
                  "from one side, which may overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store "
                  "NAME, for lpc verify --cases.",
@@ -206,17 +210,19 @@ def found(table, rows):
                           **{{"failed": "no answer"}.get(end, end): table[end] for end in FAILURES if table[end].any()}})
     small = small.sort_values(["failed", "role", "method"], ascending=[False, True, True], kind="stable").reset_index(drop=True)
     ours, theirs = table["role"] == "competitor", table["role"] == "witness"
-    wrong, cases = [table["method"][row] for row in table.index if ours[row] and bad[row]], rows[["id", "query"]].drop_duplicates()
+    wrong = [table["method"][row] for row in table.index if ours[row] and bad[row]]
     most = max(wrong, key=lambda name: bad[table["method"] == name].iloc[0], default=None)
     at = table.index[table["method"] == most]
     said = f"{most} fails on {bad[at[0]]} of the {declared[at[0]]} that it declares" if len(wrong) == 1 else (
-        f"{some(wrong)} fail, {most} on {bad[at[0]]} of {declared[at[0]]}" if wrong else "our methods fail on none that they declare")
+        f"{some(wrong)} fail, {most} on {bad[at[0]]} of {declared[at[0]]}" if wrong else "our methods fail on none that they "
+                                                                                         "declare")
     worst = bad[theirs].idxmax() if theirs.any() and bad[theirs].max() else None
     other = "" if not theirs.any() else "; no witness fails" if worst is None else (
         f"; {table['method'][worst]} fails on {bad[worst]} of {declared[worst]}, the most of "
         f"{plural(int(theirs.sum()), 'witness', 'witnesses')}")
-    head = f"Of {plural(len(cases), 'published case')} {said}"
-    return Finding(fits(f"{head}{other}.", f"{head}."), cut(small, [i for i, name in enumerate(small["method"]) if name in wrong]))
+    head = f"Of {plural(rows['id'].nunique(), 'published case')} {said}"
+    kept = [i for i, name in enumerate(small["method"]) if name in wrong]
+    return Finding(fits(f"{head}{other}.", f"{head}."), cut(small, kept))
 
 
 def _corpus_chart(context, rows, file):
@@ -265,7 +271,8 @@ def _note(rows, file):
              "mass_properties": "a mass", NOT_A_METHOD: "a query without a method, such as a time of impact"}
     of = [f"{number} {words.get(query, query.replace('_', ' '))}" for query, number in cases.items()]
     return (f"A row adds up to the {cases.sum()} cases of {file}, which ask for {listing(of)}. Failed: an exception, a crash, "
-            "a number that is not finite, or a refusal of declared shapes. The last three columns are no failures, and grey at the "
+            "a number that is not finite, or a refusal of declared shapes. The last three columns are no failures, and grey at "
+            "the "
             "right: undeclared shapes, cases of another dimension, cases of another query. The numbers list all cases by name.")
 
 

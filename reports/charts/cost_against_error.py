@@ -85,7 +85,8 @@ def found(context, cells, where, cost, error):
     eligible, setting = ranking.eligible(context, cells), next(iter(context.settings(cells)), None)
     what, result = context.title(error).removeprefix("largest "), at_equal_cost(eligible, cost, error)
     lines = _lines(context, cells, result, setting, cost, error)
-    ranks = lambda ties=(): ranked(lines, context.title(error), unit, ties, floor=floor, keep=[context.baseline(cells)])  # noqa: E731
+    ranks = lambda ties=(): ranked(lines, context.title(error), unit, ties, floor=floor,  # noqa: E731
+                                   keep=[context.baseline(cells)])
     if result is None:
         return Finding(f"On {where} no ranked method finished with a cost and an error.", ranks()), None
     budget, _, table = result
@@ -103,7 +104,8 @@ def found(context, cells, where, cost, error):
     if len(firsts) == len(known):
         alike = f"the same {what} ({least})" if known[best] == known[worst] else f"a tie for the smallest {what}"
         verb_of = "have" if known[best] == known[worst] else "end in"
-        text = fits(f"{head}{some(known, everyone)} {verb_of} {alike}{fail}.", f"{head}{some(known, everyone)} {verb_of} {alike}.")
+        text = fits(f"{head}{some(known, everyone)} {verb_of} {alike}{fail}.", f"{head}{some(known, everyone)} {verb_of} "
+                                                                               f"{alike}.")
     else:
         # Values that read alike share the last place.
         lasts = [m for m in known if si(known[m], unit) == most and m not in firsts]
@@ -390,7 +392,8 @@ def _chart(context, cells, where, setting, refused):
     return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), WITHIN_BUDGET, f"Least error within a budget: {where}",
                  found_within(context, cells, where, costs, error),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
-                 f"Each line is a method's least error over its values of {setting} that cost at most as much. Dotted lines are the "
+                 f"Each line is a method's least error over its values of {setting} that cost at most as much. Dotted lines are "
+                 f"the "
                  "budgets of the table above. A time above a budget by no more than the noise is within it. "
                  + ranking.rule(max(map(len, cells["seeds"])), *ranked) + " " + noise.rule(
                      noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

@@ -120,12 +120,14 @@ def _rows(context, place, part, error, best, equals, deep, several):
         low, high = noise.wilson(failed, seeds)
         row = {"ensemble": place} if several else {}
         row |= {"method": method, f"{what}, median [{unit}]": 0.0 if median <= zero else finite(median),
-                f"{what}, worst [{unit}]": finite(max(of_seeds)), AGAINST: word, "failed seeds": f"{failed} of {seeds} ({100 * low:.0f} to {100 * high:.0f} %)"}
+                f"{what}, worst [{unit}]": finite(max(of_seeds)), AGAINST: word, "failed seeds": f"{failed} of {seeds} "
+                                                                                                 f"({100 * low:.0f} to "
+                                                                                                 f"{100 * high:.0f} %)"}
         if idle:
             row["seeds"] = "change nothing"
         if other in part:
             value = float(np.median(measured.of_seeds(cell, other)))
-            row |= {f"{context.title(other)}, median [{context.unit(other)}]": finite(value) if value > context.floor(other) else 0.0,
+            row |= {f"{context.title(other)}, median [{context.unit(other)}]": finite(value) * (value > context.floor(other)),
                     "beyond the slop": "best" if method in firsts and len(firsts) == 1 else "tie" if method in firsts else ""}
         rows.append(((word.startswith(("not", "failed")), median), row))
     return pd.DataFrame([row for _, row in sorted(rows, key=lambda pair: pair[0])])
@@ -214,7 +216,8 @@ def _chart(context, cells, where, inner):
     return Chart(identifier(f"{cells['sweep'].iloc[0]} ensemble {where}"), SECTION, f"Ensembles: {where}",
                  found(context, where, groups, errors[0], everyone), cells["sweep"].iloc[0], figure,
                  _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
-                 "Each row is one method under all seeds; a failed seed is drawn at the edge. The bar beside the share of failures "
+                 "Each row is one method under all seeds; a failed seed is drawn at the edge. The bar beside the share of "
+                 "failures "
                  "is Wilson's interval: with 95 % it holds the chance of a failure, also where none failed. "
                  f"The bar of an error holds its median with at least {certain} %, for any distribution. "
                  f"{ranking.rule(int(cells['seeds'].map(len).max()), *compared)}{ranking.raw(context, errors[0])}",

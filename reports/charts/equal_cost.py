@@ -166,7 +166,8 @@ def _sentence(context, about, where, what, winners, everyone, budgets):
                     f"On {where} {some(always, everyone)} {tie} the smallest {what} {at}.",
                     f"On {where} {some(always, everyone, 1)} {tie} the smallest {what} {at}.")
     (low, first, _), (high, last, _) = winners[0], winners[-1]
-    ends = f"{some(first, everyone, 1)} {verb(len(first), 'have')} the smallest {what} at {low}, {some(last, everyone, 1)} at {high}"
+    ends = (f"{some(first, everyone, 1)} {verb(len(first), 'have')} the smallest {what} at {low}, {some(last, everyone, 1)} at "
+            f"{high}")
     return fits(f"On {where}, at {equal}, {ends}; no method is first at every budget.",
                 f"On {where} {ends}; no method is first at every budget.", f"On {where}, at {equal}, {ends}.",
                 f"On {where} {ends}.", f"On {where} no method is first at every budget of {equal}.")
@@ -265,7 +266,8 @@ def _chart(context, cells, about, axes, refused):
                  refused + at_start(cells) + holes(cells, ["method", "budget"]),
                  f"Each method runs with its own value of {setting}, {meets} ({plural(seeds, 'seed')}). Methods are drawn up to "
                  f"{max(beside_at.values()) - 1:.0%} beside their budget. Bars are the range over seeds and repeats. A letter in "
-                 f"the top band failed or met no budget; C×3 are three. {ranking.rule(seeds, *compared)}{ranking.raw(context, names[0])}"
+                 f"the top band failed or met no budget; C×3 are three. "
+                 f"{ranking.rule(seeds, *compared)}{ranking.raw(context, names[0])}"
                  + beside(context, cells, about, other) + counted(context, cells, about, other, full),
                  telling=True, headline=entry)
 

@@ -69,7 +69,8 @@ class AgainstReference(with_store.WithStore):
     def test_where_the_reference_agrees_with_itself_methods_are_compared_at_equal_cost(self):
         made = self.made(of_reference.against_reference, self.scene())
         self.assertEqual(len(made), 1)
-        self.assertIn("The reference agrees with its runs at half the step and 1 nm beside it and with xpbd to 30 µm for all 3 s.",
+        self.assertIn("The reference agrees with its runs at half the step and 1 nm beside it and with xpbd to 30 µm for all 3 "
+                      "s.",
                       made[0].note)
         self.assertEqual(made[0].finding.headline, "On chain, 2D, within 160 multiply-adds per step, catto stays nearest to the "
                          "reference (7.5 mm); naive is 30 mm away, 4.0 times as far.")

@@ -271,7 +271,8 @@ class Choose(undrawn.Undrawn):
         self.assertEqual(found["mean penetration of shapes at the end"], "2 mm")
         self.assertIn(f"To paste: --pipeline '{pasted}'", made[0].note)
         self.assertEqual(self.verdicts(made[0].table, "as a whole"), {"taken": "take"})
-        self.assertRegex(made[0].headline.text, r"take broadphase sort_and_sweep and resolver catto\+none: 1\.0\d ms a step, 0\.3\d "
+        self.assertRegex(made[0].headline.text, r"take broadphase sort_and_sweep and resolver catto\+none: 1\.0\d ms a step, "
+                                                r"0\.3\d "
                          "times the time of the pipeline of the sweeps")
         self.assertNotIn("has not run", " ".join(made[0].holes))
         _, made = self.made(whole=3.01)

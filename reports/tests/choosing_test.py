@@ -19,7 +19,6 @@ import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 from charts import cost_against_error  # noqa: E402
-from with_store import row  # noqa: E402
 
 
 def check_looks(looks, labels):

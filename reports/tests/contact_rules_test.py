@@ -60,7 +60,8 @@ class Rules(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding.headline, "tower, 3D: sag end with sat_clip+deepest is 3.0 times that with sat_clip+spread.")
+        self.assertEqual(made.finding.headline, "tower, 3D: sag end with sat_clip+deepest is 3.0 times that with "
+                                                "sat_clip+spread.")
         self.assertEqual(made.headline.text, made.finding.headline)
         against = lambda name: list(row(made, name).values())[1:]  # noqa: E731
         self.assertEqual(against("query_clip+spread"), ["ok", "2.0 times", "tie", "2.7 times", "tie"])

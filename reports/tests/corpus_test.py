@@ -39,9 +39,9 @@ impact,-,refused,,,,"unsupported_query"
 def check_accounts(rows, counts_of):
     """Every method has each case of the file once."""
     table, cases = counts_of(rows), rows["id"].nunique()
-    for _, row in table.iterrows():
-        if row[list(corpus.ENDS)].sum() != cases:
-            return f"{row['method']}: {row[list(corpus.ENDS)].sum()} of {cases} cases"
+    for _, found in table.iterrows():
+        if found[list(corpus.ENDS)].sum() != cases:
+            return f"{found['method']}: {found[list(corpus.ENDS)].sum()} of {cases} cases"
     return ""
 
 
@@ -91,7 +91,8 @@ class Corpus(undrawn.Undrawn):
         store, made = self.made()
         told = made.table.set_index("id")["closed_form"]
         self.assertEqual((told["flat"], told["deep"]), ("undeclared", "failed"))
-        self.assertEqual(made.finding.headline, "Of 5 published cases closed_form and sat fail, closed_form on 1 of 2; solid fails on "
+        self.assertEqual(made.finding.headline, "Of 5 published cases closed_form and sat fail, closed_form on 1 of 2; solid "
+                                                "fails on "
                          "1 of 2, the most of 1 witness.")
         declared = {name: row(made, name)["cases declared"] for name in ("closed_form", "sat", "solid", "convex_hull")}
         self.assertEqual(declared, {"closed_form": "2", "sat": "3", "solid": "2", "convex_hull": "1"})
@@ -103,7 +104,8 @@ class Corpus(undrawn.Undrawn):
     def test_of_many_witnesses_the_worst_is_named_with_what_it_declares(self):
         store, made = self.made(theme=synthetic_store.corpus)
         self.assertEqual(len(made.table), 60)
-        self.assertEqual(made.finding.headline, "Of 60 published cases our methods fail on none that they declare; fcl_libccd fails "
+        self.assertEqual(made.finding.headline, "Of 60 published cases our methods fail on none that they declare; fcl_libccd "
+                                                "fails "
                          "on 12 of 56, the most of 8 witnesses.")
 
 

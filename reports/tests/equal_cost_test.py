@@ -112,11 +112,13 @@ class EqualCost(undrawn.Undrawn):
 
     def test_the_finding_ranks_at_every_budget_and_tells_who_met_none(self):
         made = self.made()[0]
-        self.assertEqual(made.finding.headline, "On pyramid, 2D, at equal row updates per step, catto has the smallest penetration at "
+        self.assertEqual(made.finding.headline, "On pyramid, 2D, at equal row updates per step, catto has the smallest "
+                                                "penetration at "
                          "100, soft_step at 400; no method is first at every budget.")
         self.assertEqual([list(row(made, name).values())[1:] for name in ("soft_step", "catto", "naive")],
                          [["4 mm", "2", "500 µm", "1"], ["3 mm", "1", "1 mm", "2"], ["", "needs more", "4 mm", "3"]])
-        self.assertTrue(made.headline.text.startswith("On pyramid, 2D, within 400 (row updates per step), soft_step has the smallest "
+        self.assertTrue(made.headline.text.startswith("On pyramid, 2D, within 400 (row updates per step), soft_step has the "
+                                                      "smallest "
                                                       "penetration, 500 µm; naive has 4 mm."), made.headline.text)
         self.assertIn("iterations=1 costs 120", " ".join(made.holes))
         self.assertNotIn("fail", made.finding.text() + made.headline.text, "what costs more than there is does not fail")
@@ -133,8 +135,8 @@ class EqualCost(undrawn.Undrawn):
                                                                           (2, "c", 2e-3, 0, 1)]):
             context = unittest.mock.Mock(unit=lambda name: "m", title=lambda name: "error")
             rows = pd.DataFrame({"method": list("abc"), "budget": 4, "outcome": "ok", "hashes": [[]] * 3})
-            with unittest.mock.patch.multiple(equal_cost, _marks=lambda *_: {}, farthest=lambda *_: None, final_states=lambda _: {},
-                                              said_of=lambda *_: "4"):
+            with unittest.mock.patch.multiple(equal_cost, _marks=lambda *_: {}, farthest=lambda *_: None,
+                                              final_states=lambda _: {}, said_of=lambda *_: "4"):
                 made, _ = equal_cost.found(context, rows, EQUAL, "here", "error", None)
         self.assertEqual(made.table["rank at 4"].tolist(), ["1", "2, tie", "2, tie"])
 

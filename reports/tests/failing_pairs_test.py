@@ -80,7 +80,8 @@ class Gallery(undrawn.Undrawn):
                                         "sphere–sphere (ties): wrong side.")
         self.assertEqual(made.table["failure"].tolist(), ["wrong side", "wrong normal", "wrong distance"])
         del wrong["wrong_side"]
-        self.assertIn("0.1 of the size, on sphere–sphere (ties): along its normal alone", corpus.found_pairs(wrong, 2, "f64").headline)
+        self.assertIn("0.1 of the size, on sphere–sphere (ties): along its normal alone",
+                      corpus.found_pairs(wrong, 2, "f64").headline)
 
     def test_an_outline_that_is_given_is_drawn_and_one_that_is_missing_is_told(self):
         known = case("m", "wrong_distance", 0.1, 1.0)
@@ -117,7 +118,8 @@ class Gallery(undrawn.Undrawn):
             shown = charts[0].table.set_index("which")
             self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")
             self.assertEqual(shown.loc["worst", "case"], "fcl_libccd-1.2")
-            self.assertEqual(charts[0].finding.headline, "In 2D, f64, fcl_libccd has the largest error of 1 method, 0.7 of the size, on "
+            self.assertEqual(charts[0].finding.headline, "In 2D, f64, fcl_libccd has the largest error of 1 method, 0.7 of the "
+                                                         "size, on "
                              "sphere–sphere (ties): wrong distance.")
             self.assertIn("distance, or along the normal", charts[0].finding.text())
             drawn = [ax.get_xlabel() for ax in charts[0].figure.axes if ax.get_visible()]

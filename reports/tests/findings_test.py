@@ -130,7 +130,8 @@ class Findings(with_store.WithStore):
         cells = self.context(self.cut([1.01, 1.2, 1.21, 1.23, 1.24])).store.cells("costs")
         self.assertEqual(sorted(budget.within(cells, COST, "penetration_poses", 1.02, least)), ["catto", "naive"], "whiskers")
         found = chart.made(error_within_budgets, context)[0]
-        self.assertEqual((row(found, "1.02 ms per step")["best"], row(found, "1.02 ms per step")["smallest penetration of shapes"]),
+        self.assertEqual((row(found, "1.02 ms per step")["best"], row(found, "1.02 ms per step")["smallest penetration of "
+                                                                                                 "shapes"]),
                          ("catto", "1 mm"))
         self.assertIn("A time above a budget by no more than the noise is within it", found.note)
 
@@ -156,7 +157,8 @@ class Findings(with_store.WithStore):
                     maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
                                 iterations / 10, error)
         found = self.made(error_within_budgets, fill)[0]
-        self.assertRegex(found.finding.headline, r"^On stack, 2D catto has the smallest penetration within 4\d\d µs per step, naive "
+        self.assertRegex(found.finding.headline, r"^On stack, 2D catto has the smallest penetration within 4\d\d µs per step, "
+                                                 r"naive "
                          r"within 4[.\d]* ms per step; no method is best at every budget\.$")
         told = [list(entry.values()) for entry in found.finding.rows()]
         self.assertEqual([entry[1] for entry in told], ["catto", "catto", "naive", "naive"] * 2)
@@ -279,7 +281,8 @@ class Findings(with_store.WithStore):
                         axes = {"kind": "world", "scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
                         maker.trial("costs", {**axes, "timed": False, "repeat": 0}, {}, series=series)
         found = self.made(energy, fill)[0]
-        self.assertEqual(found.finding.headline, "In 2D at iterations=10 methods gain energy on 2 of 2 scenes, box2d most on fall (50 "
+        self.assertEqual(found.finding.headline, "In 2D at iterations=10 methods gain energy on 2 of 2 scenes, box2d most on "
+                                                 "fall (50 "
                          "% of the energy exchanged).")
         self.assertEqual([list(row(found, name).values())[1:] for name in ("fall", "rest", "script")], [
             ["box2d", "box2d", "50 J", "0.5", ""], ["box2d", "box2d", "0.0005 J", "0.5", "little energy is exchanged"],

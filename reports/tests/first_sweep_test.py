@@ -46,7 +46,8 @@ class FirstSweep(unittest.TestCase):
         self.assertEqual({f"friction_leaning_stack__n_{n}" for n in (5, 10, 20)} - drawn, set(), "cost against error")
         self.assertIn("friction_raised_2d", drawn, "the ladder over n")
         self.assertIn("friction_steadiness_2d", drawn)
-        self.assertEqual([c.finding.headline for c in made if c.section == cost_against_error.RIGHT_FOR_COST and c.figure is None], [])
+        self.assertEqual([c.finding.headline for c in made if c.section == cost_against_error.RIGHT_FOR_COST and
+                          c.figure is None], [])
 
     def test_one_more_method_joins_a_shipped_sweep(self):
         with_it = re.search(r"^lpc (sweep resolvers --with .*)$", MANUAL, re.M).group(1)

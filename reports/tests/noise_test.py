@@ -168,7 +168,8 @@ class OfStores(with_store.WithStore):
                                                     "box_tests_mean": 5.0, "load": 0.1})
         found = self.made(broadphase.broadphase, fill)[0]
         self.assertEqual(found.finding.headline, found.headline.text)
-        self.assertIn("other and third (within the noise) are 9.9 to 10.0 times as fast as naive; other is faster from about 91 bodies "
+        self.assertIn("other and third (within the noise) are 9.9 to 10.0 times as fast as naive; other is faster from about 91 "
+                      "bodies "
                       "on.", found.headline.text)
         self.assertEqual(row(found, "uniform")["between"], "64 and 128 bodies")
         drawn = " ".join(text.get_text() for ax in found.figure.axes for text in ax.texts)
@@ -349,7 +350,8 @@ class OfStores(with_store.WithStore):
                         axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
                         maker.world("ensemble", axes, 1.0, error * (1 + seed / 100), repeats=0, hash=f"{error}{seed:02x}")
         found = self.made(ensembles.ensembles, fill)[0]
-        self.assertEqual(found.headline.text, "On stack, 2D, over 10 seeds, catto+linear and 1 more tie for the smallest penetration at "
+        self.assertEqual(found.headline.text, "On stack, 2D, over 10 seeds, catto+linear and 1 more tie for the smallest "
+                                              "penetration at "
                          "perturb=1e-06; soft_step has it at perturb=0.001 (median 2.11 mm).")
         self.assertEqual(row(found, "catto+split_impulse")["against the best"], "tie; same final state under 10 seeds")
         cell = lambda name, errors: {"method": name, "e": 1.0, "measured": {"e": Measured(seeds=errors)},  # noqa: E731
@@ -386,7 +388,8 @@ class OfStores(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, each * iterations / 4, error)
         found = self.made(cost_against_error, fill)[0]
-        self.assertEqual(found.finding.headline, "On stack, 2D, within 1.03 ms per step, weld has the smallest penetration (3 mm at "
+        self.assertEqual(found.finding.headline, "On stack, 2D, within 1.03 ms per step, weld has the smallest penetration (3 "
+                                                 "mm at "
                          "iterations=4), hinge and 2 more the largest (8 mm at iterations=10).")
         self.assertEqual(found.headline.text, found.finding.headline)
         self.assertEqual([row(found, name)["against the best"] for name in ("weld", "hinge", "pivot", "rod")],

@@ -49,7 +49,8 @@ class Parameters(with_store.WithStore):
                                                 "defaults, the largest effect of a parameter.")
         self.assertEqual(made.headline.text, made.finding.headline)
         found = row(made, "grid")
-        self.assertEqual((found["fastest"], found["times the defaults"], found["on"]), ("grid{cell=1}", "0.5", "uniform boxes, 2D"))
+        self.assertEqual((found["fastest"], found["times the defaults"], found["on"]), ("grid{cell=1}", "0.5", "uniform boxes, "
+                                                                                                               "2D"))
         self.assertEqual((found["slowest"], found["times the defaults, slowest"]), ("grid{cell=8}", "4"))
         self.assertEqual(found["faster on all boxes"], "grid{cell=1}")
         self.assertEqual(row(made, "tree")["fastest"], "all within the noise")

@@ -184,7 +184,8 @@ class WithoutRank(with_store.WithStore):
                     maker.world("mine", axes, 1.0, error * (1 + seed / 1000), repeats=0,
                                 extra={"pipeline": f"solver=split_solver{{velocity={name},position=linear{{slop={slop:g}}}}}"})
         made = self.made(ensembles.ensembles, fill)[0]
-        self.assertEqual(made.finding.headline, "On stack, 2D, over 20 seeds, naive has the smallest penetration (median 3.03 mm).")
+        self.assertEqual(made.finding.headline, "On stack, 2D, over 20 seeds, naive has the smallest penetration (median 3.03 "
+                                                "mm).")
         found = row(made, "catto")
         self.assertEqual((found["penetration beyond the slop, median"], found["beyond the slop"]), ("1.06 mm", "best"))
         self.assertEqual(row(made, "naive")["beyond the slop"], "")

@@ -51,7 +51,8 @@ class Rebound(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding.headline, "In 2D springy throws a body without restitution back by up to 2 m at 20 m/s; calm "
+        self.assertEqual(made.finding.headline, "In 2D springy throws a body without restitution back by up to 2 m at 20 m/s; "
+                                                "calm "
                                                 "and other do not.")
         self.assertEqual(made.headline.text, made.finding.headline)
         found = row(made, "springy")
@@ -73,7 +74,8 @@ class Rebound(with_store.WithStore):
 
     def test_who_failed_has_no_number(self):
         made = self.one(back={"springy": (0, None), "calm": (0, 0.2)})
-        self.assertEqual(made.finding.headline, "In 2D calm throws a body without restitution back by up to 4 m at 20 m/s; springy "
+        self.assertEqual(made.finding.headline, "In 2D calm throws a body without restitution back by up to 4 m at 20 m/s; "
+                                                "springy "
                                                 "does not.")
         self.assertEqual(row(made, "springy")["tried up to"], "5 m/s", "it failed at 20 m/s")
         self.assertTrue(math.isnan(made.table[made.table["method"] == "springy"]["rebound [m]"].iloc[1]))
