@@ -102,7 +102,8 @@ def ranked(lines, title, unit, ties=(), larger=False, floor=0.0, name="method", 
                    key=lambda line: (-line.value if larger else line.value, line.name))
     first = known[0] if known else None
     order = known + [line for line in lines if line.outcome or not math.isfinite(line.value)]
-    columns = {name: [line.name for line in order], **tables.quantity(title, unit, [line.value for line in order])}
+    columns = {name: [line.name for line in order], **tables.quantity(title, unit, [
+        0.0 if abs(line.value) <= floor else line.value for line in order])}
     if any(math.isfinite(line.low) and math.isfinite(line.high) and line.high > line.low for line in order):
         columns[range_title] = [ends(line.low, line.high, unit) for line in order]
     columns[AGAINST] = [line.outcome or against(line, first, words, floor, unit) for line in order]

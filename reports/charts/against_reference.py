@@ -24,7 +24,7 @@ from sentences import listing, methods, some, verb
 from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si, times
 from table import quantity
 
-SECTION = "How far does each method go from a converged reference?"
+SECTION = "How far is each method from a converged reference?"
 APART = 5e-4  # m: a tenth of the slop that most methods leave
 EVEN = 1e-6  # s: times that are closer count as one
 BY = " by "  # in the label of the same reference by another solver

@@ -129,7 +129,7 @@ def _short_word(verdict):
     more = ", errs more" if "; " in verdict.reason or "above" in first else ""
     first = re.sub(r" times as long as \S+", " times the fastest", first)
     if " times " in first:
-        return first.replace(" (whole steps: it makes other work)", " (whole steps)") + more
+        return first.replace(" (whole steps: it causes other work)", " (whole steps)") + more
     return "tie: " * (verdict.role == "competitor") + first + more
 
 

@@ -73,7 +73,7 @@ def told(case):
 
 
 def found_pairs(pairs, dimension, precision):
-    """The worst answer of each method, the worst method last."""
+    """The worst answer of each method, the largest error first."""
     worst = {method: kept["worst"][1] for method, kept in pairs.items()}
     order = sorted(worst, key=lambda m: -(worst[m]["found"].get("error") or 0))
     said = lambda case: (f"{kinds(case)} ({case['note'].replace('_', ' ')})" if case.get("note") else kinds(case))  # noqa: E731

@@ -21,7 +21,7 @@ from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right
                    si, times)
 from table import quantity
 
-RIGHT_FOR_COST = "Which method is right for its cost?"
+RIGHT_FOR_COST = "Which method is most accurate for its cost?"
 # The trials say which errors a scene can show; other charts compare models and precisions.
 NAMED = 6  # most methods that failed and are named in the legend
 
@@ -290,7 +290,7 @@ def _table(context, cells, setting, costs, errors):
     return pd.DataFrame(columns).sort_values(list(columns)[:2] if setting else ["method"])
 
 
-WITHIN_BUDGET = "Which method is right within a budget?"
+WITHIN_BUDGET = "Which method is most accurate within a budget?"
 TIME = "ms_per_step_median"
 
 

@@ -18,7 +18,7 @@ from sentences import plural, some, verb
 from style import ZeroLog, grid_of_axes, legend_right, si
 from table import quantity
 
-SECTION = "Which ranks hold when a scene starts a little elsewhere?"
+SECTION = "Which ranks hold for slightly different starts?"
 ERRORS = 2  # panels
 
 

@@ -160,7 +160,7 @@ class Choose(undrawn.Undrawn):
         self.assertIn("jitter counts as 0 up to 50 mm/s, which is rest", made.note)
         taken, reasons, _ = fill(2e-2, 1e-3)
         self.assertEqual(taken, "soft_step", "20 mm are not")
-        self.assertIn("which counts as none", reasons["catto+none"])
+        self.assertIn("which counts as 0", reasons["catto+none"])
         taken, reasons, _ = fill(2e-3, 0.5)
         self.assertEqual(taken, "soft_step", "what trembles does not stand")
         self.assertIn("jitter", reasons["catto+none"])
