@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Zlib
 """The choice of a method for each stage of one scene, the reasons against the others, and the pipeline that combines the choices.
 
-A choice must hold for slightly different starts. So a method errs more only where it does beyond doubt over the seeds
-(ranking.py), is slower only beyond doubt and beyond the noise (noise.py), and ties otherwise. Depths within the slop that methods
+A choice must hold for slightly different starts. So a method errs more only where it does significantly over the seeds
+(ranking.py), is slower only significantly and beyond the noise (noise.py), and ties otherwise. Depths within the slop that methods
 keep on purpose are equal, and so are speeds that count as rest. The fastest of methods that tie would change from run to run. So
-the choice is the method that errs least beyond doubt, else that of the pipeline that all sweeps share, else the fastest.
+the choice is the method that errs significantly least, else that of the pipeline that all sweeps share, else the fastest.
 """
 
 import math
@@ -262,7 +262,7 @@ def _seeds(cell):
 
 
 def wrong(context, cell, ours, least):
-    """Reasons: errors of a method that are beyond doubt larger than AS_RIGHT times the least of our methods. `least`: {error:
+    """Reasons: errors of a method that are significantly larger than AS_RIGHT times the least of our methods. `least`: {error:
     value up to which it counts as 0}."""
     said, many = [], ranking.comparisons(len(ours))
     for error, zero in least.items():
@@ -281,7 +281,7 @@ def wrong(context, cell, ours, least):
 
 
 def tie(a, b, cost, floor, many=1):
-    """Why two finished methods tie in time; empty where one is faster beyond doubt."""
+    """Why two finished methods tie in time; empty where one is significantly faster."""
     if cost == ALONE:  # the runs are equal, and so are their counts
         a, b = (cell[[name for name in cell.index if not name.startswith("work_")]] for cell in (a, b))
     said = noise.said(a, b, cost, floor)

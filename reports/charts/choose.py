@@ -187,9 +187,9 @@ def _chart(context, advice):
                  advice.choices[0].sweep, figure, _table(context, advice), advice.refused + missing + bad,
                  f"A stage takes its fastest method among those that finished and err at most {AS_RIGHT:g} times the least error "
                  f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}; {none_of(context, advice)}). "
-                 "“Errs more” and “slower” hold beyond doubt over the seeds, “slower” also beyond the noise; else methods tie. "
+                 "“Errs more” and “slower” are significant over the seeds, “slower” also beyond the noise; else methods tie. "
                  "Of "
-                 "methods that tie the one with the least error beyond doubt is taken, else that of the sweeps' common pipeline. "
+                 "methods that tie the one with the significantly least error is taken, else that of the sweeps' common pipeline. "
                  f"{' '.join(rules)}{_pasted(context, advice)}", telling=True, headline=_headline(advice),
                  others=tuple(dict.fromkeys([choice.sweep for choice in advice.choices[1:]] +
                                             [cell["sweep"] for _, cell in advice.whole])))

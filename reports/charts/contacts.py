@@ -135,7 +135,7 @@ def _rebound_chart(context, cells):
 RULES = "What do contact rules cost, and do stacks stand better?"
 TIME, POINTS = "ms_per_step_median", "contacts_end"
 BOUGHT = ("sag_end", "lateral_max", "jitter")
-TOLD = 1.1  # smallest ratio of two results that the table gives, where it holds beyond doubt
+TOLD = 1.1  # smallest ratio of two results that the table gives, where the difference is significant
 
 
 @of_sweeps("contact_rules", 44, RULES,
@@ -151,7 +151,7 @@ def contact_rules(context, cells):
 
 
 def against(rows, base, name):
-    """{method: (ratio, words)} by a result of the baseline; the ratio is NaN where it is not beyond doubt. `rows`: cells that
+    """{method: (ratio, words)} by a result of the baseline; the ratio is NaN where it is not significant. `rows`: cells that
     finished, by method."""
     found = {}
     for method, row in rows.items():
@@ -183,7 +183,7 @@ def found_rules(context, cells, base, where, least):
     sure = [(abs(math.log(ratio)) if 0 < ratio < math.inf else math.inf, name, m, said) for name in BOUGHT
             for m, (ratio, said) in against(rows, base, name).items() if m != base and ratio == ratio]
     if not sure:
-        return Finding(f"{where}: no contact rule changes a result of {base} beyond doubt.", cut(table)), None
+        return Finding(f"{where}: no contact rule changes a result of {base} significantly.", cut(table)), None
     finite = [entry for entry in sure if math.isfinite(entry[0])]
     _, name, method, said = max(finite or sure)
     time = f"; a step takes {words[method]} the time" if words[method].endswith("times") else ""
@@ -218,7 +218,7 @@ def _rules_chart(context, cells, where, refused):
                  refused + holes(cells, ["method"]) + noise.idle_seeds(cells),
                  "Bars are the range over all seeds, of times over the repeats. The table gives a result's ratio where it "
                  "differs "
-                 f"by at least {100 * (TOLD - 1):.0f} % beyond doubt; else the two tie. "
+                 f"significantly, by at least {100 * (TOLD - 1):.0f} %; else the two tie. "
                  f"{ranking.rule_of_pairs(max(map(len, cells['seeds'])), max(1, finished - 1))} {noise.rule(least)}",
                  headline=entry)
 

@@ -96,7 +96,7 @@ def found(context, cells, where, cost, error):
     best, worst = min(known, key=known.get), max(known, key=known.get)
     least, most = si(known[best], unit), si(known[worst], unit)
     many, head = ranking.comparisons(len(known)), f"On {where}, within {per_step(context, cost, budget)}, "
-    # A method that the best does not beat beyond doubt ties with it.
+    # A method that the best does not beat significantly ties with it.
     firsts = [m for m in known if not ranking.better(cell[best], cell[m], error, floor, many)]
     if len(known) == 1:
         return Finding(f"On {where} only {best} finishes; its {what} is {least}.", ranks()), None

@@ -50,7 +50,7 @@ def candidates(part, error):
 
 
 def ranks(part, error, zero):
-    """(the cell with the least median, the methods that it does not beat beyond doubt, itself among them) of one ensemble."""
+    """(the cell with the least median, the methods that it does not beat significantly, itself among them) of one ensemble."""
     known = candidates(part, error)
     if not len(known):
         return None, []
@@ -69,7 +69,7 @@ def against(best, other, error, zero):
 
 
 def winners(part, error, zero):
-    """The methods that no other beats beyond doubt, where they beat at least one."""
+    """The methods that no other beats significantly, where they beat at least one."""
     best, equals = ranks(part, error, zero)
     return [] if best is None or len(equals) == len(part) or ranking.overlapping(part) else equals
 

@@ -74,7 +74,7 @@ def candidates(cells, name, excused=()):
 
 def ranks(cells, name, floor=0.0, least=None, excused=()):
     """Rows (rank, method, median, lowest, highest), the best first. A method's rank is 1 plus the number of methods that are
-    better beyond doubt (ranking.py) and, for a time, beyond the noise floor `least`. Methods that none beats tie for the first
+    significantly better (ranking.py) and, for a time, beyond the noise floor `least`. Methods that none beats tie for the first
     rank. Methods that failed, met no budget or are `excused` have no rank."""
     parts = {method: part for method, part in cells.groupby("method", sort=True)}
     rows = [(method, *spread(part, name)) for method, part in parts.items()]
