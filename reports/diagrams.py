@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Draws three figures of the docs from the source, so that they cannot lag behind it: docs/drawings/rooms.svg, the folders of
+"""Draws three figures of the docs from the source, so that they cannot lag behind it: docs/drawings/folders.svg, the folders of
 the code and what each includes, docs/drawings/pipeline.svg, the stages in the order of World::step with the methods of each,
 and docs/drawings/classes.svg, what derives from what. Standard library only.
 
@@ -214,7 +214,7 @@ def classes():
     return picture(430 + width + 20, max(y, bottom), content, "What derives from what, and the state of a world")
 
 
-def rooms():
+def folders():
     """{folder: (folders of its own part of the project that it includes, those of other parts)}, of all that hold C++."""
     holds = {}
     for part in ("framework", "algorithms", "oracles", "experiments"):
@@ -250,7 +250,7 @@ def by_layers(uses):
 
 def layout():
     """A column a part of the project: each folder with what it includes, the ones that stand on the others above."""
-    uses = rooms()
+    uses = folders()
     wide, gap, content, bottom = 300, 24, [], 0
     fits = int((wide - 2 * PAD) / CHAR)
     parts_of = ("framework", "algorithms", "oracles", "experiments")
@@ -286,7 +286,7 @@ def main(words):
         print(f"diagrams.py: unknown argument '{words[0]}'; valid: --check, --help", file=sys.stderr)
         return 2
     stale = []
-    for name, draw in (("rooms.svg", layout), ("pipeline.svg", pipeline), ("classes.svg", classes)):
+    for name, draw in (("folders.svg", layout), ("pipeline.svg", pipeline), ("classes.svg", classes)):
         try:
             text = draw()
         except UserError as error:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """What the pages tell a reader to type and to write: commands are run, files are what they are run on, and options that prose
 names exist. Run by ctest: docs_test.py SOURCE_DIR BINARY_DIR [PYTHON for reports] [--others] [--deep].
-Commands are those of README and the manual, with --others those of the other pages.
+Commands are those of README, the manual and its reference; with --others those of the other pages.
 
 A fence says what it holds: sh; toml, cpp or cmake with the name of the file; toml axes, the axes of a sweep; text
 pipeline; text. What is not run stands below with its reason, or with what is run instead.
@@ -21,22 +21,22 @@ DEEP, OTHERS = "--deep" in sys.argv, "--others" in sys.argv
 HAS_SINGLE = "f32" in (BINARY / "precisions.txt").read_text()
 REPORT_PYTHON = next((argument for argument in sys.argv[3:] if not argument.startswith("--")), "")
 SCRATCH = BINARY / ("docs_test_others" if OTHERS else "docs_test")
-FIRST = ["docs/manual.md", "README.md"]  # the manual's sweep fills the store that README reports
-PAGES = [*FIRST, "CONTRIBUTING.md", *sorted(f"docs/{p.name}" for p in (SOURCE / "docs").glob("*.md") if p.name != "manual.md")]
+REFERENCE = sorted(f"docs/{p.name}" for p in (SOURCE / "docs").glob("reference_*.md"))
+FIRST = ["docs/manual.md", *REFERENCE, "README.md"]  # the manual's sweep fills the store that README reports
+OTHER = sorted({f"docs/{p.name}" for p in (SOURCE / "docs").glob("*.md")} - set(FIRST))
+PAGES = [*FIRST, "CONTRIBUTING.md", *OTHER]
 
 # Sections whose files and commands another test takes from the page.
 ELSEWHERE = {
     ("docs/manual.md", "A first world in C++"): "tests/embedding/run.cmake",
-    ("docs/manual.md", "Worlds that change"): "tests/embedding/run.cmake",
-    ("docs/manual.md", "Drawing"): "tests/embedding/run.cmake",
-    ("docs/manual.md", "An example program"): "tests/embedding/run.cmake",
-    ("docs/manual.md", "A world in a window"): "tests/embedding/run.cmake",
     **{(f"docs/{page}.md", section): "tests/embedding/run.cmake"
-       for page, sections in {"shapes": ["Shapes of one part", "Shapes of several parts", "A body"],
+       for page, sections in {"reference_world": ["Forces and rays", "Worlds that change", "Drawing", "An example program",
+                                                  "A world in a window"],
+                              "shapes": ["Shapes of one part", "Shapes of several parts", "A body"],
                               "joints": ["A joint", "The kinds"],
                               "forces": ["A force", "The kinds", "Forces by code"],
                               "listeners": ["The calls", "Contacts without a listener"]}.items() for section in sections},
-    **{("docs/sandbox.md", section): "tests/sandbox/sandbox_test.py" for section in ("", "What is done by hand")},
+    **{("docs/sandbox.md", section): "tests/sandbox/sandbox_test.py" for section in ("", "Sessions as scripts")},
     ("docs/adding_an_algorithm.md", "In ten minutes: a broadphase"): "tests/growth/run.cmake",
     ("docs/adding_an_algorithm.md", "A resolver"): "tests/growth/run.cmake",
     ("docs/adding_an_algorithm.md", "Outside this tree"): "tests/embedding/run.cmake",
@@ -398,7 +398,7 @@ class Tables(unittest.TestCase):
                 ("BodyDef", "problem/body.h", "shapes.md", "A body"),
                 ("JointDef", "problem/joint.h", "joints.md", "A joint"),
                 ("ForceDef", "problem/force.h", "forces.md", "A force"),
-                ("ContactListener", "world/contact_listener.h", "listeners.md", "Who hears what")]:
+                ("ContactListener", "world/contact_listener.h", "listeners.md", "When each call comes")]:
             rows = tables_of((SOURCE / "docs" / page).read_text(), "## ")[section]
             told = {name for row in rows for name in re.findall(r"`(\w+)", row[0])}
             self.assertEqual(told, members((SOURCE / "framework" / header).read_text(), struct), struct)

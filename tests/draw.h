@@ -261,7 +261,8 @@ Real sizeOf(const Shape<D>& s) {
 }}}  // namespace lpc::LPC_PRECISION::test
 
 // Beside the types, so that RapidCheck and GoogleTest print counterexamples: in the terms of a scene file
-// (docs/manual.md), with all digits. Rotations become angles, which may cost a bit; a kept input has them all.
+// (docs/reference_scenes.md), with all digits. Rotations become angles, which may cost a bit; a kept input has them
+// all.
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// "[1, 2.5, 3]"

@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// The unit of all tolerances below: the rounding of one number (1). It is not adjustable.
+/// The unit of all tolerances below: the rounding of one number (1). Larger or smaller values are impossible.
 inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
 
 // --- bounds ---------------------------------------------------------------------------------------------------------
@@ -165,9 +165,9 @@ inline constexpr Real kLastBand = 1048576 * kFeatureBand;
 inline constexpr int kMostRimPoints = 16;
 inline constexpr Real kTilt = Real(1e-3);
 
-/// Squared lengths that differ by less than this fraction are equal: the first is the longest extent of an overlap.
-/// Larger: an extent that is not the longest. Smaller: rounding chooses among equal diagonals, and the closest point is
-/// still the middle of both.
+/// Squared lengths that differ by less than this (1, fraction of them) are equal: the first is the longest extent of an
+/// overlap. Larger: an extent that is not the longest. Smaller: rounding chooses among equal diagonals, and the closest
+/// point is still the middle of both.
 inline constexpr Real kSameLength = 64 * kEpsilon;
 
 /// Common normals of two edges shorter than this (sine) are normalised before projecting. Larger: time. Smaller:

@@ -16,13 +16,11 @@ using namespace solver;
 
 // Augmented vertex block descent. Each body in turn minimises its own inertial energy and the energy of all its
 // constraints while the other bodies are fixed: one small linear system. A constraint is a spring that stiffens while
-// it is violated, plus a force that takes over the load of the spring (augmented Lagrangian). Both are kept from step
-// to step.
+// violated, plus a force that takes over its load (augmented Lagrangian). Both are kept from step to step.
 //
 // All quantities are velocities u, with which a body moves through the step, and impulses. A spring k becomes h^2 k, a
-// mass, and is stored as a multiple of the row's effective mass. Results therefore do not depend on the unit of mass or
-// on the masses of the scene, as absolute penalties do. A joint has one multiple for its metres and one for its
-// radians, and a point has one for both tangents; separate ones would distinguish the world axes.
+// mass, stored as a multiple of the row's effective mass, so that results do not depend on the masses of the scene. A
+// joint has one multiple for its metres and one for its radians, a point one for both tangents (more depend on axes).
 //
 // Contacts are linearised at the start of the step and joints at the end of the last iteration, as in the authors'
 // demo. The arms of the two then belong to different poses, so bodies that press on each other while they turn on

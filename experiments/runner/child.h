@@ -24,25 +24,25 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Gives what it reads, takes what it has written since; true when it has ended. One that writes more than
-  /// kMostOutput is killed.
+  /// Writes input and reads output as far as possible without blocking; true when the program has ended. A program that
+  /// writes more than kMostOutput is killed.
   bool poll();
-  /// Adds what poll(2) shall wait for; false where it has closed its output, and is about to end.
+  /// Adds the descriptors for poll(2); false if it has closed its output and is about to end.
   bool addTo(std::vector<pollfd>& descriptors) const;
-  /// False when `stop` says so before it has ended.
+  /// Returns false if `stop` returned true before it ended.
   bool wait(bool (*stop)());
   void kill();
   /// Seconds since its start.
   double seconds() const;
-  /// Memory that it holds now (bytes), 0 when it has ended.
+  /// Resident memory (bytes), 0 after its end.
   std::size_t residentBytes() const;
 
   const std::string& output() const { return m_output; }
   /// The last line that it wrote to stderr.
   std::string lastError() const;
-  int signal() const { return m_signal; }  // that ended it, 0 for none
+  int signal() const { return m_signal; }  // the signal that ended it, 0 for none
   int exitCode() const { return m_exit; }
-  bool flooded() const { return m_flooded; }  // it was killed for all that it wrote
+  bool flooded() const { return m_flooded; }  // whether it was killed for too much output
 
   static constexpr std::size_t kMostOutput = 1 << 30;  // bytes
 
@@ -56,7 +56,7 @@ class Child {
   int m_in = -1, m_out = -1, m_err = -1;
   int m_signal = 0, m_exit = 0;
   std::string m_input, m_output, m_errors;
-  std::size_t m_given = 0;  // of the input
+  std::size_t m_given = 0;  // bytes of the input
   bool m_ended = false, m_flooded = false;
   std::chrono::steady_clock::time_point m_start;
 };

@@ -125,7 +125,7 @@ const std::string& oraclesHash() {
 #ifdef LPC_HAS_ORACLES
   static const std::string hash = judgesHash(kContents);
 #else
-  static const std::string hash = "not built";  // nothing was judged: another build has it all to do
+  static const std::string hash = "not built";  // nothing was judged: a build with oracles has to do it all
 #endif
   return hash;
 }

@@ -32,7 +32,7 @@ std::vector<std::string> IdleSeeds::notes() const {
   std::vector<std::string> out;
   for (const auto& [name, scene] : scenes) {
     if (!scene.idle) continue;
-    std::string where;  // what no cell has in which a seed decides something
+    std::string where;  // cells without an effect of the seed
     for (const std::string& choice : scene.whereIdle) {
       if (scene.drawn && !scene.whereDrawn.count(choice)) where += (where.empty() ? " where " : " or ") + choice;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Seeds that decide nothing: whoever plans the same run several times should hear of it.
+// Warns of seeds without effect: the same run would be planned several times.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 class IdleSeeds {
  public:
-  /// A trial of a sweep; `choices` are the values of its axes that may decide whether its scene draws.
+  /// A trial of a sweep; `choices` are the values of axes that may decide whether its scene draws random numbers.
   void saw(const PlannedTrial& trial, const nlohmann::json& choices);
-  /// One sentence per scene with cells that differ by nothing but an idle seed.
+  /// One sentence per scene with cells that differ only by a seed without effect.
   std::vector<std::string> notes() const;
 
  private:
@@ -26,7 +26,7 @@ class IdleSeeds {
     std::set<std::uint64_t> seeds;
     bool seeded = false;
   };
-  std::map<std::string, Cell> m_cells;  // by the key that a trial has without its seed and its repeat
+  std::map<std::string, Cell> m_cells;  // by the key of a trial without its seed and its repeat
 };
 
 }}  // namespace lpc::LPC_PRECISION

@@ -14,9 +14,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr std::size_t kMethodWidth = 20;  // or what the longest name needs
+constexpr std::size_t kMethodWidth = 20;  // or the length of the longest name
 
-// Lower end of the decade in which the median lies.
+// Lower end of the decade of the median.
 std::string medianOf(const LedgerEntry& e) {
   std::vector<std::pair<int, long>> decades;
   long all = 0;
@@ -37,7 +37,7 @@ long withoutAnswer(const LedgerEntry& e) {
   return e[Tally::notFinite] + e[Tally::threw] + e[Tally::crashed] + e[Tally::hung];
 }
 
-// Right or wrong by the side alone: no error was measured.
+// Answers judged by the side alone, without a measured error.
 long withoutValue(const LedgerEntry& e) {
   long values = 0;
   for (const auto& [decade, count] : e.histogram) values += count;
@@ -48,13 +48,13 @@ std::string nanosecondsOf(const LedgerEntry& e) {
   return e[Tally::asked] ? fmt::format("{:.0f}", e.nanoseconds / static_cast<double>(e[Tally::asked])) : "-";
 }
 
-// `faults`: those for which the run fails.
+// `faults`: number of faults that make the run fail.
 std::string remark(const LedgerEntry& e, long faults) {
   if (e.role != AlgorithmRole::competitor) return "  (" + std::string(roleName(e.role)) + ")";
   return faults ? "  WRONG" : e.faults() ? "  (approximate)" : "";
 }
 
-/// Stage, dimension and precision: one section of the print.
+/// Stage, dimension and precision: one section of the output.
 using Section = std::tuple<std::string, int, std::string>;
 
 class Printer {
@@ -118,7 +118,7 @@ class Printer {
     }
   }
 
-  // Who is wrong or has no answer where: the part of what was asked, in per cent.
+  // The share of wrong and missing answers in per cent, by method and value of the axis.
   void faultsBy(const std::string& axis) {
     const auto found = m_axes.find(axis);
     if (found == m_axes.end()) return;
@@ -141,7 +141,7 @@ class Printer {
     }
   }
 
-  // Of pair queries: the scale of the error is that of extents and distance, or that holds coordinates of frames, too.
+  // For pair queries: the scale of the error is that of extents and distance, or also that of coordinates in frames.
   void widerScale() {
     if (!m_pairQueries) return;
     m_out << "\n  right only by the scale with frames' coordinates:";
@@ -170,7 +170,7 @@ class Printer {
     }
   }
 
-  // Beside each rate stands of how many pairs that were compared. Relations that round have no bits to compare.
+  // Each rate is followed by the number of compared pairs. Relations with rounding have no bits to compare.
   void relations(const std::string& what, Tally tally) {
     if (m_relations.empty()) return;
     m_out << fmt::format("\n  {}, of so many pairs\n  {:<{}}", what, "method", m_width);
@@ -199,8 +199,8 @@ class Printer {
   std::ostream& m_out;
   bool m_pairQueries = false;
   std::size_t m_width = kMethodWidth;
-  std::map<std::string, LedgerEntry> m_methods;                                             // sums over kinds
-  std::map<std::string, long> m_faults;                                                     // for which the run fails
+  std::map<std::string, LedgerEntry> m_methods;  // sums over kinds
+  std::map<std::string, long> m_faults;          // faults that make the run fail
   std::map<std::string, std::map<std::string, std::map<std::string, LedgerEntry>>> m_axes;  // axis, value, method
   std::map<std::pair<std::string, std::string>, std::map<std::string, OfKinds>> m_kinds;
   std::map<std::string, std::map<std::string, LedgerEntry>> m_relations;  // method, relation

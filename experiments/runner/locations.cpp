@@ -72,7 +72,7 @@ std::string findToml(const std::string& folder, const std::string& nameOrPath) {
   }
   if (!numbers.empty() && allDigits(nameOrPath)) {
     const auto before = [](const auto& a, const auto& b) { return std::pair(a.size(), a) < std::pair(b.size(), b); };
-    std::sort(numbers.begin(), numbers.end(), before);  // 2 stands before 10
+    std::sort(numbers.begin(), numbers.end(), before);  // 2 precedes 10
     throw UserError("there is no " + numbered + nameOrPath + validNames(numbers, ""));
   }
   throw UserError("there is no file '" + nameOrPath + "' and nothing of that name in experiments/" + folder +
@@ -99,7 +99,7 @@ std::string workerPath(const std::string& precision, bool engine) {
     throw UserError("unknown precision '" + precision + "'; valid: f64, f32");
   }
   const fs::path program = fs::read_symlink("/proc/self/exe");
-  const char* given = std::getenv("LPC_WORKERS");  // tests run workers of a build from a program of their own
+  const char* given = std::getenv("LPC_WORKERS");  // tests run a build's workers from a program of their own
   const fs::path path = (given && *given ? fs::path(given) : program.parent_path()) /
                         ((engine ? "lpc-engine-worker-" : "lpc-worker-") + precision);
   if (!fs::exists(path)) {

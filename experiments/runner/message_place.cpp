@@ -8,7 +8,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 std::vector<std::string> quotedIn(const std::string& message) {
-  const std::string found = message.substr(0, message.find("; "));  // then come names that are right
+  const std::string found = message.substr(0, message.find("; "));  // valid names follow
   std::vector<std::string> out;
   for (std::size_t open = found.find('\''); open != found.npos; open = found.find('\'', open + 1)) {
     const std::size_t close = found.find('\'', open + 1);
@@ -19,7 +19,7 @@ std::vector<std::string> quotedIn(const std::string& message) {
   return out;
 }
 
-// As a word of its own: `iteration` is not in "iterations=4".
+// As a separate word: `iteration` is not in "iterations=4".
 bool hasWord(const std::string& text, const std::string& word) {
   const auto inName = [&](std::size_t i) {
     return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '_');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Where in a file a message belongs whose writer knows names, but no files.
+// Finds file:line for an error message.
 #pragma once
 
 #include <string>
@@ -9,16 +9,17 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Something that takes part in what went wrong.
+/// A text of the file that may have caused the error.
 struct WrittenText {
   std::string name, text;            // `broadphase`, "region_tree{margin=2}"
-  const toml::node* node = nullptr;  // where it stands
-  std::string given;                 // "--set 'n=50'" of one that the command line has instead
+  const toml::node* node = nullptr;  // its position
+  std::string given;                 // "--set 'n=50'" if the command line gave it
 };
 
-/// Throws UserError with the message and the place of the text that has most of the names which the message has in
-/// quotes, before what it says is valid; among equals of the one that is named itself, then of the first. Where no text
-/// has any, it is what the command line gives and the message names, or else `otherwise`.
+/// Throws UserError with the message and the position of its most likely cause: the text that contains most of the
+/// names quoted in the message before its list of valid values; among equals the text with a quoted name of its own,
+/// then the first. If no text contains any, the position is the command-line option that the message names, or else
+/// `otherwise`.
 [[noreturn]] void failWhereWritten(const std::string& file, const std::string& message,
                                    const std::vector<WrittenText>& texts, const toml::node& otherwise);
 

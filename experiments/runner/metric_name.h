@@ -10,9 +10,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The names that an entry stands for. A star stays where methods name what they do: of `us_*`.
+/// The names for which an entry stands. The star remains if methods define the names, as for `us_*`.
 std::vector<std::string> namesOf(const MetricInfo& info);
-/// Is it that metric, or one that its star stands for?
+/// Whether the entry is that metric, or has a star that stands for it.
 bool isMetric(const MetricInfo& info, std::string_view name);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -13,9 +13,10 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr const char* kSeedsMove = "perturb";  // the parameter of a scene by which a seed moves its bodies
+constexpr const char* kSeedsMove = "perturb";  // the parameter of a scene by which a seed perturbs its bodies
 
-// Features that are one stage each, and what that stage is where a pipeline does not name it but the default is none.
+// Model features that are one stage each, and the method of that stage if the pipeline names none and the default does
+// nothing.
 struct SwitchedStage {
   const char* feature;
   StageKind stage;
@@ -25,12 +26,12 @@ constexpr SwitchedStage kSwitchedStages[] = {{"cache", StageKind::cache, ""},
                                              {"continuous", StageKind::continuous, "cast"},
                                              {"sleeping", StageKind::sleep, "timer_island"}};
 
-constexpr std::size_t kFewestSeeds = 4;  // with fewer the noise is not measured
-constexpr double kUnmeasured = 2;        // and only a ratio beyond this is told
+constexpr std::size_t kFewestSeeds = 4;  // with fewer seeds the noise is unknown
+constexpr double kUnmeasured = 2;        // only larger ratios are reported then
 
 struct Ended : Store::Row {
   int dimension = 0;
-  std::map<int, std::array<double, 3>> places;  // of each body at the end, by slot (m)
+  std::map<int, std::array<double, 3>> places;  // position of each body at the end, by slot (m)
 };
 
 std::map<int, std::array<double, 3>> placesOf(const std::vector<double>& numbers, int dimension) {
@@ -49,7 +50,7 @@ std::optional<Ended> read(Store& store, const PlannedTrial& trial) {
   return Ended{std::move(*row), dimension, placesOf(store.lastPoses(trial.key), dimension)};
 }
 
-// Median and largest of what separates the bodies of two ends.
+// Median and largest distance between the bodies of two ends.
 void compare(const Ended& a, const Ended& b, std::vector<double>& median, std::vector<double>& largest) {
   std::vector<double> ways;
   for (const auto& [slot, p] : a.places) {
@@ -68,14 +69,14 @@ void compareWork(const Ended& own, const Ended& other, ModelSeen& out) {
     if (a != own.metrics.end() && b != other.metrics.end() && a->second > 0) into.push_back(b->second / a->second);
   };
   ratio("ms_per_step_median", out.time), ratio("work_multiply_adds", out.rows);
-  if (own.dimension != other.dimension) out.sameWork = false;  // one point in 3D is more work than in 2D
+  if (own.dimension != other.dimension) out.sameWork = false;  // a point costs more in 3D than in 2D
   for (const auto& [name, value] : own.metrics) {
     const auto found = other.metrics.find(name);
     if (name.starts_with("work_") && (found == other.metrics.end() || found->second != value)) out.sameWork = false;
   }
 }
 
-// The same work twice is as far apart as the machine's noise takes it.
+// Equal work differs only by the machine's noise.
 const char* whyNoTime(const std::vector<double>& ratios, const std::vector<double>& again) {
   const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
   double low = 1, high = 1;
@@ -86,7 +87,7 @@ const char* whyNoTime(const std::vector<double>& ratios, const std::vector<doubl
   return unmeasured ? "too few seeds to measure the noise" : nullptr;
 }
 
-// "sleep=none" where the model's switch is of a stage that does nothing.
+// "sleep=none" if the model's switch concerns a stage that does nothing.
 std::string idleStage(const std::string& model, const std::string& pipeline) {
   if (engineOf(pipeline) || (model[0] != '+' && model[0] != '-')) return "";
   for (const SwitchedStage& s : kSwitchedStages) {
@@ -176,7 +177,7 @@ NeedsSeen readNeeds(const PlannedSweep& sweep, Store& store) {
       seen->model = name;
       if (!again) seen->idle = idleStage(name, trial.world().pipeline);
     }
-    if (!own || !ended) continue;  // stopped before it was run
+    if (!own || !ended) continue;  // stopped before it ran
     ++seen->trials;
     if (ended->outcome != "ok") {
       if (!seen->failed++) seen->failure = ended->outcome + ": " + ended->reason;

@@ -38,7 +38,7 @@ class Writer {
   template <int D>
   void add(const std::string& id, const std::string& source, const HardPair<D>& pair, long& count) {
     const PairTruth<D> truth = pairTruth(PairView<D>{pair.a.view(), pair.b.view(), pair.X_AB});
-    if (!truth.answer.decided || !std::isfinite(truth.s)) {  // s of numbers near the largest
+    if (!truth.answer.decided || !std::isfinite(truth.s)) {  // s of coordinates near the largest number
       ++m_out.undecided;
       return;
     }

@@ -46,7 +46,7 @@ std::unique_ptr<PairQuery<D>> witnessOf(const Spec& spec) {
                   validNames(names, spec.name));
 }
 
-// What the library said, in the question's terms: infinite is a side and no more, NaN no answer.
+// The library's answer in the terms of the query: infinite means only the side, NaN no answer.
 template <int D>
 double saidTo(const Question& q, const PairAnswer<D>& answer, Ending ending) {
   if (ending != Ending::answered || answer.status == QueryStatus::failed) {
@@ -72,7 +72,7 @@ std::string toldOf(const Question& q, double said, Ending ending) {
   return out + "; the program returns " + (q.isRight(said) ? "0" : "1");
 }
 
-// A text of a file in a comment: it begins no new line, and does not end this one with a backslash.
+// Text of a file for a comment: it starts no new line, and does not end the comment's line with a backslash.
 std::string quoted(const std::string& text) { return "'" + oneLine(text) + "'"; }
 
 std::string titleOf(const Case& c, const Question& q, const Spec& spec, int dimension, const std::string& file) {
@@ -105,7 +105,7 @@ Reproduction reproduceIn(const Case& c, const CaseGeometry<D>& g, const Spec& sp
   }
   const HardPair<D> pair = g.pair();
   PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
-  if (view.a.kind > view.b.kind) view = {view.b, view.a, view.X_AB.inverse()};  // as queryPair turns them
+  if (view.a.kind > view.b.kind) view = {view.b, view.a, view.X_AB.inverse()};  // in the order of queryPair
   if (!method->supports(view.a.kind, view.b.kind)) {
     throw UserError(name + spec.name + " is not asked " + std::string(shapeKindName(view.a.kind)) + " against " +
                     std::string(shapeKindName(view.b.kind)) + " in " + std::to_string(D) + "D");

@@ -24,10 +24,10 @@ using Clock = std::chrono::steady_clock;
 struct TrialJob {
   const PlannedTrial* trial;
   WorkerLimits limits;
-  double turn = 0;  // of a timed one: the share of its cell's repeats that come before it
+  double turn = 0;  // for a timed trial: the share of its cell's repeats that precede it
 };
 
-// The kind of pair query that a trial asks. Wrong answers of libraries and of approximate methods are no fault of ours.
+// The kind of pair query of a trial. Wrong answers of libraries and of approximate methods are not faults of ours.
 std::string askedOf(const TrialRequest& request, bool sidesAreRight) {
   const auto* drawn = std::get_if<PairsRequest>(&request.trial);
   const auto* stream = std::get_if<StreamRequest>(&request.trial);
@@ -37,7 +37,8 @@ std::string askedOf(const TrialRequest& request, bool sidesAreRight) {
   const auto at = all.find({StageKind::pairQuery, request.base().dimension, spec.name});
   if (at == all.end()) return "of plugins";
   if (at->second.info.role != AlgorithmRole::competitor) return "of libraries";
-  // Answers are judged at one tolerance. What asked for a looser one promised no such distance, but the right side.
+  // All answers are judged at one tolerance. A method run with a looser one promised the right side, but not such an
+  // accurate distance.
   const double judged = pairTolerance(request.base().precision == "f32");
   for (const ParamInfo& p : at->second.params) {
     const Spec* const asked = p.role == ParamRole::tolerance ? spec.find(p.name) : nullptr;
@@ -85,7 +86,7 @@ class Scheduler {
     return m_summary;
   }
 
-  // What is to be run again is so once.
+  // A trial to be repeated is repeated once.
   bool done(const std::string& key) {
     const auto outcome = m_store.outcome(key);
     if (!outcome) return false;
@@ -94,8 +95,8 @@ class Scheduler {
   }
 
  private:
-  // In rounds: every cell once before any cell again, in each round in another order, so that a slow spell of the
-  // machine meets all alike. A cell with twice the repeats of the others is in two places of each round.
+  // In rounds: every cell once before any cell again, and each round in another order, so that a slow phase of the
+  // machine affects all cells alike. A cell with twice the repeats is in each round twice.
   static void interleave(std::vector<TrialJob>& jobs) {
     Random random(2009);
     for (std::size_t i = jobs.size(); i > 1; --i) std::swap(jobs[i - 1], jobs[random.below(i)]);
@@ -147,7 +148,7 @@ class Scheduler {
     ++m_finished;
   }
 
-  // The same trial, another repeat: the same final state, or something is not deterministic.
+  // Repeats of a trial must end in the same state; otherwise something is not deterministic.
   void checkRepeats(const PlannedTrial& trial, TrialResult& result) {
     if (result.outcome != "ok" || result.hash.empty()) return;
     json twin = trial.canonical;

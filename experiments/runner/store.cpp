@@ -42,11 +42,10 @@ CREATE TABLE IF NOT EXISTS verified_block(key TEXT PRIMARY KEY, stage TEXT, prec
   method TEXT, code TEXT);
 CREATE TABLE IF NOT EXISTS found_case(name TEXT PRIMARY KEY, vertices INTEGER, size REAL, data TEXT);
 )";
-// Younger than the schema, which a table more does not change: whoever does not know it reads the others as before.
+// Newer than the schema version, which another table does not change: older programs ignore it.
 constexpr const char* kFilmTable = "CREATE TABLE IF NOT EXISTS film(key TEXT PRIMARY KEY, data TEXT)";
 
-// LPC_STORE_MAX_PAGES bounds a store (pages of 4 KiB). At the bound it is full as on a full disk, which is how the
-// tests see what a full disk does.
+// LPC_STORE_MAX_PAGES limits a store (pages of 4 KiB). At the limit it behaves like a full disk, which tests use.
 void boundSize(SQLite::Database& db) {
   const char* pages = std::getenv("LPC_STORE_MAX_PAGES");
   if (!pages || !*pages) return;
@@ -56,7 +55,7 @@ void boundSize(SQLite::Database& db) {
   db.exec("PRAGMA max_page_count=" + std::to_string(n));
 }
 
-// Gives a database without tables all of ours, or none: where that fails, no empty file stays behind.
+// Creates all tables in an empty database, or none: on failure no empty file remains.
 void make(const std::string& path) try {
   SQLite::Database db(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   db.setBusyTimeout(30000);
@@ -88,7 +87,7 @@ std::string prepared(const std::string& path, bool create) {
   return path;
 }
 
-// Whoever has lost a table or a column would fail in the middle of what is written.
+// Rejects stores that lack a table or a column, before writing.
 void requireWhole(SQLite::Database& db, const std::string& path) {
   const auto columns = [](SQLite::Database& of) {
     SQLite::Statement s(of,
@@ -107,7 +106,7 @@ void requireWhole(SQLite::Database& db, const std::string& path) {
   }
 }
 
-// The store's numbers are little-endian float64, and so are this machine's.
+// The store's numbers are little-endian float64, like this machine's.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
 void bindNumbers(SQLite::Statement& s, int index, const std::vector<double>& data) {
   s.bind(index, data.data(), static_cast<int>(data.size() * sizeof(double)));
@@ -128,7 +127,7 @@ void failStore(const std::string& path, const SQLite::Exception& e) {
 Store::Store(const std::string& path, bool create) try
     : m_db(prepared(path, create), SQLite::OPEN_READWRITE), m_commit(commitOfSources()) {
   m_db.setBusyTimeout(30000);
-  // Nothing is written before we know that the file is ours.
+  // Nothing is written before the file is known to be a store.
   if (!m_db.tableExists("meta")) throw UserError(path + ": not a result store: it has no table 'meta'");
   SQLite::Statement version(m_db, "SELECT value FROM meta WHERE key='schema_version'");
   const std::string found = one(version).value_or("none");
@@ -138,7 +137,7 @@ Store::Store(const std::string& path, bool create) try
   version.reset();
   requireWhole(m_db, path);
   m_db.exec("PRAGMA journal_mode=WAL");
-  m_db.exec("PRAGMA synchronous=NORMAL");  // with WAL a killed process loses nothing; only a dying machine may
+  m_db.exec("PRAGMA synchronous=NORMAL");  // with WAL a killed process loses nothing; only a machine failure may
   boundSize(m_db);
 } catch (const SQLite::Exception& e) {
   failStore(path, e);
@@ -214,7 +213,7 @@ std::optional<double> Store::wall(const std::string& key) try {
   failStore(m_db.getFilename(), e);
 }
 
-// Each part of a sweep that was asked for has its own, once.
+// Each requested part of a sweep has its command, once.
 json Store::commandsOf(const PlannedSweep& sweep, bool replace) {
   json out = json::array();
   SQLite::Statement s(m_db, "SELECT roles FROM sweep WHERE name=?");
@@ -229,7 +228,7 @@ json Store::commandsOf(const PlannedSweep& sweep, bool replace) {
   return out;
 }
 
-// Rows of an earlier search of the same cells: of one that was stopped, or that found another setting.
+// Removes rows of an earlier search of the same cells that was stopped, or that found another setting.
 void Store::forgetCells(const PlannedSweep& sweep) {
   std::vector<std::string> searched;
   if (sweep.calibration) searched.push_back(sweep.calibration->setting);
@@ -260,7 +259,7 @@ void Store::forget(const PlannedSweep& sweep, const std::function<bool(const jso
   }
 }
 
-// A program that did not tell which methods lack a setting planned their cells at its first value.
+// A program version that did not mark methods without a setting planned their cells at its first value.
 void Store::forgetFirstValues(const PlannedSweep& sweep) {
   const auto cellOf = [&](json axes) {
     for (const auto& [name, role] : sweep.roles) {
@@ -307,12 +306,12 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   SQLite::Statement about(m_db, "INSERT OR REPLACE INTO sweep VALUES (?, ?, ?, ?, ?)");
   about.bind(1, sweep.name), about.bind(2, sweep.kind), about.bind(3, sweep.summary), about.bind(4, sweep.baseline);
   json roles = sweep.roles;
-  // Axes have texts, so that these are told from an axis of their name.
+  // Axes have text roles, which distinguishes these from an axis of the same name.
   if (!commands.empty()) roles["commands"] = commands;
   if (!sweep.charts.empty()) roles["report"] = sweep.charts;
   const auto isSetting = [](const auto& axis) { return axis.second == "setting"; };
   if (std::any_of(sweep.roles.begin(), sweep.roles.end(), isSetting)) {
-    roles["settings_told"] = true;  // a method without a setting has no value of that axis
+    roles["settings_told"] = true;  // a method without a setting has no value on that axis
   }
   if (const auto& c = sweep.calibration) {
     roles["calibrate"] = {{"equal", c->equal}, {"metric", c->metric}, {"setting", c->setting}, {"most", c->most}};
@@ -434,7 +433,7 @@ void Store::addBenchmark(const std::string& text) try {
 }
 
 long Store::merge(const std::string& path) try {
-  { const Store check(path, false); }  // is it one?
+  { const Store check(path, false); }  // checks that it is a store
   SQLite::Statement attach(m_db, "ATTACH DATABASE ? AS other");
   attach.bind(1, path);
   attach.exec();
@@ -447,7 +446,7 @@ long Store::merge(const std::string& path) try {
     m_db.exec(std::string("INSERT OR IGNORE INTO ") + table + " SELECT * FROM other." + table +
               " WHERE key NOT IN (SELECT key FROM main.trial)");
   }
-  // Machine numbers are each store's own: the description says which is which.
+  // Machine numbers are local to a store: machines are matched by description.
   const int trials = m_db.exec(
       "INSERT OR IGNORE INTO trial SELECT t.key, t.kind, t.canonical, t.outcome, t.reason, t.step, t.metrics, "
       "(SELECT m.id FROM main.machine m JOIN other.machine o ON m.description = o.description WHERE o.id = t.machine), "

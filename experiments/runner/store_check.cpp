@@ -11,7 +11,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 void checkExisting(const std::string& path) try {
-  const Store ours(path, false);  // the right file, of our schema
+  const Store ours(path, false);  // a valid store with our schema
   SQLite::Database db(path, SQLite::OPEN_READWRITE);
   db.setBusyTimeout(30000);  // a sweep may be writing
   const std::string found = db.execAndGet("PRAGMA quick_check(1)").getString();
@@ -26,10 +26,10 @@ void checkExisting(const std::string& path) try {
 void checkStore(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code ignored;
-  const bool empty =
-      fs::is_regular_file(path, ignored) && fs::file_size(path, ignored) == 0;  // killed while it was made
+  const bool empty = fs::is_regular_file(path, ignored) &&
+                     fs::file_size(path, ignored) == 0;  // the process was killed while creating it
   if (fs::exists(path, ignored) && !empty) return checkExisting(path);
-  // In the innermost folder that is there, a file is begun and taken away.
+  // Creates and removes a file in the innermost existing folder.
   fs::path folder = fs::absolute(path).parent_path();
   while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder.parent_path();
   try {

@@ -7,8 +7,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Throws UserError where results could not be written to the store `path`: it is another file, damaged, of another
-/// schema or read-only, or there is no folder to make it in. Makes nothing.
+/// Throws UserError if results could not be written to the store `path`: it is another kind of file, damaged, of
+/// another schema or read-only, or its folder does not exist. Creates nothing.
 void checkStore(const std::string& path);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -57,7 +57,7 @@ void putEntry(SQLite::Statement& s, const LedgerKey& key, const LedgerEntry& e) 
   s.reset();
 }
 
-// A file's name: gjk_epa-wrong_distance-3d-f64, braces and the like left out.
+// A file name: gjk_epa-wrong_distance-3d-f64, without braces and similar characters.
 std::string nameOf(const std::string& method, const std::string& what, int dimension, const std::string& precision) {
   std::string name = method + "-" + what + "-" + std::to_string(dimension) + "d-" + precision;
   for (char& letter : name) {
@@ -168,7 +168,7 @@ std::map<std::string, std::string> Store::foundCases() try {
 
 std::map<std::string, std::string> Store::worstCases() try {
   std::map<std::string, std::string> out;
-  // SQLite takes the other columns from the row that holds the maximum.
+  // SQLite takes the other columns from the row with the maximum.
   SQLite::Statement s(
       m_db,
       "SELECT method, dimension, precision, worst, max(max_error) FROM ledger WHERE axis='all' AND wrong > 0 "
@@ -183,7 +183,7 @@ std::map<std::string, std::string> Store::worstCases() try {
   failStore(m_db.getFilename(), e);
 }
 
-// Sums of blocks cannot be told apart again: a method's ledger is taken as a whole or not at all.
+// Sums over blocks cannot be separated again: a method's ledger is copied whole or not at all.
 void Store::mergeLedger() {
   m_db.exec(
       "CREATE TEMP TABLE taken AS SELECT DISTINCT stage, precision, dimension, method FROM other.verified_block EXCEPT "

@@ -18,11 +18,11 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A runner that was killed while it started a worker leaves a copy that has yet to see that it died.
+// A runner killed while starting a worker leaves a forked copy that holds the lock until it notices.
 constexpr int kTries = 30;
 constexpr useconds_t kPause = 10'000;  // µs
 
-// From lines of the kernel such as "1: FLOCK  ADVISORY  WRITE 1234 fe:00:5678 0 EOF".
+// From kernel lines such as "1: FLOCK  ADVISORY  WRITE 1234 fe:00:5678 0 EOF".
 std::string holderOf(int file) {
   struct stat about {};
   if (fstat(file, &about) != 0) return "";

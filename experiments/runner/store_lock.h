@@ -7,11 +7,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Keeps other runners off a store, and readers not. It is a lock of the file itself, which goes with the process,
-/// however that ends. Where it ends, so do all locks that SQLite has on the file: it outlives the database.
+/// Excludes other runners from a store, but not readers. It locks the file itself, and ends with the process in any
+/// case. Closing it also ends all locks that SQLite has on the file, so it must outlive the database.
 class StoreLock {
  public:
-  /// Throws UserError that names who has it.
+  /// Throws UserError that names the process with the lock.
   explicit StoreLock(const std::string& path);
   ~StoreLock();
   StoreLock(const StoreLock&) = delete;

@@ -12,7 +12,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// What messages begin with: "sweep.toml:12".
+// Prefix of messages: "sweep.toml:12".
 std::string placeIn(const std::string& file, const toml::node& node) {
   return file + ":" + std::to_string(node.source().begin.line);
 }
@@ -20,17 +20,17 @@ std::string placeIn(const std::string& file, const toml::node& node) {
 /// One way to replace the stars of a text.
 struct Choice {
   Spec spec;
-  std::map<std::string, std::string> names;  // what each star became, by the word before its `=`
+  std::map<std::string, std::string> names;  // the replacement of each star, by the word before its `=`
 };
 
 class Stars {
  public:
-  /// `place`: what messages begin with.
+  /// `place`: prefix of messages.
   explicit Stars(std::string place) : m_place(std::move(place)) {}
 
   static bool isStar(const std::string& name) { return name.starts_with("*"); }
 
-  /// `key`: the word before the `=`, by which a label names the star.
+  /// `key`: the word before the `=`, by which a label refers to the star.
   std::vector<Choice> expand(const StageInfo& stage, const std::string& key, const Spec& spec) const {
     if (!isStar(spec.name)) return with(stage, {spec.name, {}}, spec.fields, false);
     const std::vector<std::string> names = namesOf(stage, spec.name);
@@ -52,7 +52,7 @@ class Stars {
     return out;
   }
 
-  /// Of a part of a pipeline, such as "solver=split_solver{velocity=*} cache=none".
+  /// For a part of a pipeline, such as "solver=split_solver{velocity=*} cache=none".
   std::vector<Choice> expand(const std::string& text, std::vector<std::string>& pipelines) const {
     Pipeline pipeline;
     std::vector<Choice> all = {{}};
@@ -85,7 +85,7 @@ class Stars {
   }
 
  private:
-  // The spec with all fields that it may have; those of stages may hold stars, too.
+  // The spec with all its parameters; values of nested stages may contain stars, too.
   std::vector<Choice> with(const StageInfo& stage, Spec spec, const std::vector<Spec::Field>& fields,
                            bool ofAStar) const {
     std::vector<Choice> out = {{std::move(spec), {}}};
@@ -145,9 +145,9 @@ class Stars {
   std::string m_place;
 };
 
-// "catto+$position" with what `position=*` became.
+// "catto+$position" with the replacement of `position=*`.
 std::string labelOf(const std::string& place, std::string label, const Choice& choice) {
-  std::vector<std::string> keys;  // the longest first: $query must not eat the beginning of $query_of
+  std::vector<std::string> keys;  // the longest first: $query must not match the beginning of $query_of
   for (const auto& [key, name] : choice.names) keys.push_back(key);
   std::sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
   for (const std::string& key : keys) {
@@ -160,7 +160,7 @@ std::string labelOf(const std::string& place, std::string label, const Choice& c
   return label;
 }
 
-// `node`: where it stands.
+// `node`: its position.
 void addLabelled(const std::string& place, const std::string& label, const std::string& text, const toml::node* node,
                  WrittenBy by, Axis& axis) {
   std::vector<std::pair<std::string, std::string>> found;
@@ -208,7 +208,7 @@ void readValue(const std::string& file, const toml::node& node, Axis& axis) {
   }
 }
 
-// The longest that stands there: $n must not eat the beginning of $number. Empty: none does.
+// The longest axis name at this position: $n must not match the beginning of $number. Empty: none.
 std::string axisAt(const std::string& text, std::size_t at, const nlohmann::json& axes) {
   std::string longest;
   for (const auto& [name, value] : axes.items()) {

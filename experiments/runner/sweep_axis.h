@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// An axis of a sweep as its file writes it, with the stars that stand for whoever is registered, so that a new file
-// joins a sweep by itself. Where a method's name stands, in a list or in a pipeline,
-//   *            is every competitor of that stage, and every engine where the stage is theirs
-//   *witness     every witness
-//   *-naive-sat  the same but for these, which the sweep treats otherwise or leaves out
-// and `*{iterations=4}` gives the parameter to those that have one of that name, `*{effort=4}` to those that have an
-// effort, whatever its name is.
+// An axis of a sweep as written in its file. Stars stand for registered methods, so that a new method joins a sweep
+// without an edit. In place of a method's name, in a list or in a pipeline,
+// *            is every competitor of that stage, and every engine if the stage is `engine`
+// *witness     every witness
+// *-naive-sat  the same without these, which the sweep treats separately or omits
+// and `*{iterations=4}` sets the parameter where a method has one of that name, `*{effort=4}` where a method has an
+// effort, whatever its name.
 #pragma once
 
 #include <array>
@@ -19,58 +19,58 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Who has written a value: the sweep's file, or the command line.
+/// Origin of a value: the sweep's file, or the command line.
 enum class WrittenBy { file, with, set };
 
-/// One value of an axis: what the sweep calls it, and what it means.
+/// One value of an axis: its label, and its meaning.
 struct AxisValue {
   nlohmann::json label;              // a number or text, as written
-  std::string pipeline;              // of a labelled text: a part of a pipeline
-  std::string written;               // the same as the file has it, with parameters that not everyone has
-  const toml::node* node = nullptr;  // where; of one that was given on the command line, its axis
+  std::string pipeline;              // for a labelled text: a part of a pipeline
+  std::string written;               // the same as written in the file, with parameters that not every method has
+  const toml::node* node = nullptr;  // its position; if given on the command line, that of its axis
   WrittenBy by = WrittenBy::file;
 };
 struct Axis {
   std::string name;
   std::vector<AxisValue> values;
   bool labelled = false;
-  const toml::node* node = nullptr;  // where
+  const toml::node* node = nullptr;  // its position
 };
 
-/// Values of the axis `seed`; empty where there is none.
+/// Values of the axis `seed`; empty if there is none.
 std::vector<nlohmann::json> seedsOf(const std::vector<Axis>& axes);
 
-/// What a store keeps of a sweep beside its axes (`roles` of the table `sweep`): no axis may have such a name.
+/// Keys that a store keeps besides the axes of a sweep (`roles` of the table `sweep`): no axis may have such a name.
 inline constexpr std::array<std::string_view, 5> kNoAxes = {"break", "calibrate", "commands", "report",
                                                             "settings_told"};
 
-/// A number, a text, a list of these, or a table of labelled parts of pipelines. A label whose text has stars says with
-/// `$velocity` where the name goes that `velocity=*` became. Throws UserError with file and line.
+/// A number, a text, a list of these, or a table of labelled parts of pipelines. In a label of a text with stars,
+/// `$velocity` stands for the replacement of `velocity=*`. Throws UserError with file and line.
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node);
 
-/// "AXIS=VALUE" as the command line has it, a number or a text. Throws UserError for what is no such text, and for a
-/// star, which is many values.
+/// "AXIS=VALUE" of the command line, a number or a text. Throws UserError for other texts, and for a star, which is
+/// many values.
 struct SetAxis {
   explicit SetAxis(const std::string& given);
   std::string given, axis;
   nlohmann::json value;
 };
 
-/// A value of an axis as a text of a pipeline has it.
+/// A value of an axis as text of a pipeline.
 std::string valueText(const nlohmann::json& label);
-/// Replaces each $name by the value of that axis, in one pass: what a value holds is not looked at again. Tells in
-/// `used` which were. Throws UserError for a `$` that names no axis or stands in such a value.
+/// Replaces each $name by the value of that axis, in one pass: inserted values are not scanned again. Writes the
+/// replaced axes to `used`. Throws UserError for a `$` that names no axis or is inside a value.
 std::string withValues(const std::string& text, const nlohmann::json& axes, std::set<std::string>& used);
-/// The axes that a text names so.
+/// The axes that a text names with `$`.
 std::set<std::string> namedIn(const std::string& text, const nlohmann::json& axes);
 
-/// One more method, "LABEL=PIPELINE" as the command line has it, joins the labelled axis. Not where none is, or where
-/// the text uses a `$name` that neither an axis nor `searched`, the setting that is calibrated, has. Throws UserError
-/// for what is no such text, and for a label that is taken.
+/// Adds a method, "LABEL=PIPELINE" of the command line, to the labelled axis. Does nothing if there is no such axis, or
+/// if the text uses a `$name` that is neither an axis nor `searched`, the calibrated setting. Throws UserError for
+/// other texts, and for a label that exists.
 bool addMethod(const std::string& given, const std::string& searched, std::vector<Axis>& axes);
 
-/// What plans one sweep again: of `only`, `with` and `set` what it takes, since it would refuse what is another's of
-/// its set.
+/// The command that plans one sweep of a set again, with the parts of `only`, `with` and `set` that apply to it; it
+/// would refuse the others.
 std::vector<std::string> commandOf(const std::string& name, const std::set<std::string>& only,
                                    const std::set<std::string>& used, const std::vector<std::string>& with,
                                    const std::vector<std::string>& set);

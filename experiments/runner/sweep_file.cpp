@@ -24,11 +24,10 @@ namespace {
 
 using nlohmann::json;
 
-/// Kept alive by the cells that are to be calibrated: their trials are planned when a setting is tried.
+/// Shared with cells that are calibrated: their trials are planned when a setting is tried.
 class Sweep : public std::enable_shared_from_this<Sweep> {
  public:
-  /// `matched` and `taken` get what was found of the names in `only`, of the methods in `with` and of the axes in
-  /// `set`.
+  /// `matched` and `taken` collect the names of `only`, the methods of `with` and the axes of `set` that were found.
   Sweep(const std::string& path, const std::set<std::string>& only, std::set<std::string>& matched,
         const std::vector<std::string>& with, const std::vector<SetAxis>& set, std::set<std::string>& taken)
       : m_path(path),
@@ -130,7 +129,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     bool series = true;
     std::vector<double> budgets;
     std::optional<BreakQuestion> question;
-    std::set<std::string> named;  // axes that mean something because a value of another names them
+    std::set<std::string> named;  // axes that are used because a value of another axis names them
   };
   using Shared = std::shared_ptr<const Settings>;
 
@@ -189,7 +188,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (m_calibration) axes[m_calibration->setting] = nullptr;
     if (settings.question) axes[settings.question->parameter] = nullptr;
     for (const Axis& axis : settings.axes) {
-      if (!axis.labelled && !stageByName(axis.name)) continue;  // its values are not looked at
+      if (!axis.labelled && !stageByName(axis.name)) continue;  // its values are not checked
       for (const AxisValue& value : axis.values) settings.named.merge(namedIn(value.written, axes));
     }
     const Shared s = std::make_shared<const Settings>(std::move(settings));
@@ -204,7 +203,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   void addSize(const Settings& s, const toml::node& where) {
     const std::size_t budgets = m_calibration ? s.budgets.size() : 1;
-    if (const auto& q = s.question) {  // what is timed is one rung
+    if (const auto& q = s.question) {  // the timed unit is one rung
       return m_size->add({s.axes, budgets, 1, false, true, "", q->mostTrials()}, m_path, where);
     }
     m_size->add({s.axes, budgets, s.repeats, s.timed, s.untimed, m_twice}, m_path, where);
@@ -258,7 +257,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
   }
 
-  // Seeds share a setting: each with its own would be ranked by settings, too.
+  // Seeds share a setting: with separate settings, the ranking would mix methods and settings.
   void calibratedCell(const Shared& s, const std::vector<std::size_t>& at, const toml::node& where, const json& axes) {
     const std::vector<json> seeds = seedsOf(s->axes);
     if (!seeds.empty() && axes["seed"] != seeds.front()) return;
@@ -293,12 +292,12 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (m_calibration) return calibratedCell(s, at, where, axes);
     std::set<std::string> names;
     for (PlannedTrial& trial : trialsOf(*s, at, where, axes, names, s->untimed, s->timed)) {
-      // Two groups may meet in one cell; it runs once.
+      // Two groups may share a cell; it runs once.
       if (wanted(names) && m_seen.insert(trial.key).second) m_out.trials.push_back(std::move(trial));
     }
   }
 
-  // `names` gets the labels, algorithms and scenes that take part.
+  // `names` gets the participating labels, algorithms and scenes.
   std::vector<PlannedTrial> trialsOf(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where,
                                      const json& axes, std::set<std::string>& names, bool untimed, bool timed) {
     std::vector<PlannedTrial> out;
@@ -332,18 +331,18 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   [[noreturn]] void failInCell(const std::string& message, const Settings& s, const std::vector<std::size_t>& at,
                                const toml::node& where) const {
     std::vector<WrittenText> texts;
-    for (std::size_t i = at.size(); i-- > 0;) {  // a later axis replaces what an earlier one says
+    for (std::size_t i = at.size(); i-- > 0;) {  // a later axis replaces the stage of an earlier one
       const Axis& axis = s.axes[i];
       const AxisValue& value = axis.values[at[i]];
       texts.push_back({axis.name, value.written + " " + value.pipeline, value.node, ""});
-      // What goes wrong with a method of the command line does so in its first cell, when the others have been planned.
+      // An invalid method of the command line fails in its first cell, after the other methods were planned.
       if (value.by == WrittenBy::with) throw UserError("--with " + valueText(value.label) + ": " + message);
       for (const SetAxis& set : m_set) {
         if (value.by == WrittenBy::set && set.axis == axis.name) texts.back().given = "--set '" + set.given + "'";
       }
     }
     if (s.pipelineNode) texts.push_back({"pipeline", s.pipeline, s.pipelineNode, ""});
-    // The values of several axes may be wrong together.
+    // Several axes together may cause the error.
     failWhereWritten(m_path, message, texts, at.empty() ? where : *s.axes[0].values[at[0]].node);
   }
 
@@ -395,7 +394,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     const std::string model = readWorldAxes(file, axes, used, cell, m_out.roles);
     if (!model.empty()) applyModel(file, model, cell);
     PlannedTrial trial = m_planner->world(scenePath, cell);
-    for (const auto& [name, value] : axes.items()) {  // a method without the setting is at no value of it
+    for (const auto& [name, value] : axes.items()) {  // a method without the setting has no value of it
       const bool searched = s.question && s.question->parameter == name;
       if (m_out.roles[name] != "setting" || named.count(name) || searched) trial.axes[name] = value;
     }
@@ -406,7 +405,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       }
       m_seeds.saw(trial, choices);
     }
-    const auto kind = cell.params.find(kJointParameter);  // now known to be right
+    const auto kind = cell.params.find(kJointParameter);  // now known to be valid
     if (kind != cell.params.end() && kind->second.isText()) collectNames(Spec::parse(kind->second.text), names);
     return trial;
   }
@@ -419,7 +418,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     return frozenTrial(*m_planner, m_kind, axes, timed, m_out.roles, names);
   }
 
-  // What plays in the scene; empty: nothing, also where the axis is one of pipelines or a setting of theirs.
+  // The script of the scene; empty: none, also if the axis belongs to pipelines or is a setting of theirs.
   std::string scriptOf(const json& axes, const std::set<std::string>& used) const {
     if (used.count("script") || !axes.contains("script")) return "";
     const std::string script = valueText(axes["script"]);
@@ -436,9 +435,9 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::shared_ptr<Planner> m_planner;
   std::shared_ptr<SweepSize> m_size;
   std::optional<Calibration> m_calibration;
-  std::set<std::string> m_seen, m_named;  // keys; values of axes that are no numbers
+  std::set<std::string> m_seen, m_named;  // keys; values of axes that are not numbers
   std::string m_twice;                    // a value of an axis: its cells are timed as if they were two
-  bool m_timed = false;                   // something is
+  bool m_timed = false;                   // whether any trial is
   IdleSeeds m_seeds;
   AxisFiles m_files;
   PlannedSweep m_out;
@@ -452,7 +451,7 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
   const std::set<std::string> only(onlyList.begin(), onlyList.end());
   const std::vector<SetAxis> set(setList.begin(), setList.end());
   std::set<std::string> matched, taken;
-  std::vector<std::pair<std::string, std::string>> files = {{nameOrPath, path}};  // as it was named, and where it is
+  std::vector<std::pair<std::string, std::string>> files = {{nameOrPath, path}};  // as given, and its path
   const toml::table table = parseToml(readFile(path), path);
   if (table.contains("sweeps")) {
     TableReader named(table, path, "a set of sweeps");

@@ -6,8 +6,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A trial of a world takes 7 kB and 0.3 ms to plan: this many are 0.7 GB and half a minute, before they run for hours.
-// More are a slip of the pen; the largest sweep of experiments/sweeps has 1300.
+// Planning a trial of a world takes 7 kB and 0.3 ms: this limit is 0.7 GB and half a minute, and the trials run for
+// hours. More is a typing error; the largest sweep of experiments/sweeps has 1300.
 constexpr int kMostTrials = 100000;
 
 }  // namespace
@@ -20,7 +20,7 @@ void SweepSize::add(const Product& product, const std::string& file, const toml:
     return static_cast<double>(n);
   };
   const double repeats = factor("repeats", product.repeats);
-  double cells = 1, others = 1;  // those without the value that is timed twice
+  double cells = 1, others = 1;  // values other than the one that is timed twice
   for (const Axis& axis : product.axes) {
     cells *= factor(axis.name, axis.values.size());
     others *= static_cast<double>(std::count_if(axis.values.begin(), axis.values.end(),

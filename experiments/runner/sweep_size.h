@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// How many trials a command plans, known before any is made.
+// The number of trials of a command, before any is planned.
 #pragma once
 
 #include <string>
@@ -12,20 +12,20 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 class SweepSize {
  public:
-  /// A product of axes and what else multiplies.
+  /// A product of axes and other factors.
   struct Product {
     const std::vector<Axis>& axes;
     std::size_t budgets;
     long repeats;
     bool timed, untimed;
     std::string twice;  // a value: its cells are timed as if they were two
-    int search = 1;     // trials at most, of a search for a breaking point
+    int search = 1;     // largest number of trials in a search for a breaking point
   };
-  /// Throws UserError, which tells each factor, where it is too large by itself or together with what was added before.
+  /// Throws UserError with each factor if it is too large, alone or together with what was added before.
   void add(const Product& product, const std::string& file, const toml::node& where);
 
  private:
-  double m_trials = 0;  // holds what is too large for whole numbers
+  double m_trials = 0;  // a double, because the product may exceed integers
 };
 
 }}  // namespace lpc::LPC_PRECISION

@@ -22,14 +22,14 @@ using nlohmann::json;
 constexpr int kSchema = 1;
 constexpr long kMaxItems = 10000000;  // boxes, frames or pairs of one trial
 constexpr long kMaxVertices = 4096;   // of a drawn hull
-constexpr long kMaxCurve = 100000;    // iterations of a problem's trial, which solves it with each number up to there
+constexpr long kMaxCurve = 100000;    // iterations in a problem's trial, which solves it with each number up to this
 
 bool existsIn(StageKind stage, int dimension, const std::string& name) {
   return Registry::instance().all().count({stage, dimension, name}) > 0;
 }
 
-// Completes a spec with every parameter. When the algorithm exists in the other dimension only, that is no mistake of
-// the user's but a hole in the table: `unsupported` says so.
+// Completes a spec with every parameter. An algorithm that exists only in the other dimension is not a mistake of the
+// user but a gap: `unsupported` gets the reason.
 json canonicalStage(json& code, std::string& unsupported, StageKind stage, Spec& spec, int dimension) {
   if (!existsIn(stage, dimension, spec.name) && existsIn(stage, 5 - dimension, spec.name)) {
     unsupported =
@@ -49,7 +49,7 @@ json canonicalStage(json& code, std::string& unsupported, StageKind stage, Spec&
     try {
       complete(5 - dimension);
     } catch (const UserError&) {
-      throw e;  // a mistake in either dimension, told of the one that was asked for
+      throw e;  // a mistake in either dimension; report that of the requested one
     }
     unsupported = e.what();  // a nested stage is missing in this dimension
   }
@@ -61,7 +61,7 @@ std::string differencesOf(const Spec& engine) {
   return createStage<Engine<D>>(engine)->differences();
 }
 
-// What stands in the row beside the trial: which engine, and how it differs from our worlds whatever is set.
+// Stored with the trial: the engine, and how it always differs from our worlds.
 json canonicalEngine(json& code, std::string& unsupported, Spec& engine, int dimension) {
   json out = {{"name", engine.name}, {"differs", ""}};
   const auto& all = Registry::instance().all();
@@ -74,7 +74,7 @@ json canonicalEngine(json& code, std::string& unsupported, Spec& engine, int dim
   return out;
 }
 
-// The kind that a scene's parameter holds, with every parameter of its own.
+// The kind in a scene's parameter `joint`, with all its parameters.
 void canonicalJoint(json& code, std::string& unsupported, const SceneFile& file, ParameterValues& params,
                     int dimension) {
   const auto it = params.find(kJointParameter);
@@ -115,9 +115,9 @@ std::string text(const json& cell, const char* name) {
   return cell.at(name);
 }
 
-// Of trials without a world.
+// For trials without a world.
 void addDefaults(json& cell, const char* sizeName, int size) {
-  cell.emplace(sizeName, size);  // emplace leaves what is there
+  cell.emplace(sizeName, size);  // emplace keeps an existing value
   cell.emplace("seed", 1), cell.emplace("repeat", 0), cell.emplace("timed", false), cell.emplace("precision", "f64");
   wholeNumber(cell, "dimension", 2, 3);
   wholeNumber(cell, "n", 1, kMaxItems), wholeNumber(cell, sizeName, 1, kMaxItems);
@@ -244,7 +244,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   asked.pipeline = engine ? "engine=" + engine->text() : pipeline.text();
   asked.dt = defaults.dt, asked.steps = defaults.steps, asked.seed = seed;
   asked.features = featuresText(featuresFromText(features)), asked.repeat = cell.repeat, asked.timed = cell.timed;
-  // What it says is in the scene's hash.
+  // Its content is in the scene's hash.
   if (!cell.script.empty()) asked.script = std::filesystem::path(file.scriptPath()).stem().string();
   asked.posesEvery = cell.posesEvery.value_or(0), asked.series = cell.series;
   out.canonical = toJson(asked);
@@ -354,7 +354,7 @@ PlannedTrial Planner::streamOfPairs(json cell) {
   if (!file.has(dimension)) missing = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
   if (const Defaults* found = missing.empty() ? built(file, params, seed, dimension, missing) : nullptr) {
     for (const auto& [stage, kind] : found->kinds) code.update(codeHashes(stage, Spec::parse(kind), dimension));
-    Pipeline world;  // that makes the stream
+    Pipeline world;  // that records the stream
     for (const StageKind stage : kWorldStages) canonicalStage(code, missing, stage, world[stage], dimension);
   }
   if (!missing.empty()) out.unsupported = missing;
@@ -389,7 +389,7 @@ PlannedTrial Planner::pairs(json cell) {
   json code = json::object();
   Spec spec = Spec::parse(text(cell, "pair_query"));
   cell["pair_query"] = canonicalStage(code, out.unsupported, StageKind::pairQuery, spec, cell["dimension"]);
-  code["oracles"] = oraclesHash();  // the referee tells the errors
+  code["oracles"] = oraclesHash();  // the referee decides the errors
   cell["code"] = code;
   out.canonical = std::move(cell);
   seal(out);

@@ -29,10 +29,10 @@ namespace {
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-// Starting a worker costs as much as some hundred pairs of our methods; witnesses take long, and longer when they hang.
+// Starting a worker costs as much as some hundred pairs of our methods; witnesses are slow, and slower when they hang.
 constexpr int kBlocksPerJob = 5, kBlocksPerSlowJob = 1;
 
-/// A method as the ledger knows it, and what its verdicts depend on.
+/// A method as the ledger identifies it, and everything its verdicts depend on.
 struct Method {
   LedgerMethod ledger;
   Spec spec;  // every parameter written out
@@ -40,7 +40,7 @@ struct Method {
   AlgorithmRole role = AlgorithmRole::competitor;
 };
 
-/// What can be asked in one worker: one stage and dimension, and for all but broadphases one pair of kinds.
+/// The scope of one worker: one stage and dimension, and, except for broadphases, one pair of kinds.
 struct Subject {
   StageKind stage;
   std::optional<std::pair<ShapeKind, ShapeKind>> kinds;
@@ -49,8 +49,8 @@ struct Subject {
   const LedgerMethod& front() const { return methods.front()->ledger; }
 };
 
-/// Consecutive blocks that the same methods lack. Its inputs go to one worker, and to several when one does not come
-/// back; it is booked when all have answered.
+/// Consecutive blocks that the same methods lack. Its inputs go to one worker, and to several if a worker does not
+/// return. It is recorded when all have answered.
 struct VerifyJob {
   const Subject* subject = nullptr;
   std::vector<const Method*> methods;
@@ -63,7 +63,7 @@ struct Part {
   std::size_t job;
   int first, count;
   std::vector<const Method*> methods;
-  std::string ended = {};  // how the worker did that asked just this
+  std::string ended = {};  // how the worker ended that ran only this
 };
 
 template <int D>
@@ -77,7 +77,7 @@ bool supports(const Method& m, const Subject& s) {
   return true;
 }
 
-/// Who is asked what; found before anything is run or written.
+/// The methods and their subjects; complete before anything is run or written.
 class Plan {
  public:
   explicit Plan(const VerificationOptions& options) : m_options(options) {
@@ -115,10 +115,10 @@ class Plan {
   void add(const Registered& r, const Spec& spec) {
     if (m_options.role && r.info.role != *m_options.role) return;
     const Spec whole = r.canonical(spec);
-    r.create(whole);  // throws what is a mistake
+    r.create(whole);  // throws if it is invalid
     json code = codeHashes(r.stage, whole, r.dimension);
     code["core"] = coreHash(), code["oracles"] = oraclesHash();
-    if (r.stage == StageKind::velocity) {  // they are compared with
+    if (r.stage == StageKind::velocity) {  // the references for their answers
       for (const Spec& other : convergedResolvers(r.dimension)) code.update(codeHashes(r.stage, other, r.dimension));
     }
     for (const std::string& precision : m_options.precisions) {
@@ -216,7 +216,7 @@ class Verification {
     return {hexHash(key.dump()), m.ledger, m.code};
   }
 
-  // The next part, of a job whose worker did not come back or of a new one; false when there is none.
+  // The next part of a job with a lost worker, or of a new job; false if there is none.
   bool startNext() {
     if (m_again.empty() && !nextJob()) return false;
     const Part part = m_again.back();
@@ -233,7 +233,7 @@ class Verification {
     if (s.kinds) task["kind_a"] = shapeKindName(s.kinds->first), task["kind_b"] = shapeKindName(s.kinds->second);
     if (m_options.metamorphic) task["relations"] = true;
     if (!part.ended.empty()) task["ended"] = part.ended;
-    // A witness is given half a second for a pair that it hangs on, which is seldom.
+    // Half a second is allowed for a witness that hangs on a pair, which is rare.
     const double asked = m_options.metamorphic ? 2.0 * kRelations : 1.0;  // of each pair
     const WorkerLimits limits{.seconds = 20 + part.count * asked * (0.02 + 0.1 * witnesses)};
     m_pool.start(m_started, s.front().precision, {{"verify", task}}, limits, -1);
@@ -241,7 +241,7 @@ class Verification {
     return true;
   }
 
-  // Walks over rounds of blocks, and in each over all subjects, so that a run that is stopped has asked of everything.
+  // Iterates over rounds of blocks, and in each over all subjects, so that a stopped run has covered every subject.
   bool nextJob() {
     while (!InterruptGuard::interrupted()) {
       if (m_subject == m_subjects.size()) m_subject = 0, m_round += m_blocksPerJob, m_block = m_round;
@@ -302,7 +302,7 @@ class Verification {
     m_jobs.erase(part.job);
   }
 
-  // Which method, then which input does it? The others are asked again without them.
+  // Finds which method, then which input, is responsible. The others run again without them.
   void split(const Part& part, VerifyJob& job, const std::string& how) {
     if (part.methods.size() > 1) {
       for (const Method* m : part.methods) m_again.push_back({part.job, part.first, part.count, {m}, {}});
@@ -350,7 +350,7 @@ class Verification {
   const int m_blockSize = m_options.metamorphic ? kRelationsBlock : kVerifyBlock;
   long m_blocksPerJob = kBlocksPerJob, m_round = 0, m_block = 0;
   std::map<std::size_t, VerifyJob> m_jobs;
-  std::map<std::size_t, Part> m_parts;  // at work, by their number in the pool
+  std::map<std::size_t, Part> m_parts;  // running, by their index in the pool
   std::vector<Part> m_again;            // to be started
   std::size_t m_nextJob = 0, m_started = 0;
   VerificationSummary m_summary;
@@ -376,7 +376,7 @@ std::vector<Spec> specsToVerify(const Registered& method) {
     out.push_back(out.front());
     out.back().set(p.name, {fmt::format("{}", p.range->lo), {}});
   }
-  for (const ParamInfo& p : method.params) {  // and where an engine would ask
+  for (const ParamInfo& p : method.params) {  // and where an engine would call it
     if (p.name != "frame" || !contains(p.choices, "world")) continue;
     out.push_back(out.front());
     out.back().set(p.name, {"world", {}});
@@ -385,7 +385,7 @@ std::vector<Spec> specsToVerify(const Registered& method) {
 }
 
 void checkVerification(const VerificationOptions& options) {
-  static_cast<void>(Plan(options));  // which refuses what is wrong
+  static_cast<void>(Plan(options));  // which rejects invalid ones
   for (const std::string& precision : options.precisions) checkWorker(precision, false);
 }
 
@@ -411,8 +411,8 @@ Ledger ledgerOf(const VerificationOptions& options, Store& store) {
 
 namespace {
 
-// Those of an earlier store of this name would tell of failures that this one does not have. Files of other names are
-// the user's.
+// Files of an earlier store with this name would show failures that this store does not have. Other files belong to the
+// user.
 void removeOthers(const std::filesystem::path& folder, const std::set<std::string>& written) {
   static const std::regex ours(".+-[a-z_]+-[23]d-f(32|64)\\.json");
   std::vector<std::filesystem::path> stale;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Runs a verification: blocks of seeded inputs in workers, one per core, booked in a store. What is booked is not asked
-// again, and a method whose code has changed starts anew.
+// Runs a verification: blocks of seeded inputs in workers, one per core, recorded in a store. Recorded blocks are not
+// run again, and a method with changed code starts anew.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Inputs are booked in blocks of this many; with their images, of which there are a dozen, in smaller ones: of a
-/// witness that hangs on one question of seven for half a second each, a block must end within minutes.
+/// Inputs are recorded in blocks of this size. With their transformed images, a dozen each, blocks are smaller: a block
+/// of a witness that hangs on one query of seven for half a second each must end within minutes.
 inline constexpr int kVerifyBlock = 200, kRelationsBlock = 10;
 
-/// Of these the last is not asked unless it is named.
+/// The last stage is verified only if it is named.
 inline constexpr StageKind kVerifiedStages[] = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase,
                                                 StageKind::velocity, StageKind::timeOfImpact};
 
@@ -25,19 +25,19 @@ struct VerificationOptions {
   std::vector<StageKind> stages = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase};
   std::vector<int> dimensions = {2, 3};
   std::vector<std::string> precisions = {"f64"};
-  std::vector<std::string> methods = {};   // specs; empty: all that are registered
+  std::vector<std::string> methods = {};   // specs; empty: all registered ones
   std::optional<AlgorithmRole> role = {};  // of the methods; none: all
-  bool metamorphic = false;  // of pair queries: what must not matter (see verifyRelations), not the answers
+  bool metamorphic = false;  // for pair queries: checks relations (see verifyRelations) instead of answers
   std::uint64_t seed = 1;
   long pairs = kVerifyBlock;  // per two kinds of shape (or sets of boxes, or problems), rounded up to whole blocks
-  double minutes = 0;         // above 0: go on until then, whatever `pairs` says
+  double minutes = 0;         // above 0: continue until then, whatever `pairs` is
   int jobs = 0;               // workers at once; 0: one per core
   bool quiet = false;
   std::vector<std::string> plugins = {};
 };
 
 struct VerificationSummary {
-  long asked = 0, skipped = 0;  // inputs; skipped ones were booked before
+  long asked = 0, skipped = 0;  // inputs; skipped ones were recorded before
   bool stopped = false;         // by Ctrl-C
 };
 
@@ -46,16 +46,16 @@ void checkVerification(const VerificationOptions& options);
 
 VerificationSummary runVerification(const VerificationOptions& options, Store& store);
 
-/// What the options are about, out of the store's ledger.
+/// The part of the store's ledger that the options select.
 Ledger ledgerOf(const VerificationOptions& options, Store& store);
 
-/// Who is asked when no methods are named: the method with its defaults, and a witness also at the tightest tolerance
-/// that its library offers, the lower end of its parameter `tolerance` (Bullet's are constants of its build), and with
-/// both shapes away from the origin (`frame=world`). Of velocity resolvers those that are to converge.
+/// The default methods: each with its defaults; a witness also at the tightest tolerance of its library, the lower end
+/// of its parameter `tolerance` (Bullet's are compiled in), and with both shapes away from the origin (`frame=world`);
+/// of velocity resolvers those that should converge.
 std::vector<Spec> specsToVerify(const Registered& method);
 
-/// Writes the simplest pair of each failure and the worst of each method as one file each into the folder
-/// STORE.found. Returns lines that say what is where.
+/// Writes the simplest pair of each failure and the worst of each method as one file each into the folder STORE.found.
+/// Returns lines that list the files.
 std::vector<std::string> writeFoundCases(Store& store, const std::string& storePath);
 
 }}  // namespace lpc::LPC_PRECISION

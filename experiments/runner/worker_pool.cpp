@@ -26,7 +26,7 @@ void interrupt(int) { interruptFlag = 1; }
 constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
 std::array<struct sigaction, kSignals.size()> oldActions;
 
-// Of the last minute; the worker that is about to start is not in it yet.
+// Of the last minute; the worker about to start is not included.
 double loadAverage() {
   double load = 0;
   return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
@@ -89,7 +89,7 @@ void WorkerPool::waitForOutput() {
   ::poll(descriptors.data(), descriptors.size(), ending ? 1 : 50);
 }
 
-// This program itself was stopped (Ctrl-Z): a worker with more to tell than a pipe holds has waited for it.
+// This program itself was stopped (Ctrl-Z): a worker with more output than a pipe holds has waited.
 void WorkerPool::countStops() {
   const auto now = std::chrono::steady_clock::now();
   const double since = std::chrono::duration<double>(now - std::exchange(m_watched, now)).count();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Workers at work: started with a request each, watched for time and memory, and what became of them.
+// Starts workers with a request each, watches time and memory, and returns their results.
 #pragma once
 
 #include <chrono>
@@ -23,24 +23,24 @@ struct WorkerEnd {
   std::size_t job = 0;
   std::string outcome = "ok";  // or timeout, out_of_memory, crash (by a signal or an exception), unsupported
   std::string reason;
-  std::string output;   // of a worker that ended well
+  std::string output;   // of a successful worker
   std::string started;  // UTC
-  double load = 0;      // the machine's load average when it started; NaN where it is not told
+  double load = 0;      // the machine's load average at the start; NaN if unknown
   double seconds = 0;
-  int signal = 0;  // that ended it, unless we sent it
+  int signal = 0;  // that ended it, unless this program sent it
 };
 
 class WorkerPool {
  public:
-  /// `plugins` are paths; each worker gets those of its own precision.
+  /// `plugins` are paths; each worker gets those of its precision.
   explicit WorkerPool(const std::vector<std::string>& plugins);
 
   std::size_t running() const { return m_running.size(); }
   void start(std::size_t job, TrialRequest request, const WorkerLimits& limits, int core);
-  /// A task of another kind. `core` >= 0 pins it to that processor. `job` comes back with its end.
+  /// A task of another kind. `core` >= 0 pins it to that processor. `job` is returned with its end.
   void start(std::size_t job, const std::string& precision, nlohmann::json request, const WorkerLimits& limits,
              int core);
-  /// Waits a little for output and takes out those that have ended.
+  /// Waits briefly for output and returns the workers that have ended.
   std::vector<WorkerEnd> ended();
   void killAll() { m_running.clear(); }
 
@@ -51,8 +51,8 @@ class WorkerPool {
     std::unique_ptr<Child> child;
     std::string started;
     double load;
-    std::string killedFor, why;  // timeout or out_of_memory, when we did it
-    double unwatched = 0;        // s in which nobody could look after it
+    std::string killedFor, why;  // timeout or out_of_memory, if this program killed it
+    double unwatched = 0;        // s during which the pool was not polled
   };
   void launch(std::size_t job, const std::string& program, const nlohmann::json& request, const WorkerLimits& limits,
               int core);
@@ -63,13 +63,13 @@ class WorkerPool {
 
   std::vector<std::pair<std::string, std::string>> m_plugins;  // precision, absolute path
   std::vector<Running> m_running;
-  std::chrono::steady_clock::time_point m_watched;  // when they were last looked after
+  std::chrono::steady_clock::time_point m_watched;  // time of the last poll
 };
 
-/// Throws UserError where trials of this precision, or those of engines, have no worker that can be started.
+/// Throws UserError if no worker for trials of this precision, or of engines, can be started.
 void checkWorker(const std::string& precision, bool engine);
 
-/// Ctrl-C, SIGTERM and, without nohup, a terminal that is gone (SIGHUP) set a flag while this lives.
+/// Sets a flag on Ctrl-C, SIGTERM and, without nohup, a closed terminal (SIGHUP), during its lifetime.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -79,7 +79,7 @@ class InterruptGuard {
   static bool interrupted();
 };
 
-/// Thrown where what is under way is left for it. The program ends with exit code 130.
+/// Thrown to abandon the work under way. The program ends with exit code 130.
 struct Interrupted : std::runtime_error {
   Interrupted() : std::runtime_error("stopped") {}
 };

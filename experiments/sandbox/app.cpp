@@ -27,12 +27,13 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr const char* kSaved = "sandbox.toml";      // F1 and F2
-constexpr Real kTurn = Real(0.0872664626);          // rad, five degrees a notch
-constexpr double kToldAfter = 0.3, kPatience = 10;  // s: with a step back that takes long
-// Of a picture, as much as the largest time scale asks for; what takes longer is shown slower.
+constexpr const char* kSaved = "sandbox.toml";  // F1 and F2
+constexpr Real kTurn = Real(0.0872664626);      // rad, five degrees a notch
+constexpr double kToldAfter = 0.3,
+                 kPatience = 10;  // s: a progress message after this time; a step back may take this long
+// Limits per picture: as many steps as the largest time scale needs; a slower simulation is shown slower.
 constexpr int kMostSteps = 4;
-constexpr double kMostTime = 4.0 / 60, kMostSeconds = 0.1;  // s, of the world's and of the user's time
+constexpr double kMostTime = 4.0 / 60, kMostSeconds = 0.1;  // s, of the world's and of the wall clock's time
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -102,7 +103,7 @@ bool App<D>::frame(InputScript* script) {
     char name[48];
     std::snprintf(name, sizeof name, "sandbox_%05ld.png", images + 1);
     act([&] {
-      imageSequence = false;  // where one cannot be written, others cannot
+      imageSequence = false;  // if one picture cannot be written, the others cannot either
       savePicture(name);
       imageSequence = true, ++images;
     });
@@ -141,7 +142,8 @@ void App<D>::handle(const SDL_Event& event) {
       act([&] { hand.press(inFirstView(m_drag), m_shiftKey); });
       m_holding = true;
     }
-    // The report pans with the right button; in 3D it turns the world, as everywhere today, unless shift is down.
+    // The report pans with the right button; in 3D that button rotates the view, as in today's programs, unless shift
+    // is down.
     const bool turns = D == 3 && event.button.button == SDL_BUTTON_RIGHT && !m_shiftKey;
     m_orbiting = turns, m_panning = event.button.button != SDL_BUTTON_LEFT && !turns;
   }
@@ -171,13 +173,13 @@ void App<D>::advance() {
   const double dt = static_cast<double>(session.dt());
   m_due = std::min(m_due + window.secondsPerFrame() * timeScale, std::max(kMostSteps * dt, kMostTime));
   const double begun = now();
-  // Never below none: a dt that is rounded up would owe a step to rounding, at last.
+  // Never below zero: with a rounded dt the error would eventually add up to a step.
   for (int made = 0; m_due > dt * (1 - 1e-6) && !session.fallen(); m_due = std::max(m_due - dt, 0.0)) {
     if (made++ >= kMostSteps && !m_scripted && now() - begun > kMostSeconds) m_due = dt;  // the last
     step();
   }
   if (!session.fallen()) return;
-  paused = true;  // it is shown where it fell, and can be stepped back
+  paused = true;  // shown as it fell, and can be stepped back
   hand.setPaused(true);
   say(session.lanes()[0].fallen);
 }
@@ -195,7 +197,7 @@ void App<D>::step() {
   });
 }
 
-// The window does not answer while an engine makes its steps again: its title tells how far it is.
+// The window does not respond while an engine repeats its steps: its title shows the progress.
 template <int D>
 void App<D>::back() {
   paused = true;
@@ -262,7 +264,7 @@ void App<D>::reload() {
 
 template <int D>
 void App<D>::begin(const Opening& next, const SceneFile& loaded, Session<D> played) {
-  if (logging) toggleLog();  // of the world that goes
+  if (logging) toggleLog();  // of the former world
   hand.cancel(), hand.select({});
   opening = next, file = loaded, session = std::move(played);
   session.keepFrames(!opening.profile.empty());
@@ -283,7 +285,8 @@ template <int D>
 void App<D>::showOther(Opening next, const SceneFile& loaded) {
   constexpr int kOther = 5 - D;
   next.dimension = kOther;
-  static_cast<void>(Session<kOther>(specOf<kOther>(loaded, next), next.pipelines));  // what cannot play is refused
+  static_cast<void>(
+      Session<kOther>(specOf<kOther>(loaded, next), next.pipelines));  // rejects pipelines that cannot run
   m_next = next;
 }
 
@@ -325,7 +328,7 @@ template <int D>
 void App<D>::addLane(const std::string& pipeline) {
   Opening next = playing();
   next.pipelines.push_back(pipeline);
-  Session<D> played(specOf<D>(file, next), next.pipelines);  // who cannot play is refused here
+  Session<D> played(specOf<D>(file, next), next.pipelines);  // rejects pipelines that cannot run
   opening.pipelines = next.pipelines;
   reload();
 }
@@ -357,14 +360,15 @@ void App<D>::saveScript() {
   constexpr const char* kPath = "sandbox_script.toml";
   const std::string text =
       "# " + runOf(opening, file, kPath) + "\n" + scriptOf<D>(session.deeds(), session.scene(), file, session.steps());
-  // The proof that it does the same: a run of it, from the same scene, ends in the same bits.
+  // Proof that it is the same: a run of the script in the same scene ends in the same bits.
   std::ifstream scene(file.path(), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(scene), {}};
   const SceneFile scripted = SceneFile::parse(bytes, file.path(), text, kPath);
   Opening plain = opening;
   plain.features.reset();
   SceneSpec<D> spec = specOf<D>(scripted, plain);
-  if (spec.saved.empty()) spec.settings.features = scripted.needs();  // no joints where nobody asks for them
+  if (spec.saved.empty())
+    spec.settings.features = scripted.needs();  // no joints if neither scene nor script needs them
   Session<D> again(std::move(spec), {opening.pipelines.front()});
   while (again.steps() < session.steps() && !again.fallen()) again.step();
   const bool same = again.world().hash() == session.world().hash();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The sandbox's window on one scene: what is shown, and what keys, menus and panels do.
+// The sandbox's window for one scene: what it shows, and the effect of keys, menus and panels.
 #pragma once
 
 #include <array>
@@ -20,17 +20,17 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What the world computes in, as the command line calls it.
+/// The precision of the world, as named on the command line.
 inline constexpr const char* kPrecision = std::is_same_v<Real, float> ? "f32" : "f64";
 
-/// Who is drawn, of several: all in one view in their own colours, or each in its own.
+/// How several competitors are shown: all in one view in their own colours, or each in a view of its own.
 enum class Arrangement { overlaid, sideBySide };
 
-/// Panels that can be opened and closed.
+/// Which panels are open.
 struct Panels {
   bool scene = false, stages = false, layers = false, step = false, body = false, compare = false, pair = false,
        help = false;
-  std::map<std::string, int> places = {};  // of those that are open
+  std::map<std::string, int> places = {};  // of the open ones
 };
 struct PanelInfo {
   const char* name;
@@ -38,32 +38,32 @@ struct PanelInfo {
 };
 std::span<const PanelInfo> panelInfos();
 
-/// What stays when another dimension is shown.
+/// Switches that stay when the dimension changes.
 struct Switches {
   DrawLayers layers;
   Panels panels;
   Arrangement arrangement = Arrangement::overlaid;
   bool paused = false;
-  bool meteors = false, rain = false, showers = false;  // come by themselves while they are on
+  bool meteors = false, rain = false, showers = false;  // while on, they are added automatically
   double timeScale = 1;
   int verbosity = 1;
   bool imageSequence = false;
-  long images = 0;  // that were written
+  long images = 0;  // number of pictures written
 };
 
-/// What tells a competitor from the others.
+/// How a competitor is drawn.
 struct LaneLook {
   std::string pipeline, label, title;
   DrawColour colour;
 };
 
-/// Places of the window that a script can click on by name: "World/Pause", "Scene/base".
+/// Named positions in the window for scripts of mouse clicks: "World/Pause", "Scene/base".
 class Marks {
  public:
-  /// After an item of ImGui: where it is.
+  /// Call after an item of ImGui: records its position.
   void last(const std::string& name);
   void clear() { m_places.clear(); }
-  /// Throws UserError with the names that are there.
+  /// Throws UserError with the known names.
   Vec<2> at(const std::string& name) const;
   const std::map<std::string, Vec<2>>& all() const { return m_places; }
 
@@ -76,9 +76,10 @@ class App : public Switches {
  public:
   App(Window& window, const Opening& opening, const SceneFile& file);
 
-  /// One picture, and the steps that are due; false: it was closed, or something else shall be shown.
+  /// Draws one picture and makes the steps that are due; false if the window was closed, or another scene shall be
+  /// shown.
   bool frame(InputScript* script);
-  /// What is shown next; nothing: the window was closed.
+  /// What to show next; empty: the window was closed.
   const std::optional<Opening>& next() const { return m_next; }
 
   // --- commands; a mistake of the user's is told in the window, and changes nothing ---------------------------------
@@ -90,7 +91,7 @@ class App : public Switches {
   void save(), load(), saveScript(), screenshot();
   void spawnPolygon(), fireworks();
   void useTool(Tool tool, bool drawsStatic = false);
-  void look();  // the whole scene fills the view
+  void look();  // fits the whole scene into the view
   void arrangeAs(Arrangement as);
   void zoom(Real factor);
   void otherDimension();
@@ -98,10 +99,10 @@ class App : public Switches {
   void takeOut(std::size_t lane);
   void toggleLog();
   void writeProfile(const std::string& path);
-  /// The last picture, as PNG. Throws UserError for what cannot be written.
+  /// Writes the last picture as PNG. Throws UserError if it cannot be written.
   void savePicture(const std::string& path) const;
-  void say(std::string text);  // in the window's last line
-  /// Does it; of a mistake it says why.
+  void say(std::string text);  // in the window's status line
+  /// Runs an action; shows the message of a UserError.
   void act(const std::function<void()>& what);
 
   // --- what is shown, open to panels ---------------------------------------------------------------------------------
@@ -111,21 +112,22 @@ class App : public Switches {
   Session<D> session;
   ViewCamera<D> camera;
   Hand<D> hand;
-  std::vector<Tile> views, titles;  // of the last picture: where each lane was seen, and above it, side by side
-  int titleLines = 1;               // for a label
+  std::vector<Tile> views,
+      titles;          // of the last picture: the view of each competitor, and, side by side, its title above it
+  int titleLines = 1;  // for a label
   const std::vector<LaneLook>& laneLooks();
   bool isSideBySide() const { return arrangement == Arrangement::sideBySide && session.lanes().size() > 1; }
   Marks marks;
   bool closed = false;
-  bool logging = false;  // statistics of each step, into a file
-  PairLook<D> pair;      // that the panel of this name looks into
+  bool logging = false;  // writes statistics of each step to a file
+  PairLook<D> pair;      // shown in the panel of this name
   std::string pairQuery = "gjk_epa";
   int pairStep = 0;
   ViewCamera<D> pairCamera;
-  bool equalCost = false;  // of competitors, while they run
+  bool equalCost = false;  // between competitors, while they run
   std::string message;
   double drawSeconds = 0, stepSeconds = 0;  // of the last picture and the last step
-  std::function<void()> later;              // done when the picture is finished: what replaces the session
+  std::function<void()> later;              // runs after the picture: replaces the session
 
  private:
   void handle(const SDL_Event& event);
@@ -135,12 +137,12 @@ class App : public Switches {
   void bring(const char* script, const ParameterValues& given);
   void bringOne(const char* script, const Vec<D>& at);
   void burst(const Vec<D>& at);
-  Opening playing() const;  // what is shown, from its beginning, by who plays it now
+  Opening playing() const;  // the present scene, from its beginning, with the present pipelines
   void begin(const Opening& next, const SceneFile& loaded, Session<D> played);
   void showOther(Opening next, const SceneFile& loaded);
   void draw();
   void arrange();
-  void lookInto(std::size_t lane);  // the camera into its view
+  void lookInto(std::size_t lane);  // sets the camera to its view
   Vec<2> inFirstView(const Vec<2>& pixel);
   void drawOverlaid();
   void drawSideBySide();
@@ -151,28 +153,28 @@ class App : public Switches {
   GlCanvas<D> m_canvas;
   std::optional<Opening> m_next;
   std::vector<LaneLook> m_laneLooks;
-  bool m_lookDue = true;              // at all, as soon as it is known how the window is divided
+  bool m_lookDue = true;              // fit the scene, as soon as the division of the window is known
   int m_columns = 1;                  // of tiles
-  std::array<int, 4> m_columnsFor{};  // what they were chosen for
-  Random m_random{1};                 // the same hand, the same bodies
-  double m_due = 0;                   // s of the world's time that are still to be stepped
+  std::array<int, 4> m_columnsFor{};  // the input of that choice
+  Random m_random{1};                 // the same actions give the same bodies
+  double m_due = 0;                   // s of the world's time still to be simulated
   Vec<2> m_drag = Vec<2>::Zero();
-  Vec<2> m_shift = Vec<2>::Zero();  // px, from where the mouse is to where the hand is, which works in the first view
+  Vec<2> m_shift = Vec<2>::Zero();  // px, from the mouse to the hand, which acts in the first view
   bool m_holding = false;           // the left button
   bool m_panning = false, m_orbiting = false;
   bool m_control = false, m_shiftKey = false;
-  bool m_scripted = false;  // then the clock decides nothing
+  bool m_scripted = false;  // then the clock has no effect
 };
 
-/// A thing that a user can ask for: in a menu, by a key, or both. The manual's table of keys is written from these.
+/// A command of the user: in a menu, by a key, or both. The manual's table of keys is generated from these.
 template <int D>
 struct Command {
   const char *menu, *name;
   int key;  // of SDL, 0: none
   const char* meaning;
   std::function<void(App<D>&)> run;
-  std::function<bool(const App<D>&)> on = {};  // of a switch
-  bool repeats = false;                        // while its key is held down
+  std::function<bool(const App<D>&)> on = {};  // state of a switch
+  bool repeats = false;                        // repeats while its key is held down
 };
 template <int D>
 const std::vector<Command<D>>& commands();
@@ -182,7 +184,7 @@ void drawMenus(App<D>& app);
 template <int D>
 void drawPanels(App<D>& app);
 
-/// Shows what is asked for until the window is closed. Throws UserError for what cannot be opened at first.
+/// Shows scenes until the window is closed. Throws UserError if the first one cannot be opened.
 void show(Window& window, Opening opening, InputScript* script);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// All that keys and menus do, in one table.
+// All commands of keys and menus, in one table.
 #include <SDL2/SDL_keycode.h>
 #include <imgui.h>
 

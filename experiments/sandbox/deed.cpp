@@ -61,7 +61,7 @@ struct Player {
   }
   void operator()(const WakeBodies& d) {
     auto* own = dynamic_cast<World<D>*>(&world);
-    if (!own) return;  // nobody sleeps in an engine
+    if (!own) return;  // an engine has no sleeping to change
     d.body < 0 ? own->wakeAll() : own->wake(cast[d.body]);
   }
   void operator()(const SetGravity<D>& d) { changeGravity(world, d.gravity); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a hand does to a simulation between two steps: each is what an [[event]] of a script may do, so that what was
-// done by hand can be played again.
+// Actions of the hand on a simulation between two steps: each is one that an [[event]] of a script can express, so that
+// actions by hand can be replayed.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Bodies by number: those of the scene in the order in which they come, then those that came by hand.
+/// Bodies by number: those of the scene in the order of their addition, then those added by hand.
 template <int D>
 class Cast {
  public:
   Cast(const Director<D>& scene, std::vector<Handle>& hand) : m_scene(scene), m_hand(hand) {}
-  /// Of nobody, when it has not come.
+  /// An invalid handle if the body has not been added.
   Handle operator[](int body) const;
   void add(Handle body) { m_hand.push_back(body); }
 
@@ -40,18 +40,18 @@ struct PushBody {
   Vec<D> impulse = Vec<D>::Zero();
   Ang<D> angular = Ang<D>::Zero();
 };
-/// A force (N) at a point of the body (m, in its own frame), for the coming step.
+/// A force (N) at a point of the body (m, in the body's frame), for the coming step.
 template <int D>
 struct PullBody {
   int body;
   Vec<D> force;
   Vec<D> at;
 };
-/// What of it is given.
+/// Sets the given values.
 template <int D>
 struct SetBody {
   int body;
-  std::optional<Vec<D>> position = {};  // of its own frame (m)
+  std::optional<Vec<D>> position = {};  // of the body's frame (m)
   std::optional<Rot<D>> rotation = {};
   std::optional<Vec<D>> velocity = {};         // m/s
   std::optional<Ang<D>> angularVelocity = {};  // rad/s
@@ -64,10 +64,10 @@ struct JoinBodies {
 struct MergeBodies {
   int into, other;
 };
-/// The first shape stays the body's, the others come as new bodies.
+/// The first shape stays with the body; the others become new bodies.
 struct TakeApart {
   int body;
-  int shapes;  // that it has
+  int shapes;  // number of shapes of the body
 };
 struct WakeBodies {
   int body = -1;  // -1: all
@@ -76,14 +76,14 @@ template <int D>
 struct SetGravity {
   Vec<D> gravity;  // m/s^2
 };
-/// What of it is given: coefficients of all its shapes, and what the body is.
+/// Sets the given values: coefficients of all its shapes, and the body's type.
 struct ChangeBody {
   int body;
   std::optional<Real> friction = {}, restitution = {}, density = {};
   std::optional<bool> pinned = {};
   std::optional<BodyType> type = {};
 };
-/// Of one competitor alone: the others keep theirs.
+/// Changes one competitor only.
 struct ExchangeStages {
   int lane;
   std::string pipeline;
@@ -97,7 +97,8 @@ struct Deed {
   What what;
 };
 
-/// Throws UserError, with the reason, for what the world refuses and for what only a `World` can and this is none.
+/// Throws UserError, with the reason, if the world rejects it, or if the simulation is not a `World` and only that
+/// could do it.
 template <int D>
 void play(const Deed<D>& deed, int lane, Simulation<D>& world, Cast<D>& cast);
 

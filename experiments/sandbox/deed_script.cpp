@@ -57,14 +57,14 @@ class DeedWriter {
   }
 
   const SceneSpec<D>& m_scene;
-  std::string m_prefix;  // of all names that are given here
+  std::string m_prefix;  // of all names given here
   ScriptWriter<D> m_out;
   long m_step = 0;
   std::size_t m_byHand = 0;
   int m_joints = 0, m_wholes = 0;
 };
 
-// A word that begins no name of the scene, which may be what was written here before.
+// A word with which no name of the scene begins; the scene may be an earlier output of this file.
 std::string freshPrefix(const std::string& text) {
   std::string out = "hand";
   for (int i = 2; text.find(out + "_") != text.npos; ++i) out = "hand" + std::to_string(i);
@@ -78,7 +78,7 @@ std::string scriptOf(std::span<const Deed<D>> deeds, const SceneSpec<D>& scene, 
   DeedWriter<D> writer(scene, freshPrefix(file.content()));
   long last = -1;
   for (const Deed<D>& deed : deeds) {
-    if (deed.step <= steps) writer.write(deed), last = deed.step;  // after a step back others may yet come again
+    if (deed.step <= steps) writer.write(deed), last = deed.step;  // after a step back, later actions may be redone
   }
   return writer.out().text("what was done by hand in " + file.name(),
                            last < steps ? steps : std::max(scene.steps, steps + 1), file.scriptText());

@@ -9,10 +9,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What was done by hand in `scene`, which `file` has built, as a director's script, as the first lane had it:
-/// `lpc run SCENE --script FILE` does the same. A script that plays in the scene is in it, too. `steps`: that were
-/// made; with deeds before the next one it plays on as long as the scene does. Throws UserError for what a script
-/// cannot say.
+/// The actions by hand in `scene`, built from `file`, as a director's script for the first competitor: `lpc run SCENE
+/// --script FILE` repeats them. A script of the scene is included. `steps`: number of steps made; if actions precede
+/// the next step, the script runs as long as the scene. Throws UserError for actions that a script cannot express.
 template <int D>
 std::string scriptOf(std::span<const Deed<D>> deeds, const SceneSpec<D>& scene, const SceneFile& file, long steps);
 

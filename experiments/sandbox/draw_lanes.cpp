@@ -15,15 +15,15 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr int kPad = 4;                // px, around the words of a title
-constexpr std::size_t kMostTitle = 2;  // lines of a label, with one more of numbers below
+constexpr int kPad = 4;                // px, around the text of a title
+constexpr std::size_t kMostTitle = 2;  // lines of a label; another line below it holds numbers
 
 int titleHeight(int lines) { return (lines + 1) * static_cast<int>(ImGui::GetTextLineHeightWithSpacing()) + 2 * kPad; }
 
 ImVec2 cornerOf(const Tile& t) { return {static_cast<float>(t.left), static_cast<float>(t.top)}; }
 ImVec2 endOf(const Tile& t) { return {static_cast<float>(t.left + t.width), static_cast<float>(t.top + t.height)}; }
 
-// Where the words of a title begin: after the square of its colour and its number.
+// Indent of the text of a title, after its coloured square and its number.
 float indentOf() { return 2 * kPad + ImGui::GetTextLineHeight() + 2 * ImGui::CalcTextSize("m").x; }
 
 std::size_t charactersIn(const Tile& tile) {
@@ -38,7 +38,7 @@ std::string inFewerWords(std::string state) {
   return state;
 }
 
-// The part of a tile below its title, within its frame.
+// The part of a tile below its title, inside its frame.
 Tile viewIn(const Tile& tile, int head) {
   return {tile.left + 1, tile.top + head, std::max(tile.width - 2, 1), std::max(tile.height - head - 1, 1)};
 }
@@ -95,7 +95,7 @@ const std::vector<LaneLook>& App<D>::laneLooks() {
   return m_laneLooks;
 }
 
-// Of several competitors neither their titles nor their legend hides a body; with one the foot is within the rim.
+// With several competitors, titles and legend must not cover bodies; with one, the status lines are in the border.
 template <int D>
 void App<D>::arrange() {
   const std::size_t lanes = session.lanes().size();
@@ -135,7 +135,7 @@ void App<D>::lookInto(std::size_t lane) {
   camera.resize(view.width, view.height, view.left, view.top);
 }
 
-// Who is under the mouse in a tile is the same body in the first view, wherever that one has it.
+// The body under the mouse in a tile is selected in the first view, wherever it is there.
 template <int D>
 Vec<2> App<D>::inFirstView(const Vec<2>& pixel) {
   const auto at = std::find_if(views.begin(), views.end(), [&](const Tile& view) { return view.has(pixel); });
@@ -182,7 +182,7 @@ void App<D>::drawSideBySide() {
     m_canvas.end();
     drawTitle(*this, lane);
   }
-  lookInto(0);  // the mouse is of the first
+  lookInto(0);  // the mouse acts in the first view
 }
 
 template <int D>

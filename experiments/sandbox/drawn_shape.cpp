@@ -9,7 +9,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr Real kLeast = Real(0.01);  // m: smaller is a slip of the hand
+constexpr Real kLeast = Real(0.01);  // m: smaller shapes are slips of the mouse
 
 Rot<2> turned(const Rot<2>& q, Real angle) { return q * Rot<2>::angle(angle); }
 Rot<3> turned(const Rot<3>& q, Real angle) { return q * Rot<3>::vector({0, 0, angle}); }
@@ -48,7 +48,7 @@ std::optional<Shape<D>> polygonOf(std::span<const Vec<2>> points, const Vec<2>& 
   }
   try {
     return Shape<D>::polytope(corners);
-  } catch (const UserError&) {  // on a line
+  } catch (const UserError&) {  // collinear points
     return std::nullopt;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Shapes that are drawn with the cursor: what two points, or the corners of a polygon, come to.
+// Shapes drawn with the cursor, from two points or the corners of a polygon.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What a drag from one point to another draws, or clicks one by one.
+/// Shapes drawn by dragging from one point to another, or by several clicks.
 enum class DrawnKind { circle, box, capsule, polygon };
 
 /// The frame of the window's plane: x to the right, y up; in 3D z towards the viewer.
@@ -19,8 +19,8 @@ struct DrawingPlane {
   Rot<D> q{};
 };
 
-/// In metres on the plane. Nothing while the points make no shape: too near to each other, all on a line. In 3D boxes
-/// and polygons are as deep as their smaller side is wide, polygons prisms.
+/// In metres on the plane. Empty while the points do not make a shape: too close to each other, or collinear. In 3D the
+/// depth of a box or polygon is its smaller width; polygons become prisms.
 template <int D>
 std::optional<BodyDef<D>> drawnShape(DrawnKind kind, std::span<const Vec<2>> points, const DrawingPlane<D>& plane);
 

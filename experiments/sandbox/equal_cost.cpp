@@ -13,7 +13,7 @@ namespace {
 
 enum class Scaled { hasNone, atLimit, changed };
 
-// In the stage itself first, then in those that it holds, in their order.
+// In the stage itself first, then in its nested stages, in order.
 Scaled scale(StageKind stage, int dimension, Spec& spec, double factor) {
   const Registered& entry = Registry::instance().find(stage, dimension, spec.name);
   for (const ParamInfo& p : entry.params) {
@@ -46,7 +46,7 @@ Scaled scale(std::string& text, double factor, int dimension) {
   return scaled;
 }
 
-// How many times the first's a lane's step may take; 1 where nobody can tell.
+// The allowed cost of a competitor's step relative to the first's; 1 if unknown.
 template <int D>
 double factorOf(const Session<D>& session, std::size_t lane) {
   const double first = medianTime(session.lanes()[0].samples), time = medianTime(session.lanes()[lane].samples);

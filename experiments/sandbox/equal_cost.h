@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Competitors at the same cost: who is dearer than the first gets fewer iterations, who is cheaper more. PEEL's manual
-// advises it by hand: "tweak the number of iterations until they all use roughly the same time, then check which
-// produces the best quality".
+// Competitors at equal cost: a competitor that costs more than the first gets fewer iterations, a cheaper one more.
+// PEEL's manual advises this by hand: "tweak the number of iterations until they all use roughly the same time, then
+// check which produces the best quality".
 #pragma once
 
 #include <optional>
@@ -11,20 +11,20 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The pipeline with so many times the iterations (or sub-steps) of its solver, rounded, at least one more or less, and
-/// within what it takes; nothing where its solver has neither, or has as many as it may.
+/// The pipeline with the iterations (or sub-steps) of its solver multiplied by the factor, rounded, changed by at least
+/// one, and within their range; empty if its solver has neither, or is at the limit.
 std::optional<std::string> withMoreIterations(const std::string& pipeline, double factor, int dimension);
 
-/// A step of theirs takes what one of the first's takes, but for this part.
+/// Steps cost the same if their times differ by less than this part.
 inline constexpr double kSameCost = 0.1;
 
-/// After a step: changes the iterations of each lane that has made `kTimedSteps`, or a multiple, by its present
-/// pipeline, and takes another time than the first. Times are medians of the same steps: what else the machine does
-/// meets all.
+/// Call after a step: changes the iterations of each competitor that has made `kTimedSteps`, or a multiple, with its
+/// present pipeline, and takes another time than the first. Times are medians over the same steps, so that other load
+/// affects all of them.
 template <int D>
 void equaliseCost(Session<D>& session);
 
-/// Why a lane keeps the time that it takes; empty: it need not, or it follows.
+/// Why a competitor's cost cannot follow; empty: it need not, or it follows.
 template <int D>
 std::string whyCostStays(const Session<D>& session, std::size_t lane);
 

@@ -13,11 +13,11 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr std::size_t kMostMeshes = 20000;  // then all are forgotten: their bodies may be gone
-constexpr float kHidden = 0.3f;             // how much is seen of lines and points behind a body
-constexpr float kLineWidth = 1.2f;          // px, in the plane
+constexpr std::size_t kMostMeshes = 20000;  // then all are dropped: their bodies may be gone
+constexpr float kHidden = 0.3f;             // visibility of lines and points behind a body
+constexpr float kLineWidth = 1.2f;          // px, in 2D
 constexpr unsigned char kGlass = 50;        // alpha
-constexpr std::size_t kMostRays = 20000;    // a picture: some milliseconds
+constexpr std::size_t kMostRays = 20000;    // per picture: some milliseconds
 constexpr float kDash = 7;                  // px
 
 constexpr const char* kVertexShader = R"(#version 330 core
@@ -35,7 +35,7 @@ constexpr const char* kFlatShader = R"(#version 330 core
 in vec4 tint;
 out vec4 pixel;
 void main() { pixel = tint; })";
-// By itself: where pixels may be left out software GL does all of them the slow way.
+// A separate shader: software GL runs all shaders slowly if one may discard pixels.
 constexpr const char* kRoundShader = R"(#version 330 core
 in vec4 tint;
 out vec4 pixel;
@@ -56,7 +56,7 @@ unsigned shaderOf(unsigned kind, const char* text) {
   throw UserError("OpenGL refuses a shader: " + std::string(why, std::find(why, why + sizeof why, '\n')));
 }
 
-// A body of one colour is told from its neighbours by how its surface lies: up is bright, and what looks at the viewer.
+// Shading shows the shape of a body of one colour: surfaces that face up or towards the viewer are bright.
 DrawColour lit(const DrawColour& c, float light) {
   const auto of = [&](unsigned char x) {
     return static_cast<unsigned char>(std::clamp(static_cast<float>(x) * light, 0.0f, 255.0f));
@@ -140,7 +140,7 @@ void GlCanvas<D>::shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Lo
   addSolid(shape, X_WS, look);
 }
 
-// Of many walls and many bodies not every two are looked at: who hides one of a heap hides others of it.
+// Not every wall is tested with every body: one that hides a body of a heap hides others of it.
 template <int D>
 void GlCanvas<D>::addWalls() {
   if constexpr (D == 3) {
@@ -154,7 +154,7 @@ void GlCanvas<D>::addWalls() {
       for (std::size_t i = 0; i < m_bodies.size(); i += stride) {
         const Vec<3> way = m_bodies[i] - eye;
         const Real far = way.norm();
-        if (!(far > 0) || way.cross(middle).norm() > reach * far) continue;  // beside it
+        if (!(far > 0) || way.cross(middle).norm() > reach * far) continue;  // beside the wall
         if (rayEntry(wall.shape, wall.X_WS, eye, Vec<3>(way / far), far).t >= 0) return true;
       }
       return false;
@@ -177,11 +177,11 @@ void GlCanvas<D>::addSolid(const ShapeView<D>& shape, const Pose<D>& X_WS, const
 
 template <int D>
 const ShapeMesh<D>& GlCanvas<D>::mesh(const ShapeView<D>& shape, const Vec<D>& p) {
-  if (shape.core() == CoreClass::hull && !(shape.radius > 0)) {  // no more work than to look for it
+  if (shape.core() == CoreClass::hull && !(shape.radius > 0)) {  // cheaper than a lookup
     meshOf(shape, 4, m_fresh);
     return m_fresh;
   }
-  // Round to two fifths of a pixel: a thousand small balls need not be a million triangles.
+  // Accurate to two fifths of a pixel: a thousand small balls need not be a million triangles.
   const Real radius = shape.radius + (shape.core() == CoreClass::curved ? shape.half.maxCoeff() : 0);
   const Real wanted = Real(3.15) * std::sqrt(radius * m_camera.scaleAt(p) / Real(0.8));
   int round = 8;
@@ -251,14 +251,14 @@ void GlCanvas<D>::addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const 
   }
 }
 
-// Those of an edge that begins when so many pixels of the outline have been walked; returns how many have at its end.
+// Dashes of an edge that begins after this many pixels of the outline; returns the number at its end.
 template <int D>
 float GlCanvas<D>::addDashes(Layer& layer, const Point& a, const Point& b, const DrawColour& colour, float walked) {
   const Point along = b - a;
   const float length =
       static_cast<float>(m_camera.scaleAt((a + b).template cast<Real>() / 2 + m_camera.origin())) * along.norm();
   const auto turns = static_cast<float>(m_turns);
-  const float longest = 100 * kDash * turns;  // of an edge without end a hundred turns are seen
+  const float longest = 100 * kDash * turns;  // of an unbounded edge a hundred turns are visible
   if (!(length > 0) || length > longest) {
     addLine(layer, a, b, colour);
     return walked;
@@ -271,7 +271,7 @@ float GlCanvas<D>::addDashes(Layer& layer, const Point& a, const Point& b, const
   return walked + length;
 }
 
-// In the plane a strip that may be as wide as one likes, in space what OpenGL calls a line.
+// In 2D a strip of any width, in 3D a line of OpenGL.
 template <int D>
 void GlCanvas<D>::addLine(Layer& layer, const Point& a, const Point& b, const DrawColour& colour) {
   layer.blends |= colour.alpha < 255;
@@ -290,7 +290,7 @@ void GlCanvas<D>::addLine(Layer& layer, const Point& a, const Point& b, const Dr
   }
 }
 
-// As much of it as may be seen. In space lines a power of ten apart tell how large things are.
+// The visible part. In 3D, lines at powers of ten show the scale.
 template <int D>
 void GlCanvas<D>::plane(const Pose<D>& X_WS, const Look& look) {
   Vec<D> middle = X_WS.inverse() * m_camera.origin();
@@ -306,7 +306,7 @@ void GlCanvas<D>::plane(const Pose<D>& X_WS, const Look& look) {
   } else {
     const Real step = std::pow(Real(10), std::floor(std::log10(m_camera.distance() / 2)));
     const auto on = [](Real x, Real z) { return ShapeMesh<3>::Point(static_cast<float>(x), 0, static_cast<float>(z)); };
-    // Of one face as large as that depths would be rough where one looks, and lines on it come and go.
+    // A single face of that size would have inaccurate depths near the viewer, and lines on it would flicker.
     for (const Real size : {10 * m_camera.distance(), m_camera.farthest()}) {
       for (const auto& [x, z] : {std::pair(-1, -1), std::pair(-1, 1), std::pair(1, 1), std::pair(1, -1)}) {
         patch.corners.push_back(on(middle[0] + Real(x) * size, middle[2] + Real(z) * size));
@@ -366,7 +366,7 @@ void GlCanvas<D>::drawLayers() {
   } else {
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_CULL_FACE);
-    glEnable(GL_POLYGON_OFFSET_FILL);  // edges lie before the faces that they belong to
+    glEnable(GL_POLYGON_OFFSET_FILL);  // edges lie in front of their faces
     glPolygonOffset(1, 1);
     glDepthFunc(GL_LEQUAL);
     drawTriangles(m_under);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What draws into an OpenGL 3.3 window. All that is drawn is first collected, in metres less the camera's origin, as
-// triangles, lines and points of colour, so that a picture takes a handful of draw calls however many bodies there are.
+// Draws into an OpenGL 3.3 window. Drawing commands are collected first, in metres relative to the camera's origin, as
+// coloured triangles, lines and points, so that a picture takes a few draw calls for any number of bodies.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// To be made and used while a Window lives, `end` within a frame of it: words are ImGui's.
+/// Created and used while a Window lives, `end` within one of its frames, because ImGui draws the text.
 template <int D>
 class GlCanvas final : public DebugDraw<D> {
  public:
@@ -25,17 +25,17 @@ class GlCanvas final : public DebugDraw<D> {
   GlCanvas& operator=(const GlCanvas&) = delete;
 
   void begin(const ViewCamera<D>& camera);
-  /// From now on, until `begin`, outlines are dashed: their `part`-th of so many turns. Where outlines of several
-  /// competitors lie on one another, all of their colours are seen so.
+  /// Outlines are dashed until the next `begin`: dash number `part` of `turns`. Coinciding outlines of several
+  /// competitors thus show all their colours.
   void dash(int part, int turns) { m_part = part, m_turns = turns; }
   void point(const Vec<D>& p, double pixels, const DrawColour& colour) override;
-  /// In 3D what is hidden of lines and points is seen faintly.
+  /// In 3D, hidden parts of lines and points are drawn faintly.
   void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override;
-  /// In 3D a solid that never moves is of glass while it hides one that does, or with nobody there what the camera
-  /// looks at. Which do is known at the end: until then hulls of shapes stay where they are.
+  /// In 3D, a fixed solid is transparent while it hides a moving body or, without bodies, the camera's target. That is
+  /// decided in `end`, and hulls of shapes must live until then.
   void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;
   void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) override;
-  /// Draws it all over what is there.
+  /// Draws everything over the present content.
   void end();
 
  private:
@@ -46,7 +46,7 @@ class GlCanvas final : public DebugDraw<D> {
   struct Layer {
     std::vector<Vertex> vertices;
     std::vector<std::uint32_t> triangles;
-    bool blends = false;  // one sees through something of it
+    bool blends = false;  // whether it contains something transparent
   };
   struct Program {
     unsigned name = 0;
@@ -62,7 +62,7 @@ class GlCanvas final : public DebugDraw<D> {
     Pose<D> X_WS;
     Look look;
   };
-  // All that a mesh depends on: kind, corners of a full turn, and the shape's numbers.
+  // The identity of a mesh: kind, corners of a full turn, and the shape's numbers.
   using MeshKey = std::tuple<ShapeKind, int, std::vector<Real>>;
 
   using Point = typename ShapeMesh<D>::Point;
@@ -85,16 +85,15 @@ class GlCanvas final : public DebugDraw<D> {
 
   ViewCamera<D> m_camera;
   int m_part = 0, m_turns = 1;  // of dashes
-  // Under and over: in the plane what is fixed and what moves, with their edges; in space what hides others and what
-  // one sees through.
+  // Under and over: in 2D fixed and moving bodies, with their edges; in 3D opaque and transparent ones.
   Layer m_under, m_over, m_edges, m_lines, m_points;
   std::vector<Word> m_words;
   std::vector<Wall> m_walls;     // in 3D
-  std::vector<Vec<D>> m_bodies;  // middles of what moves
+  std::vector<Vec<D>> m_bodies;  // centres of moving bodies
   std::map<MeshKey, ShapeMesh<D>> m_meshes;
-  MeshKey m_key;            // of the one that is looked for
-  ShapeMesh<D> m_fresh;     // not worth keeping
-  Program m_flat, m_round;  // the second cuts points round
+  MeshKey m_key;            // of the current lookup
+  ShapeMesh<D> m_fresh;     // not worth caching
+  Program m_flat, m_round;  // the second one cuts points round
   unsigned m_array = 0, m_vertices = 0, m_indices = 0;
 };
 

@@ -11,7 +11,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr Real kSpring = 12;  // rad/s, of the spring that drags: half a second for a swing
+constexpr Real kSpring = 12;  // rad/s, of the drag spring: half a second per oscillation
 constexpr DrawColour kPreview{40, 120, 220, 120}, kPreviewEdge{20, 80, 180}, kSelected{230, 90, 20},
     kSpringLine{200, 40, 40};
 
@@ -50,7 +50,7 @@ Ang<2> spinTurned(const Rot<2>&, const Ang<2>& w) { return w; }
 Ang<3> spinTurned(const Rot<3>& q, const Ang<3>& w) { return q * w; }
 
 Rot<2> facing(const ViewCamera<2>&) { return {}; }
-// Turns x to the window's right, y up and z to the viewer.
+// Rotates x to the window's right, y up and z to the viewer.
 Rot<3> facing(const ViewCamera<3>& camera) {
   Mat<3> m;
   m << camera.right(), camera.up(), camera.towards();
@@ -58,10 +58,10 @@ Rot<3> facing(const ViewCamera<3>& camera) {
   return Rot<3>{q.w(), q.x(), q.y(), q.z()}.normalized();
 }
 
-// m: ends are not apart but by rounding.
+// m: closer ends coincide up to rounding.
 constexpr Real kGap = std::max(Real(1e-6), 1000 * std::numeric_limits<Real>::epsilon());
 
-// Whether a joint of this kind may have its two ends apart, as a rod or a spring may: none of its rigid rows is broken.
+// Whether the two ends of a joint of this kind may be apart, as for a rod or a spring: no rigid row is violated.
 template <int D>
 bool spans(const JointDef<D>& def, const Pose<D>& X_WA, const Pose<D>& X_WB) {
   try {
@@ -199,7 +199,7 @@ void Hand<D>::turn(Real angle) {
   if (m_carried && there({m_carried->body}).empty()) return m_carried.reset();
   const auto row = [&](int body) { return static_cast<std::size_t>(m_session.handle(body).slot); };
   const Bodies<D>& b = m_session.world().bodies();
-  Real mass = 0;  // of those that move
+  Real mass = 0;  // of the moving ones
   Vec<D> moment = Vec<D>::Zero(), momentum = moment, middle = moment;
   for (const int body : bodies) {
     const std::size_t i = row(body);
@@ -292,7 +292,7 @@ void Hand<D>::join(const Vec<2>& pixel) {
   JoinBodies<D> joined{m_first->body, body, {}};
   Vec<D> from = m_first->point, to = picked.point;
   m_first.reset();
-  if (body < 0) {  // the world's end is that of A
+  if (body < 0) {  // the world's end is A's
     std::swap(joined.bodyA, joined.bodyB);
     std::swap(from, to);
   }
@@ -303,7 +303,7 @@ void Hand<D>::join(const Vec<2>& pixel) {
     return poseOf(m_session.world().bodies(), b < 0 ? -1 : m_session.handle(b).slot);
   };
   if (!spans(joined.def, poseOfBody(joined.bodyA), poseOfBody(joined.bodyB))) {
-    joined.def.X_WJ.p = body < 0 ? to : from;  // where the first click was
+    joined.def.X_WJ.p = body < 0 ? to : from;  // position of the first click
     joined.def.X_WJb.reset();
   }
   m_session.perform(std::move(joined));

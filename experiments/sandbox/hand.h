@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the mouse does to a session, by the tool that is in it. It knows the camera and no window: a test moves it too.
+// The mouse's actions on a session with the current tool. It uses the camera but no window, so tests can drive it.
 #pragma once
 
 #include <optional>
@@ -30,18 +30,17 @@ class Hand {
   void press(const Vec<2>& pixel, bool addToSelection);
   void move(const Vec<2>& pixel);
   void release(const Vec<2>& pixel);
-  /// Ends a polygon or a compound: it becomes a body.
+  /// Finishes a polygon or a compound, which becomes a body.
   void finish();
-  /// Forgets what is being drawn, dragged or joined.
+  /// Cancels drawing, dragging or joining.
   void cancel();
-  /// Before each step while it runs: the spring pulls; with `keepRotation` the body does not turn.
+  /// Call before each step while running: the spring pulls; with `keepRotation` the body does not turn.
   void pull(bool keepRotation);
-  /// Turns those that are selected as one body by so many radians: about what is held, else about their common centre
-  /// of mass. Their motion about it turns with them, so that momentum and energy stay, and what joins them fits as
-  /// before. Who is held by the spring turns alone.
+  /// Rotates the selected bodies as one by this angle (rad): about the held point, or else about their common centre of
+  /// mass. Their motion about it turns with them, so that momentum and energy are kept, and joints between them fit as
+  /// before. A body held by the spring turns alone.
   void turn(Real angle);
-  /// While the world is paused, all that are selected follow the cursor exactly; else a spring pulls the one that is
-  /// held.
+  /// While the world is paused, all selected bodies follow the cursor exactly; otherwise a spring pulls the held one.
   void setPaused(bool paused);
 
   // --- what keys and menus do to the selection, or to the body under the cursor when nothing is selected ------------
@@ -53,8 +52,8 @@ class Hand {
   void wake();
 
   Tool tool = Tool::grab;
-  bool drawsStatic = false;     // bodies that are drawn come as fixed ones
-  std::string joint = "pivot";  // kind of the joints that are made
+  bool drawsStatic = false;     // drawn bodies are added as fixed ones
+  std::string joint = "pivot";  // kind of new joints
   const std::vector<int>& selected() const { return m_selected; }
   void select(std::vector<int> bodies) { m_selected = std::move(bodies); }
   std::vector<int> chosen() const;  // the selected ones, or the one under the cursor
@@ -63,19 +62,19 @@ class Hand {
   bool drawing() const { return tool != Tool::grab && tool != Tool::joint; }
   /// The preview, the selection, the spring and the rectangle.
   void draw(DebugDraw<D>& out) const;
-  /// The outlines of who is selected, where a lane has them.
+  /// The outlines of the selected bodies, at a competitor's poses.
   void drawSelected(std::size_t lane, DebugDraw<D>& out) const;
 
  private:
   struct Placed {
     int body;
-    Vec<D> p_PB;  // from the cursor's point, in the world's axes
+    Vec<D> p_PB;  // from the cursor's point, in world axes
   };
   struct Carried {
     int body;
-    Vec<D> at;                   // p_B of the point that is held, in the body's own frame
+    Vec<D> at;                   // p_B of the held point, in the body's frame
     Vec<D> target;               // of the cursor, in the world
-    std::vector<Placed> placed;  // paused: all that follow the cursor
+    std::vector<Placed> placed;  // if paused: all that follow the cursor
   };
   struct FirstEnd {
     int body;  // -1: the world
@@ -83,7 +82,7 @@ class Hand {
   };
 
   Vec<D> target(const Vec<2>& pixel) const;
-  std::vector<int> there(const std::vector<int>& bodies) const;  // without those that are gone
+  std::vector<int> there(const std::vector<int>& bodies) const;  // without removed ones
   std::optional<BodyDef<D>> preview() const;
   void carry(const Vec<2>& pixel);
   void add(BodyDef<D> def);
@@ -97,9 +96,9 @@ class Hand {
   bool m_paused = false;
   std::vector<int> m_selected;
   std::optional<Carried> m_carried;
-  std::optional<Vec<2>> m_corner;        // of the rectangle that selects
-  std::vector<Vec<2>> m_points;          // of what is drawn, on the plane
-  std::optional<Vec<D>> m_planeThrough;  // of what is drawn
+  std::optional<Vec<2>> m_corner;        // of the selection rectangle
+  std::vector<Vec<2>> m_points;          // of the drawing, on the plane
+  std::optional<Vec<D>> m_planeThrough;  // of the drawing
   std::vector<BodyDef<D>> m_pieces;      // of a compound
   std::optional<FirstEnd> m_first;
 };

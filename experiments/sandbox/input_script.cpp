@@ -13,7 +13,7 @@ namespace {
 
 struct OrderKind {
   const char* name;
-  std::size_t least, most;  // words behind it
+  std::size_t least, most;  // number of words after it
 };
 constexpr OrderKind kKinds[] = {{"key", 1, 3},  {"down", 1, 3},  {"up", 1, 3},      {"at", 2, 3},    {"pixel", 2, 2},
                                 {"on", 1, 20},  {"press", 1, 1}, {"release", 1, 1}, {"wheel", 1, 1}, {"type", 1, 20},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Keys and mouse as a file, for tests, for pictures and for showing again what was found: one order a line.
+// Keys and mouse as a file, for tests, for pictures and for reproducing bugs: one order per line.
 #pragma once
 
 #include <set>
@@ -10,7 +10,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// docs/sandbox.md has a table of them, `kKinds` (input_script.cpp) how many words each has.
+/// docs/sandbox.md has a table of them; `kKinds` (input_script.cpp) has their numbers of words.
 struct InputOrder {
   int line;
   std::string name;
@@ -19,14 +19,14 @@ struct InputOrder {
 
 class InputScript {
  public:
-  /// Throws UserError with file and line for what is no such order.
+  /// Throws UserError with file and line for an invalid order.
   explicit InputScript(const std::string& path);
 
   const InputOrder* next() const { return m_next < m_orders.size() ? &m_orders[m_next] : nullptr; }
   void done() { ++m_next, m_waited = 0; }
-  /// Counts: true when so many pictures have come since the order was the next.
+  /// Counts: true after this many pictures since the order became the next.
   bool waited(long pictures) { return ++m_waited > pictures; }
-  /// True of a key that is pressed while it is down.
+  /// True if a key is pressed while it is already down.
   bool holdKey(int key, bool down) {
     if (down) return !m_down.insert(key).second;
     m_down.erase(key);

@@ -15,7 +15,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// PALETTE and SHADES of reports/style.py, which the test of the sandbox compares.
+// PALETTE and SHADES of reports/style.py; a test of the sandbox compares them.
 constexpr std::size_t kPalette = 12;
 constexpr std::array<DrawColour, 2 * kPalette> kColours = {
     {{0xd5, 0x5e, 0x00}, {0x00, 0x72, 0xb2}, {0x00, 0x9e, 0x73}, {0xcc, 0x79, 0xa7}, {0xe6, 0x9f, 0x00},
@@ -37,7 +37,7 @@ std::array<double, 3> labOf(const DrawColour& c) {
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 
-// That of zlib.
+// As in zlib.
 std::uint32_t crc32(std::string_view text) {
   std::uint32_t crc = ~0u;
   for (const char c : text) {
@@ -47,8 +47,8 @@ std::uint32_t crc32(std::string_view text) {
   return ~crc;
 }
 
-// The families whose methods meet in charts, in the order in which the report gives them colours: what competes, the
-// rest of the group, and engines, which are drawn beside resolvers.
+// The families of methods that occur together in charts, in the report's order of colours: competitors, the rest of the
+// group, and engines, which are drawn with resolvers.
 std::vector<std::string> familiesOf(std::string_view group) {
   std::vector<std::string> out, others;
   std::set<std::pair<StageKind, std::string>> seen;
@@ -66,7 +66,7 @@ std::vector<std::string> familiesOf(std::string_view group) {
   return out;
 }
 
-// The place that the name's hash prefers, or the next free one: of the palette first, then of its shades.
+// The place preferred by the name's hash, or the next free one: first in the palette, then in its shades.
 DrawColour reportColour(std::string_view group, const std::string& family) {
   std::map<std::string, std::size_t> places;
   std::set<std::size_t> used;
@@ -82,7 +82,7 @@ DrawColour reportColour(std::string_view group, const std::string& family) {
   return kColours[(at == places.end() ? crc32(family) % kPalette : at->second) % kColours.size()];
 }
 
-// In charts of stages a method is called by the one that varies; where several do, or none, by what solves.
+// In charts of stages a method is named by the varying stage; if several vary, or none, by the solver.
 StageKind varyingStage(const std::vector<Pipeline>& pipelines, bool engines) {
   const auto varies = [&](StageKind kind) {
     return std::any_of(pipelines.begin(), pipelines.end(),
@@ -115,10 +115,10 @@ std::vector<DrawColour> laneColours(const std::vector<std::string>& texts, int d
     return least;
   };
   std::size_t next = 0;
-  for (std::size_t lane = 0; lane < texts.size(); ++lane) {  // all families before those who come again
+  for (std::size_t lane = 0; lane < texts.size(); ++lane) {  // all families before repeated ones
     const auto engine = engineOf(texts[lane]);
     const Spec& spec = engine ? *engine : pipelines[next++][stage];
-    const Spec* velocity = spec.find("velocity");  // in charts a split solver is called by it
+    const Spec* velocity = spec.find("velocity");  // charts name a split solver by it
     const DrawColour wanted = reportColour(stageInfo(stage).group, velocity ? velocity->name : spec.name);
     if (nearest(wanted) >= kToldApart) out[lane] = wanted;
   }

@@ -10,7 +10,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// Without the parameters that it has anyhow.
+// Without parameters at their defaults.
 Spec shortened(const Spec& spec, StageKind stage, int dimension) {
   const Registered& entry = Registry::instance().find(stage, dimension, spec.name);
   const Spec usual = entry.canonical(Spec{spec.name, {}});

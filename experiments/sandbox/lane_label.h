@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Competitors in words.
+// Names of competitors.
 #pragma once
 
 #include <string>
@@ -9,23 +9,22 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What of a pipeline is not the default, as it would be typed: "solver=soft_step{substeps=2}". An engine as it is.
+/// The parts of a pipeline that differ from the default, as typed: "solver=soft_step{substeps=2}". An engine unchanged.
 std::string laneLabel(const std::string& pipeline, int dimension);
 
-/// The same where there is little room: of an algorithm that is the default only what is otherwise in it,
-/// "velocity=naive".
+/// A shorter form: for a default algorithm only its differences, "velocity=naive".
 std::string laneTitle(const std::string& pipeline, int dimension);
 
-/// "0.296 ms, 6.77 mm off, parted at step 2": the median step, how far the worst body is from where the first has it,
-/// and since when; or why it has fallen.
+/// "0.296 ms, 6.77 mm off, parted at step 2": the median step, the largest distance of a body from its position in the
+/// first competitor, and the step at which they diverged; or why it has fallen.
 template <int D>
 std::string laneState(const Session<D>& session, std::size_t lane);
 
-/// A length (m) with the unit in which it is easily read.
+/// A length (m) in a readable unit.
 std::string lengthText(double length);
 
-/// Lines of at most so many characters, broken where a word or a parameter begins; what is too much for the last is cut
-/// with "...".
+/// Lines of at most this many characters, broken where a word or a parameter begins; the last is cut with "..." if
+/// necessary.
 std::vector<std::string> brokenIntoLines(const std::string& text, std::size_t width, std::size_t lines);
 
 }}  // namespace lpc::LPC_PRECISION

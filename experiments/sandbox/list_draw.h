@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Draws into a panel: points, lines and words, of what needs no light and no depth.
+// Draws points, lines and text into a panel, without light or depth.
 #pragma once
 
 #include "experiments/sandbox/view_camera.h"
@@ -17,7 +17,7 @@ class ListDraw final : public DebugDraw<D> {
 
   void point(const Vec<D>& p, double pixels, const DrawColour& colour) override;
   void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override;
-  void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;  // its origin alone
+  void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;  // its origin only
   void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) override;
 
  private:

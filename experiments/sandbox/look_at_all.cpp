@@ -8,8 +8,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// As low as the lowest top of what never moves beneath them, which they will fall on: but no farther than they are
-// large.
+// Extends down to the lowest top of a fixed body beneath them, on which they will fall, but no farther than their own
+// size.
 template <int D>
 Real floorBelow(const Simulation<D>& world, const Aabb<D>& moving) {
   Real floor = moving.lo[1];

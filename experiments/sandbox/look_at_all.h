@@ -6,7 +6,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// All that moves, or of a world at rest all that has an end.
+/// All moving bodies, or in a world at rest all bounded ones.
 template <int D>
 void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// lpc-sandbox: what `lpc sandbox` starts, with what shall be shown as JSON.
+// lpc-sandbox: started by `lpc sandbox`, with its task as JSON.
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>

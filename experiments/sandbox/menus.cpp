@@ -16,7 +16,8 @@ void sceneMenu(App<D>& app) {
   const bool open = ImGui::BeginMenu("Scenes");
   app.marks.last("Scenes");
   if (!open) return;
-  static const std::vector<std::string> scenes = listToml("scenes");  // files do not come and go while it runs
+  static const std::vector<std::string> scenes =
+      listToml("scenes");  // read once: the folder does not change while it runs
   for (const std::string& path : scenes) {
     const std::string name = std::filesystem::path(path).stem().string();
     if (ImGui::MenuItem(name.c_str(), nullptr, name == app.file.name())) app.act([&app, path] { app.open(path); });
@@ -25,7 +26,7 @@ void sceneMenu(App<D>& app) {
   ImGui::EndMenu();
 }
 
-// The kind that the tool of joints makes.
+// The kind of joint that the joint tool makes.
 template <int D>
 void jointMenu(App<D>& app) {
   const bool open = ImGui::BeginMenu("Joints");

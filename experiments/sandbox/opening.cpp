@@ -16,13 +16,13 @@ using nlohmann::json;
 
 namespace {
 
-// As a shell reads it.
+// Quoted for a shell.
 std::string word(const std::string& text) {
   const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("._-/=+,", c); };
   return std::all_of(text.begin(), text.end(), plain) ? text : "'" + text + "'";
 }
 
-// A scene of experiments/scenes is called by its name.
+// A scene of experiments/scenes is named without its path.
 std::string sceneWord(const std::string& path) {
   const std::string name = std::filesystem::path(path).stem().string();
   const std::vector<std::string> known = listToml("scenes");
@@ -57,7 +57,8 @@ SceneSpec<D> specOf(const SceneFile& file, const Opening& o) {
   SceneSpec<D> scene = file.build<D>(given, o.seed.value_or(file.defaultSeed()));
   if (o.dt) scene.dt = static_cast<Real>(*o.dt);
   if (o.features) scene.settings.features = featuresFromText(*o.features);
-  if (scene.saved.empty()) scene.settings.features.joints = true;  // a hand may make them; who makes none pays nothing
+  if (scene.saved.empty())
+    scene.settings.features.joints = true;  // joints may be made by hand; a world without joints pays nothing
   return scene;
 }
 

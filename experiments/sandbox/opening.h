@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the sandbox is asked to show: a scene with its parameters, and who plays it.
+// What the sandbox shall show: a scene with its parameters, and the pipelines of its competitors.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,29 +12,29 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 struct Opening {
-  std::string scene, script;  // paths; no script: empty
+  std::string scene, script;  // paths; empty: no script
   ParameterValues parameters;
   std::optional<std::uint64_t> seed;
   int dimension = 2;
-  std::vector<std::string> pipelines = {""};  // the first is what the others are compared with
+  std::vector<std::string> pipelines = {""};  // the first is the reference of the others
   std::optional<double> dt;
   std::optional<std::string> features;
-  long steps = 0;   // made before it is shown, which is then paused
-  std::string say;  // what the window tells at first
-  // Of the command line, for the whole session.
+  long steps = 0;   // made before it is shown, and then paused
+  std::string say;  // the window's first message
+  // Options of the command line, for the whole session.
   std::string profile;  // CSV of all steps, written at the end; empty: none
   bool plots = false;
-  std::string input;  // a script of keys and mouse; empty: the user's own
+  std::string input;  // a script of keys and mouse; empty: the user's
   std::vector<std::string> plugins;
 };
 
 Opening openingFromJson(const nlohmann::json& json);
 
-/// Throws UserError with file and line. Parameters that this scene has not are left out.
+/// Throws UserError with file and line. Skips parameters that this scene does not have.
 template <int D>
 SceneSpec<D> specOf(const SceneFile& file, const Opening& opening);
 
-/// The command that plays it without a window, as the first competitor does, with that script.
+/// The command that runs it without a window, as the first competitor does, with that script.
 std::string runOf(const Opening& opening, const SceneFile& file, const std::string& script);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -23,7 +23,7 @@ std::vector<LookedAt<D>> partsOf(const std::vector<std::pair<Shape<D>, Pose<D>>>
   return out;
 }
 
-// Of two lists those whose middles are nearest to each other.
+// The two entries of two lists with the nearest centres.
 template <int D>
 std::optional<std::pair<LookedAt<D>, LookedAt<D>>> nearestOf(const std::vector<LookedAt<D>>& ofA,
                                                              const std::vector<LookedAt<D>>& ofB) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// How a pair query finds its answer about two bodies of a world, kept as long as the world gives no cause to ask again:
-// a trace may have a thousand steps, and a window draws sixty pictures a second.
+// The trace of a pair query on two bodies of a world, cached while its input is unchanged: a trace may have a thousand
+// steps, and a window draws sixty pictures a second.
 #pragma once
 
 #include <optional>
@@ -16,20 +16,20 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class PairLook {
  public:
-  /// At the two parts of these bodies (slots) whose middles are nearest to each other. It is made anew where query,
-  /// shapes or poses are not those of the last call.
+  /// Traces the two parts of these bodies (slots) with the nearest centres. Repeats the query only if query, shapes or
+  /// poses differ from the last call.
   void look(const std::string& query, const Simulation<D>& world, std::int32_t a, std::int32_t b);
-  /// There is no pair, and why.
+  /// There is no pair; `why` is the reason.
   void nobody(std::string why);
 
   const PairTrace<D>* trace() const { return m_trace ? &*m_trace : nullptr; }
   const Pose<D>& X_WA() const { return m_X_WA; }      // of the trace's A
   const std::string& says() const { return m_says; }  // why there is no trace
   std::size_t found() const;                          // the first step with the answer's axis
-  long made() const { return m_made; }                // how often it was
+  long made() const { return m_made; }                // number of traces made
 
  private:
-  // A copy of a shape keeps its hull, which a trace points into.
+  // A copy of a shape keeps its hull, to which a trace points.
   using Placed = std::pair<Shape<D>, Pose<D>>;
   struct Asked {
     std::string query;

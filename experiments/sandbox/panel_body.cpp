@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Who is selected, in numbers, and exact placing while the world is paused.
+// The selected body in numbers, and exact placing while the world is paused.
 #include <imgui.h>
 
 #include <cmath>

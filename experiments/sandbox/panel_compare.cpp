@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Several competitors on one scene: who they are, what a step costs each, and how far each is from the first.
+// Several competitors on one scene: their pipelines, the cost of a step, and their distance from the first.
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -14,8 +14,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// How far from the first, over all steps: a nanometre at the foot and ten metres at the top, by powers of ten. A grey
-// line at the error at which they part, a red one at the step in which they did.
+// Distance from the first over all steps: from a nanometre to ten metres, logarithmic. A grey line marks the error at
+// which they diverge, a red one the step at which they did.
 void errorPlot(const std::vector<Sample>& samples, double parted, long partedAt, const DrawColour& colour) {
   constexpr double kFoot = 1e-9, kTop = 10;
   constexpr float kTall = 24;
@@ -32,7 +32,7 @@ void errorPlot(const std::vector<Sample>& samples, double parted, long partedAt,
   const auto x = [&](std::size_t sample) {
     return at.x + wide * static_cast<float>(sample) / static_cast<float>(samples.size());
   };
-  const std::size_t each = samples.size() / columns + 1;  // of a column the worst
+  const std::size_t each = samples.size() / columns + 1;  // the worst of each column
   ImVec2 last;
   for (std::size_t i = 0; i < samples.size(); i += each) {
     double worst = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// How a pair query finds its answer about two bodies that are selected: each step in words, in the space of
-// differences, and on the shapes.
+// How a pair query finds its answer for two selected bodies: each step in words, in the Minkowski difference, and on
+// the shapes.
 #include <imgui.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ void drawDifference(const PairTrace<D>& trace, std::size_t step, ViewCamera<D>& 
   const int width = static_cast<int>(ImGui::GetContentRegionAvail().x), height = 260;
   ImGui::InvisibleButton("difference", ImVec2(static_cast<float>(width), static_cast<float>(height)));
   camera.resize(width, height, static_cast<int>(corner.x), static_cast<int>(corner.y));
-  // All of the difference, and the origin.
+  // The whole difference, and the origin.
   Vec<D> lo = Vec<D>::Zero(), hi = lo;
   const PairView<D>& pair = trace.pair;
   for (int axis = 0; axis < D; ++axis) {
@@ -43,14 +43,14 @@ void drawDifference(const PairTrace<D>& trace, std::size_t step, ViewCamera<D>& 
   list.PopClipRect();
 }
 
-// What is proved after each step, and where this one is.
+// The proved bound after each step, and the current step.
 template <int D>
 void plotProved(const PairTrace<D>& trace, int step) {
   std::vector<float> best;
   for (const TraceStep<D>& s : trace.steps) {
     if (std::isfinite(s.best)) best.push_back(static_cast<float>(s.best));  // not before the first direction
   }
-  if (best.size() < 8) return;  // of a few steps the words say it
+  if (best.size() < 8) return;  // for a few steps the text suffices
   ImGui::TextUnformatted("proved (m), step by step");
   const auto [least, most] = std::minmax_element(best.begin(), best.end());
   const float low = *least, high = std::max(*most, low + 1e-12f);

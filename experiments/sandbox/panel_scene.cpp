@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The scene's parameters, which begin it anew, and what of the world changes while it goes on.
+// The scene's parameters, which restart it, and properties of the world that can change while it runs.
 #include <imgui.h>
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A number that the scene refuses may be a count, of which a slider gives fractions. What it refuses then is not kept:
-// R could not begin it, either.
+// A number that the scene rejects may be a count, for which a slider gives fractions. A number that is still rejected
+// is not kept, since a restart by R would fail, too.
 template <int D>
 void beginWith(App<D>& app, const std::string& name, ParameterValue value) {
   const ParameterValues before = app.opening.parameters;
@@ -45,7 +45,7 @@ void parameter(App<D>& app, const SceneParameter& p) {
       ImGui::EndCombo();
     }
   } else {
-    static std::map<std::string, double> held;  // by name: what is being dragged
+    static std::map<std::string, double> held;  // by name: the value while it is dragged
     if (const auto h = held.find(p.name); h != held.end()) value.number = h->second;
     const bool wide = p.hi > 1000 * std::max(1.0, std::abs(p.lo));
     if (ImGui::SliderScalar(p.name.c_str(), ImGuiDataType_Double, &value.number, &p.lo, &p.hi, "%g",
@@ -61,10 +61,10 @@ void parameter(App<D>& app, const SceneParameter& p) {
   app.act([&] { beginWith(app, p.name, value); });
 }
 
-// A number that acts when the mouse lets it go.
+// A number that takes effect when the mouse button is released.
 template <int D, class Act>
 void slider(App<D>& app, const char* name, double value, double lo, double hi, const Act& act) {
-  static std::map<std::string, double> held;  // by name: what is being dragged
+  static std::map<std::string, double> held;  // by name: the value while it is dragged
   const auto it = held.find(name);
   double shown = it == held.end() ? value : it->second;
   if (ImGui::SliderScalar(name, ImGuiDataType_Double, &shown, &lo, &hi, "%.3g")) held[name] = shown;
@@ -90,7 +90,7 @@ void scenePanel(App<D>& app) {
   });
   slider(app, "time scale", app.timeScale, 1.0 / 64, 4,
          [&](double s) { app.timeScale = std::clamp(s, 1.0 / 64, 4.0); });
-  // Of those that are selected, or of all.
+  // Of the selected bodies, or of all.
   const auto all = [&](const auto& change) {
     std::vector<int> bodies = app.hand.selected();
     for (int body = 0; bodies.empty() && body < app.session.bodies(); ++body) bodies.push_back(body);

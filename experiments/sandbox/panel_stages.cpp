@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Who does each stage, with every parameter: read from the registry, so that what is registered is here.
+// The method of each stage with every parameter, read from the registry.
 #include <imgui.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// All of these say whether the user has changed something for good.
+// Each function returns whether the user has finished a change.
 template <int D>
 class SpecEditor {
  public:
@@ -78,7 +78,7 @@ class SpecEditor {
     return changed;
   }
 
-  // While it is dragged, the world goes on as it was.
+  // While it is dragged, the world keeps the old value.
   bool number(const std::string& id, const ParamInfo& p, Spec& value) {
     const bool whole = p.type == "integer";
     double shown = m_held == id ? m_value : std::strtod(value.name.c_str(), nullptr);
@@ -97,7 +97,7 @@ class SpecEditor {
   }
 
   App<D>& m_app;
-  static inline std::string m_held;  // the number that is being dragged; a user has one mouse
+  static inline std::string m_held;  // the number being dragged; there is one mouse
   static inline double m_value = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the last step cost, by stage, beside what the picture costs; energy and penetration over the steps since it was
+// The cost of the last step by stage, and of the picture; energy and penetration over the steps since the panel was
 // opened.
 #include <imgui.h>
 

@@ -17,7 +17,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// A key, and behind it what it does, in as many lines as it needs.
+// A key and its description, over as many lines as needed.
 void keyLine(const char* key, const std::string& does) {
   ImGui::TextUnformatted(key);
   ImGui::SameLine(90);
@@ -34,7 +34,7 @@ void keysPanel(App<D>&) {
   keyLine("Ctrl", "while dragging: no rotation; with the wheel: turns");
 }
 
-// Of what is no algorithm: numbers, each in its range.
+// Sliders for numbers in their ranges, for settings other than algorithms.
 class Sliders final : public ParamVisitor {
  public:
   explicit Sliders(Marks& marks, std::string panel) : m_marks(marks), m_panel(std::move(panel)) {}
@@ -70,7 +70,7 @@ void layersPanel(App<D>& app) {
   app.layers.visit(sliders);
 }
 
-// One that opens comes where no other was opened, from the right to the left, and so again, a little lower.
+// A new panel opens where none was opened before, from right to left, then again slightly lower.
 ImVec2 placeOf(std::map<std::string, int>& places, const char* panel, int width) {
   if (!places.contains(panel)) {
     int place = 0;
@@ -82,7 +82,7 @@ ImVec2 placeOf(std::map<std::string, int>& places, const char* panel, int width)
   return {static_cast<float>(width - 370 * (1 + place % columns)), static_cast<float>(30 + 50 * (place / columns))};
 }
 
-// What is on, for who cannot see it in a menu.
+// Shows which switches are on.
 template <int D>
 std::string statesOf(const App<D>& app) {
   std::string out;
@@ -108,7 +108,7 @@ bool hasLegend(const App<D>& app) {
   return app.session.lanes().size() > 1 && !app.isSideBySide();
 }
 
-constexpr std::size_t kMostLines = 12;  // of one text at the window's foot
+constexpr std::size_t kMostLines = 12;  // of one message at the window's bottom
 
 struct StatusLine {
   std::string text;
@@ -120,7 +120,7 @@ std::size_t charactersBeside(float pixels) {
 }
 float swatchWidth() { return ImGui::GetTextLineHeight() + 4; }
 
-// Who is who, where all are in one view.
+// Legend of the competitors, if all are in one view.
 template <int D>
 std::vector<StatusLine> legend(App<D>& app) {
   std::vector<StatusLine> out;
@@ -129,7 +129,7 @@ std::vector<StatusLine> legend(App<D>& app) {
     const LaneLook& look = app.laneLooks()[lane];
     const std::string number = std::to_string(lane + 1) + " ";
     const std::string state = (lane == 0 ? " (filled): " : ": ") + laneState(app.session, lane);
-    const std::size_t others = std::min(room, number.size() + state.size());  // what a long title gives way to
+    const std::size_t others = std::min(room, number.size() + state.size());  // other texts shrink for a long title
     const std::string title = brokenIntoLines(look.title, std::max(room - others, room / 3), 1).front();
     out.push_back({number + title + state, look.colour});
   }
@@ -172,7 +172,7 @@ float heightOf(const std::vector<StatusLine>& lines) {
                    2 * style.WindowPadding.y);
 }
 
-// At the foot of the window. As large as its words are now: ImGui's own guess is that of the picture before.
+// At the bottom of the window. Sized by its present text: ImGui's own size is that of the previous picture.
 template <int D>
 void status(App<D>& app) {
   const std::vector<StatusLine> lines = statusLines(app);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the panels hold, each in a file of its own.
+// The content of the panels, each in a file of its own.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ template <int D>
 void comparePanel(App<D>& app);
 template <int D>
 void pairPanel(App<D>& app);
-/// Before a picture: what the pair panel shows in it.
+/// Call before a picture: prepares the pair panel's view.
 template <int D>
 void lookIntoPair(App<D>& app);
 
 /// A colour as ImGui has it.
 std::uint32_t packed(const DrawColour& c);
-/// Where competitors part.
+/// The step at which competitors diverge.
 inline constexpr DrawColour kPartedMark{214, 39, 40};
-/// A square of a colour before words: of light ones words would not be read.
+/// A coloured square before text: text in a light colour would be unreadable.
 void swatch(const DrawColour& colour);
 
-/// px: of the lines at the window's foot.
+/// px: height of the lines at the window's bottom.
 template <int D>
 int statusHeight(App<D>& app);
 

@@ -6,7 +6,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// f(body, view, X_WP) of all convex parts but planes.
+// Calls f(body, view, X_WP) for all convex parts except planes.
 template <int D, class F>
 void forAllParts(const Simulation<D>& world, const F& f) {
   for (const ShapeRecord<D>& s : world.shapes()) {

@@ -45,7 +45,7 @@ void pushKey(const std::string& name, bool down, InputScript& script) {
   event.key.keysym.mod = static_cast<Uint16>(SDL_GetModState());
   event.key.keysym.sym = code, event.key.keysym.scancode = SDL_GetScancodeFromKey(code);
   event.key.state = down ? SDL_PRESSED : SDL_RELEASED;
-  event.key.repeat = script.holdKey(code, down);  // as of a key that is held down
+  event.key.repeat = script.holdKey(code, down);  // like a key that is held down
   push(event);
 }
 
@@ -76,7 +76,7 @@ void pushButton(A& app, int button, bool down) {
   push(event);
 }
 
-// What the window shows, for whoever looks at it with a program.
+// Prints the window's content for programs.
 template <int D>
 json stateOf(App<D>& app) {
   json out = {{"scene", app.file.name()},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Plays a script of keys and mouse: each order comes as the event that a user's would be.
+// Plays a script of keys and mouse: each order becomes the event that a user would cause.
 #pragma once
 
 #include "experiments/sandbox/input_script.h"
@@ -9,7 +9,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class App;
 
-/// The next order, once a picture. Throws UserError, with file and line, for one that cannot be followed.
+/// Plays the next order; call once per picture. Throws UserError, with file and line, if an order cannot be executed.
 template <int D>
 void playOrder(App<D>& app, InputScript& script);
 

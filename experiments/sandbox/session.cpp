@@ -12,9 +12,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr long kKeepEvery = 30;                // steps: so many are done again at most to go one back
-constexpr long kAskEvery = 16;                 // steps of an engine that are made again
-constexpr std::size_t kKeptBytes = 256 << 20;  // of one lane; beyond, every second is given up
+constexpr long kKeepEvery = 30;                // steps: at most this many are repeated to go one back
+constexpr long kAskEvery = 16;                 // steps of an engine between two calls
+constexpr std::size_t kKeptBytes = 256 << 20;  // of one competitor; above it, every second state is dropped
 
 }  // namespace
 
@@ -83,8 +83,8 @@ void Session<D>::step() {
   }
 }
 
-// What a script and a hand do next comes right after the step, so that it is seen before the coming one. What the scene
-// does after its events waits for the hand: written as a script, its deeds are events, too.
+// Events of the script and actions of the hand come right after the step, so that they are visible before the coming
+// one. Actions of the scene that follow its events wait for the hand: written as a script, actions are events, too.
 template <int D>
 void Session<D>::stepLane(std::size_t lane) {
   Lane& l = m_lanes[lane];
@@ -96,7 +96,7 @@ void Session<D>::stepLane(std::size_t lane) {
     if (!l.fallen.empty()) return;
     m_plays[lane].director->begin(*l.world);
     playDue(lane);
-  } catch (const std::exception& e) {  // an event that comes to no number, an engine that gives up
+  } catch (const std::exception& e) {  // an event that overflows, or a failed engine
     l.fallen = e.what();
   }
 }
@@ -140,7 +140,7 @@ void Session<D>::markError(std::size_t lane) {
 template <int D>
 void Session<D>::keep(std::size_t lane) {
   const auto* world = dynamic_cast<const World<D>*>(m_lanes[lane].world.get());
-  if (!world) return;  // an engine is begun anew
+  if (!world) return;  // an engine restarts
   std::vector<Keyframe>& kept = m_kept[lane];
   if (!kept.empty() && kept.back().step >= m_steps) return;
   std::ostringstream out;
@@ -188,7 +188,7 @@ void Session<D>::goTo(std::size_t lane, long step, const Patience& patience) {
   if (lane == 0) keepFrames(m_keepFrames);
   try {
     playDue(lane);
-  } catch (const UserError& e) {  // what this lane alone refused
+  } catch (const UserError& e) {  // rejected by this competitor only
     l.fallen = e.what();
   }
   const bool engine = after == kept.begin();
@@ -208,7 +208,7 @@ bool Session<D>::back(const Patience& patience) {
   --m_steps;
   for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
     Lane& l = m_lanes[lane];
-    std::vector<Sample> samples = std::move(l.samples);  // errors and times are those of the first time
+    std::vector<Sample> samples = std::move(l.samples);  // errors and times are those of the first run
     goTo(lane, m_steps, patience);
     samples.resize(std::min(samples.size(), static_cast<std::size_t>(m_steps)));
     l.samples = std::move(samples);
@@ -228,7 +228,7 @@ bool Session<D>::fallen() const {
   return !m_lanes[0].fallen.empty();
 }
 
-// Of bodies that are carried along, only the last places count.
+// For dragged bodies only the last positions count.
 template <int D>
 bool Session<D>::takenBack(const typename Deed<D>::What& what) {
   const auto places = [](const SetBody<D>* set) { return set && !set->velocity && !set->angularVelocity; };
@@ -280,7 +280,7 @@ Handle Session<D>::handle(int body, std::size_t lane) const {
 
 template <int D>
 int Session<D>::bodyAt(std::int32_t slot, std::size_t lane) const {
-  for (int body = bodies() - 1; body >= 0; --body) {  // the last tenant of the slot
+  for (int body = bodies() - 1; body >= 0; --body) {  // the last body of the slot
     if (const Handle h = handle(body, lane); h.slot == slot && world(lane).valid(h)) return body;
   }
   return -1;

@@ -12,7 +12,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 constexpr Real kFullTurn = 2 * std::numbers::pi_v<Real>;
-// rad: just beside a direction along which two corners of a core tie, and more than rounding.
+// rad: slightly beside a direction in which two corners of a core tie, by more than rounding.
 constexpr Real kAside = std::max(Real(1e-6), 64 * std::numeric_limits<Real>::epsilon());
 
 template <int D>
@@ -20,13 +20,13 @@ typename ShapeMesh<D>::Point point(const Vec<D>& p) {
   return p.template cast<float>();
 }
 
-// Directions that go evenly around a ball, for a core that is one drawn out: else its flat sides get few corners.
+// Evenly spaced directions around a ball, adapted to a stretched core: its flat sides would otherwise get few corners.
 template <int D>
 Vec<D> evenly(const ShapeView<D>& shape, const Vec<D>& d) {
   return shape.core() == CoreClass::curved ? Vec<D>(d.cwiseQuotient(shape.half).normalized()) : d;
 }
 
-// The k-th of so many angles (rad) that divide a full turn.
+// The k-th of `round` angles (rad) that divide a full turn.
 Real shareOfTurn(int k, int round) { return kFullTurn * Real(k) / Real(round); }
 
 std::uint32_t count(const auto& list) { return static_cast<std::uint32_t>(list.size()); }
@@ -69,7 +69,7 @@ void outline(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh) {
       mesh.corners.push_back(point<2>(core[i]));
       continue;
     }
-    // An arc from the normal of the side that comes in to that of the side that goes out.
+    // An arc from the normal of the incoming side to that of the outgoing side.
     const Vec<2> in = core[i] - core[(i + n - 1) % n], out = core[(i + 1) % n] - core[i];
     const Real begin = std::atan2(-in[0], in[1]);
     Real turn = std::atan2(-out[0], out[1]) - begin;
@@ -84,7 +84,7 @@ void outline(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh) {
 
 // --- in space --------------------------------------------------------------------------------------------------------
 
-// But for one that is less than `least` high (m).
+// Skips triangles lower than `least` (m).
 void addTriangle(ShapeMesh<3>& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, float least = 0) {
   const auto &p = mesh.corners[a], &q = mesh.corners[b], &r = mesh.corners[c];
   const float longest = std::max({(q - p).norm(), (r - q).norm(), (p - r).norm()});
@@ -108,7 +108,7 @@ void addBox(const Vec<3>& half, ShapeMesh<3>& mesh) {
         mesh.normals.push_back(float(side) * ShapeMesh<3>::Point::Unit(axis));
       }
       addFan(mesh, begin, 4);
-      // four edges lie along v, so there are twelve
+      // four edges lie along each axis, so there are twelve
       for (const int other : {-1, 1}) {
         Vec<3> p;
         p[axis] = Real(side) * half[axis], p[u] = Real(other) * half[u], p[v] = -half[v];
@@ -137,7 +137,7 @@ void addEdge(ShapeMesh<3>& mesh, const Vec<3>& a, const Vec<3>& b) {
   mesh.ends.push_back(point<3>(b));
 }
 
-// The part of a cylinder along an edge between the roundings of its faces' normals, and a line on both its sides.
+// The part of a cylinder along an edge between the normals of its faces, and a line on both sides.
 void addRoundedEdge(const Polytope<3>& hull, const Polytope<3>::Edge& edge, Real radius, int round,
                     ShapeMesh<3>& mesh) {
   const Vec<3>&p = hull.vertices[static_cast<std::size_t>(edge.v0)],
@@ -156,14 +156,15 @@ void addRoundedEdge(const Polytope<3>& hull, const Polytope<3>::Edge& edge, Real
     }
   }
   for (std::uint32_t k = 0, at = begin; k < static_cast<std::uint32_t>(steps); ++k, at += 2) {
-    // faceA lies to the left of the way from v0 to v1, seen from outside
+    // faceA is to the left of the edge from v0 to v1, seen from outside
     addTriangle(mesh, at, at + 2, at + 1);
     addTriangle(mesh, at + 1, at + 2, at + 3);
   }
   for (const Vec<3>* n : {&nA, &nB}) addEdge(mesh, p + radius * *n, q + radius * *n);
 }
 
-// So many in a full turn, just beside those along an axis; where corners of the core tie there, on both sides of it.
+// `round` angles in a full turn, slightly beside those along an axis; where corners of the core tie, on both sides of
+// the axis.
 std::vector<Real> angles(int round, bool ties) {
   std::vector<Real> out;
   for (int k = 0; k < round; ++k) {
@@ -174,8 +175,8 @@ std::vector<Real> angles(int round, bool ties) {
   return out;
 }
 
-// What lies farthest in each of so many directions, along meridians from x to -x. Where two corners of the core tie
-// there is a row or a column for each, so that what lies between them, a side or a face, gets its triangles.
+// Support points in a grid of directions, along meridians from x to -x. Where two corners of the core tie there is a
+// row or a column for each, so that the side or face between them gets its triangles.
 void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round, ShapeMesh<3>& mesh) {
   std::vector<Real> rows;
   for (int k = 0; 2 * k <= round; ++k) {
@@ -197,7 +198,7 @@ void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round,
       mesh.normals.push_back(point<3>(d));
     }
   }
-  // Where nothing ties, what lies between two of its rows is nothing.
+  // Without ties, the triangles between two such rows have no area.
   const float least = static_cast<float>(10 * kAside * (shape.radius + shape.half.norm()));
   for (std::uint32_t i = 0; i + 1 < tall; ++i) {
     for (std::uint32_t k = 0; k < wide; ++k) {
@@ -211,11 +212,11 @@ void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round,
     addTriangle(mesh, last, last + k, last + k - 1, least);
 }
 
-// What lies farthest in the directions of each coordinate plane, a little to both sides of it.
+// Support points in the directions of each coordinate plane, slightly to both sides of it.
 void addRims(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
   const Real least = 10 * kAside * (shape.radius + shape.half.norm());
   std::vector<Vec<3>> rim, other;
-  const int first = shape.core() == CoreClass::point ? 1 : 0;  // two rims tell how a ball is turned
+  const int first = shape.core() == CoreClass::point ? 1 : 0;  // two rims show the rotation of a ball
   for (int axis = first; axis < 3; ++axis) {
     for (const int side : {1, -1}) {
       std::swap(rim, other);

@@ -13,13 +13,13 @@ template <int D>
 struct ShapeMesh {
   using Point = Eigen::Matrix<float, D, 1>;
   std::vector<Point> corners;            // of triangles
-  std::vector<Point> normals;            // of each corner, unit; in 3D alone
+  std::vector<Point> normals;            // per corner, unit; 3D only
   std::vector<std::uint32_t> triangles;  // three corners each, counter-clockwise seen from outside
   std::vector<Point> ends;               // of edges, two each
 };
 
-/// Writes over what is in `mesh`. Round parts have so many corners, a multiple of four, in a full turn. Edges of a
-/// round shape tell how it is turned.
+/// Replaces the content of `mesh`. Round parts have `round` corners, a multiple of four, in a full turn. Edges on a
+/// round shape show its rotation.
 void meshOf(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh);
 void meshOf(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh);
 

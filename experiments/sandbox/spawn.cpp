@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What comes by a key or by itself: random polygons, fireworks, meteors, rain. It is what the scripts of these names
-// bring (experiments/scripts), each body at a place of this window's.
+// Bodies added by a key or continuously: random polygons, fireworks, meteors, rain. They come from the scripts of these
+// names (experiments/scripts), at positions in this window.
 #include <cmath>
 
 #include "experiments/parse/toml_reader.h"
@@ -10,9 +10,9 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr int kShowEvery = 60;  // steps between two fireworks of a show
+constexpr int kShowEvery = 60;  // steps between two fireworks
 
-// A script by its name, in a scene of nobody.
+// A script by its name, in an empty scene.
 const SceneFile& scriptNamed(const std::string& name) {
   static std::map<std::string, SceneFile> read;
   const auto it = read.find(name);
@@ -33,7 +33,7 @@ Real App<D>::chance(Real lo, Real hi) {
   return static_cast<Real>(m_random.uniform(static_cast<double>(lo), static_cast<double>(hi)));
 }
 
-// All that a script brings.
+// All bodies of a script.
 template <int D>
 void App<D>::bring(const char* script, const ParameterValues& given) {
   for (const auto& spawn : scriptNamed(script).build<D>(given, m_random.next()).spawns) {
@@ -68,7 +68,7 @@ void App<D>::fireworks() {
 template <int D>
 void App<D>::spawnDue() {
   const long step = session.steps();
-  // Above what is seen.
+  // Above the visible part.
   const auto above = [&](Real share) {
     const Vec<2> pixel(static_cast<Real>(camera.left()) + share * static_cast<Real>(camera.width()),
                        static_cast<Real>(camera.top()));

@@ -24,7 +24,7 @@ int columnsFor(ViewCamera<D> camera, const Simulation<D>& world, std::size_t cou
   for (int columns = 1; columns <= static_cast<int>(count); ++columns) {
     const Tile tile = tilesOf(count, columns, area).front();
     camera.resize(tile.width, std::max(tile.height - head, 1));
-    camera.look(Vec<D>::Constant(-1), Vec<D>::Constant(1));  // what counts where nobody is
+    camera.look(Vec<D>::Constant(-1), Vec<D>::Constant(1));  // for an empty scene
     lookAtAll(camera, world);
     if (const Real scale = camera.scaleAt(camera.origin()); scale > largest) best = columns, largest = scale;
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// How the window is divided among competitors that are seen side by side: in rows of equal tiles, since one camera
-// looks into all of them.
+// Divides the window among competitors side by side: rows of equal tiles, since they share one camera.
 #pragma once
 
 #include <vector>
@@ -21,7 +20,7 @@ struct Tile {  // px, from the window's upper left corner
 /// The first is the upper left one, row by row.
 std::vector<Tile> tilesOf(std::size_t count, int columns, const Tile& area);
 
-/// The number of columns in which all of the scene is seen the largest, below a head of so many pixels in each tile.
+/// The number of columns with which the scene is shown largest, below a title of this height (px) in each tile.
 template <int D>
 int columnsFor(ViewCamera<D> camera, const Simulation<D>& world, std::size_t count, const Tile& area, int head);
 

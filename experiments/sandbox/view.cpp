@@ -42,7 +42,7 @@ void view(Simulation<D>& world, Real dt) {
   lookAtAll(camera, world);
   const DrawLayers layers{.contacts = true, .joints = true};
   bool pause = false;
-  Real owed = 0;  // s that the world is behind the clock
+  Real owed = 0;  // s by which the world lags behind the clock
   for (std::uint64_t last = SDL_GetTicks64();;) {
     for (SDL_Event event; window.poll(event);) {
       if (event.type == SDL_QUIT) return;
@@ -58,7 +58,7 @@ void view(Simulation<D>& world, Real dt) {
       }
     }
     const std::uint64_t now = SDL_GetTicks64();
-    // A world that is slower than its clock is slow, and its window answers.
+    // If the world is slower than its clock, it is shown slower, and its window responds.
     owed = pause ? 0 : std::min(owed + Real(now - last) / 1000, std::max(dt, Real(0.1)));
     last = now;
     for (; owed >= dt; owed -= dt) world.step(dt);

@@ -10,9 +10,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Steps the world by dt (s), as many times a second as it has seconds, in a window, until that is closed. p: pause;
-/// space or right arrow: one step, and pause. Mouse: the left button turns what it drags (in 2D: moves), the right one
-/// moves it, the wheel zooms. f: see all that moves. Escape: close. Throws UserError where no window can be.
+/// Steps the world by dt (s) in real time, in a window, until the window is closed. p: pause; space or right arrow: one
+/// step, and pause. Mouse: the left button rotates the view by dragging (in 2D: pans), the right one pans, the wheel
+/// zooms. f: fit all moving bodies. Escape: close. Throws UserError if no window can be opened.
 template <int D>
 void view(Simulation<D>& world, Real dt);
 

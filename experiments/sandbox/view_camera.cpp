@@ -9,10 +9,10 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr Real kRim = Real(1.1);         // what a box that is looked at is grown by
-constexpr Real kLeastSize = Real(1e-3);  // m: no box is looked at closer
+constexpr Real kRim = Real(1.1);         // factor by which a fitted box is enlarged
+constexpr Real kLeastSize = Real(1e-3);  // m: smaller boxes are not magnified further
 constexpr Real kRadiansPerPixel = Real(0.008);
-// Pixels per metre, and metres to the target: beyond, floats of the matrix come to nothing.
+// Limits of pixels per metre, and of metres to the target: beyond, floats of the matrix overflow or vanish.
 constexpr Real kNearest = Real(1e-6), kFarthest = Real(1e9);
 
 Real tangentOfHalfView() { return std::tan(std::numbers::pi_v<Real> / 8); }  // 45 degrees from top to bottom

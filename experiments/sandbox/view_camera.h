@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Where in a window a point of the world is seen. Pixels are the window's: x to the right, y down, from its upper left
-// corner; a view may be a part of the window.
+// Maps points of the world to a window. Pixels are the window's: x to the right, y down, from its upper left corner; a
+// view may be a part of the window.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// What both dimensions share: the part of the window.
+/// Shared by both dimensions: the part of the window.
 class ViewFrame {
  public:
   /// In pixels.
@@ -24,8 +24,8 @@ class ViewFrame {
   int m_width = 1280, m_height = 800, m_left = 0, m_top = 0;
 };
 
-/// A column-major matrix from the world, less the camera's `origin`, to OpenGL's clip space: far from the world's own
-/// origin floats would lose what is near the camera.
+/// A column-major matrix from the world, relative to the camera's `origin`, to OpenGL's clip space: far from the
+/// world's origin floats would lose details near the camera.
 using ViewMatrix = std::array<float, 16>;
 
 template <int D>
@@ -36,11 +36,11 @@ class ViewCamera<2> : public ViewFrame {
  public:
   Vec<2> toPixel(const Vec<2>& p) const;
   Vec<2> toWorld(const Vec<2>& pixel) const;
-  /// What was under the mouse is there again after it has moved by so many pixels.
+  /// Moves the view with the mouse by (dx, dy) px: the point under the mouse stays under it.
   void pan(Real dx, Real dy);
-  /// `factor` times as large; what is under the pixel stays there.
+  /// Magnifies by `factor`; the point under the pixel stays there.
   void zoom(Real factor, const Vec<2>& pixel);
-  /// The box fills the view, but for a rim.
+  /// Fits the box into the view, with a border.
   void look(const Vec<2>& lo, const Vec<2>& hi);
 
   const Vec<2>& origin() const { return m_middle; }
@@ -60,32 +60,32 @@ class ViewCamera<3> : public ViewFrame {
     Vec<3> origin, direction;  // a unit vector
   };
 
-  /// NaN for what is not before the viewer.
+  /// NaN for points that are not in front of the viewer.
   Vec<2> toPixel(const Vec<3>& p) const;
   Ray ray(const Vec<2>& pixel) const;
-  /// The world turns with the mouse, as if it were taken at its front.
+  /// Rotates the view with the mouse, as if it held the front of the scene.
   void orbit(Real dx, Real dy);
-  /// As in 2D, of the points that are as deep as the target.
+  /// As in 2D, for points at the depth of the target.
   void pan(Real dx, Real dy);
-  /// As in 2D, of the points that are as deep as the target.
+  /// As in 2D, for points at the depth of the target.
   void zoom(Real factor, const Vec<2>& pixel);
-  /// The box fills the view, but for a rim; seen from the side that it was seen from before.
+  /// Fits the box into the view, with a border; keeps the direction of the view.
   void look(const Vec<3>& lo, const Vec<3>& hi);
 
   const Vec<3>& origin() const { return m_target; }
   Vec<3> eye() const { return m_target + m_distance * towards(); }
   Vec<3> right() const;
   Vec<3> up() const;
-  Vec<3> towards() const;               // the viewer
-  Real scaleAt(const Vec<3>& p) const;  // px/m; of what is not before the viewer, as of what is nearest
-  // How far the viewer sees (m): what is nearer or beyond is cut off. A depth buffer of 24 bits holds no more.
+  Vec<3> towards() const;               // towards the viewer
+  Real scaleAt(const Vec<3>& p) const;  // px/m; for points not in front of the viewer, as at the nearest distance
+  // Range of visible distances (m): nearer and farther points are clipped. A depth buffer of 24 bits allows no more.
   Real nearest() const { return m_distance / 100; }
   Real farthest() const { return 500 * m_distance; }
-  Real distance() const { return m_distance; }  // of the viewer from the target (m)
+  Real distance() const { return m_distance; }  // from the viewer to the target (m)
   ViewMatrix matrix() const;
 
  private:
-  Real focal() const;                                  // px: as large is a metre at a distance of a metre
+  Real focal() const;                                  // px: size of a metre at a distance of a metre
   Real scale() const { return focal() / m_distance; }  // px/m, at the target
 
   Vec<3> m_target = Vec<3>::Zero();

@@ -23,8 +23,8 @@ namespace {
 constexpr float kBackground[] = {247 / 255.0f, 247 / 255.0f, 245 / 255.0f};  // that of films
 
 #ifdef LPC_SANITIZED
-// A driver leaves the program with its last window. What it has put by for the next one is then nobody's, and reported
-// as a leak of an unknown module: so drivers stay.
+// A driver is unloaded with the last window. Its cached memory then appears as a leak of an unknown module, so drivers
+// stay loaded.
 void keepDrivers() {
   const auto keep = [](dl_phdr_info* module, std::size_t, void*) {
     const std::string name = module->dlpi_name;
@@ -45,8 +45,8 @@ void keepDrivers() {}
 }  // namespace
 
 Window::Window(const char* title, int width, int height) : m_width(width), m_height(height) {
-  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
-  // Left alone, SDL would take a screen that nobody sees. SDL_VIDEODRIVER of the environment comes before this.
+  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C belongs to the program
+  // By default SDL may choose an offscreen driver. SDL_VIDEODRIVER of the environment takes precedence.
   SDL_SetHint(SDL_HINT_VIDEODRIVER, std::getenv("WAYLAND_DISPLAY") ? "x11,wayland" : "x11");
   if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) noWindow("", "a display, such as DISPLAY=:0");
   try {
@@ -60,10 +60,10 @@ Window::Window(const char* title, int width, int height) : m_width(width), m_hei
       noWindow("it needs OpenGL 3.3, ", "a driver that has it, or LIBGL_ALWAYS_SOFTWARE=1");
     }
     keepDrivers();
-    SDL_GL_SetSwapInterval(0);  // waits are ours: a display that is not looked at may never answer
+    SDL_GL_SetSwapInterval(0);  // no vsync: a hidden display may never answer
     ImGui::CreateContext();
-    ImGui::StyleColorsLight();             // the colours of competitors are those of charts, for paper
-    ImGui::GetIO().IniFilename = nullptr;  // no file that nobody asked for
+    ImGui::StyleColorsLight();             // competitors have the colours of charts, which are for paper
+    ImGui::GetIO().IniFilename = nullptr;  // writes no settings file
     ImGui_ImplSDL2_InitForOpenGL(m_window, m_context);
     ImGui_ImplOpenGL3_Init("#version 330 core");
     glGenFramebuffers(1, &m_frame);

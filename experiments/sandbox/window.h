@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A window with OpenGL 3.3 and Dear ImGui in it, for as long as it lives. One at a time: ImGui has one context, OpenGL
-// a current one.
+// A window with OpenGL 3.3 and Dear ImGui. One at a time: ImGui has one context, and OpenGL a current one.
 #pragma once
 
 #include <SDL2/SDL_events.h>
@@ -15,7 +14,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 class Window {
  public:
-  /// Throws UserError where there is no display, or no OpenGL 3.3.
+  /// Throws UserError without a display or OpenGL 3.3.
   Window(const char* title, int width, int height);
   ~Window();
   Window(const Window&) = delete;
@@ -24,30 +23,30 @@ class Window {
   int width() const { return m_width; }
   int height() const { return m_height; }
 
-  /// As if a user had drawn at its edge.
+  /// As if a user had dragged its border.
   void resize(int width, int height);
   void setTitle(const std::string& title);
 
-  /// The next thing that happened, if anything did. ImGui and the list of dropped files have heard of it already.
+  /// The next event, if there is one. ImGui and the list of dropped files have already received it.
   bool poll(SDL_Event& event);
-  /// Is it ImGui's alone: a click on a panel, a key typed into a field?
+  /// Whether the event belongs to ImGui only: a click on a panel, a key typed into a field.
   bool forPanels(const SDL_Event& event) const;
   /// Files that were dropped on the window since the last call.
   std::vector<std::string> takeDropped();
 
-  /// Whatever is drawn or asked of ImGui comes between these two. Everything is drawn into a picture of our own, since
-  /// of a window nobody knows what has become of it when it has been shown.
+  /// Drawing and ImGui calls are allowed between these two. Everything is drawn into a framebuffer of our own, since
+  /// the content of a window is undefined after it is shown.
   void beginFrame();
-  /// Shows it, and waits until the next one may come.
+  /// Shows it, and waits for the time of the next frame.
   void endFrame();
-  /// Frames per second at most; 0 is as many as there may be.
+  /// Largest number of frames per second; 0: unlimited.
   void limitFrames(int perSecond) { m_perSecond = perSecond; }
 
-  /// s between pictures: of the clock, at most a quarter; one sixtieth while the mouse is held.
+  /// s between pictures: by the clock, at most a quarter; one sixtieth while the mouse is held by a script.
   double secondsPerFrame() const { return m_seconds; }
-  /// Of the last second, by the clock.
+  /// During the last second, by the clock.
   double picturesPerSecond() const { return m_rate; }
-  /// From now on the mouse is where it is put, and time goes by pictures: for scripts of input.
+  /// From now on the mouse stays where it is put, and time advances with pictures: for scripts of input.
   void holdMouse(const Vec<2>& pixel) { m_held = pixel; }
   void holdButton(int button, bool down);
   Vec<2> heldMouse() const { return m_held.value_or(Vec<2>::Zero()); }
@@ -57,7 +56,7 @@ class Window {
     std::vector<unsigned char> rgb;  // row by row from the top
     DrawColour at(int x, int y) const;
   };
-  /// The last frame that has ended.
+  /// The last finished frame.
   Picture screenshot() const;
 
  private:
@@ -67,7 +66,7 @@ class Window {
   SDL_Window* m_window = nullptr;
   void* m_context = nullptr;  // OpenGL's
   int m_width, m_height;
-  unsigned m_frame = 0, m_colours = 0, m_depths = 0;  // the picture, and what it is made of
+  unsigned m_frame = 0, m_colours = 0, m_depths = 0;  // the framebuffer and its attachments
   int m_perSecond = 60;
   double m_seconds = 0;  // between the last two frames
   double m_rate = 0;     // frames a second

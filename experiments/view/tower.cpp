@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A tower and a ball that rolls at it, seen in a window.
+// A tower and a ball that rolls at it, in a window.
 #include <experiments/sandbox/view.h>
 #include <lpc/shape_between.h>
 #include <lpc/world.h>

@@ -21,7 +21,9 @@ import style  # noqa: E402
 from charts import choose, cost_against_error  # noqa: E402
 
 LPC = ""  # the program, from the command line
-MANUAL = (HERE.parent.parent / "docs" / "manual.md").read_text(encoding="utf-8")
+DOCS = HERE.parent.parent / "docs"
+MANUAL = (DOCS / "manual.md").read_text(encoding="utf-8")
+SWEEPS = (DOCS / "reference_sweeps.md").read_text(encoding="utf-8")
 
 
 def block(heading, kind):
@@ -50,7 +52,7 @@ class FirstSweep(unittest.TestCase):
                           c.figure is None], [])
 
     def test_one_more_method_joins_a_shipped_sweep(self):
-        with_it = re.search(r"^lpc (sweep resolvers --with .*)$", MANUAL, re.M).group(1)
+        with_it = re.search(r"^lpc (sweep resolvers --with .*)$", SWEEPS, re.M).group(1)
         counts = []
         for command in (with_it, "sweep resolvers --dry-run"):
             done = subprocess.run([LPC, *shlex.split(command)], capture_output=True, text=True, check=False)
@@ -59,7 +61,7 @@ class FirstSweep(unittest.TestCase):
         self.assertGreater(counts[0], counts[1])
 
     def test_choose_takes_a_size(self):
-        command = re.search(r"^lpc (sweep choose --set .*)$", MANUAL, re.M).group(1)
+        command = re.search(r"^lpc (sweep choose --set .*)$", SWEEPS, re.M).group(1)
         done = subprocess.run([LPC, *shlex.split(command), "--dry-run"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(re.findall(r"^choose_(\w+)", done.stdout, re.M), ["broadphase", "contacts", "resolver"])

@@ -231,7 +231,7 @@ class Words(undrawn.Undrawn):
 
     def test_every_outcome_has_its_meaning_in_the_manual_s_words(self):
         self.assertEqual(list(coverage.MEANINGS), [*load.SEVERITY, load.NOT_RUN])
-        manual = (HERE.parent.parent / "docs" / "manual.md").read_text(encoding="utf-8")
+        manual = (HERE.parent.parent / "docs" / "reference_sweeps.md").read_text(encoding="utf-8")
         for name, meaning in coverage.MEANINGS.items():
             self.assertIn(f"| `{name}` | {meaning} |", manual)
         page = self.page(lambda maker: maker.trial("s", {"kind": "world"}, {}, "collapsed", "far", 9))

@@ -460,7 +460,7 @@ TEST(DrawSimulation, EveryLayerIsInTheTable3) { everyLayerIsInTheTable<3>(); }
 
 TEST(DrawSimulation, TheManualHasEveryLayer) {
   std::ostringstream page;
-  page << std::ifstream(LPC_SOURCE_DIR "/docs/manual.md").rdbuf();
+  page << std::ifstream(LPC_SOURCE_DIR "/docs/reference_world.md").rdbuf();
   for (const DrawLayer& l : kDrawLayers) {
     const std::string row = "\n| " + std::string(l.name) + " | " + std::string(l.meaning) + " |\n";
     EXPECT_NE(page.str().find(row), std::string::npos) << row;

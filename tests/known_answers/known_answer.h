@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// Physics problems with a formula, and what our methods make of them:
+// Physics problems with a formula, and the error of each method:
 //
 //   TEST_F(KnownAnswer, catenary) { known("sag, 4 links", "split_solver", 2.7486, measured); }
 //
-// docs/known_answers.md has a row for each figure, with an interval that holds the error: relative, or absolute when
-// the answer is 0. An error below it fails as one above it does, so that the table stays true when a method improves.
+// answers.data has a row for each figure and method, with an interval of the error: relative, or absolute if the right
+// value is 0. An error below the interval fails, too, so the data stay true when a method improves.
+// reports/known_answers.py writes docs/known_answers.md from the same file.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +16,6 @@
 #include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -29,7 +29,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test {
 inline constexpr double kG = 9.81, kPi = 3.141592653589793, kDegree = kPi / 180;  // m/s^2, 1, rad
 inline constexpr bool kDouble = sizeof(Real) == 8;
 
-// Sanitizers make a minute of these: fewer methods then. What the others do under them, other tests say.
+// With sanitizers all methods take a minute: run fewer. Other tests run the rest under sanitizers.
 #if defined(LPC_SANITIZED)
 inline constexpr bool kAllMethods = false;
 #else
@@ -41,43 +41,38 @@ struct AnswerBound {
 };
 using AnswerKey = std::tuple<std::string, std::string, std::string>;  // answer, figure, method
 
-/// The rows between `<!-- answers -->` and `<!-- end -->` that are measured in this precision.
+/// The rows of answers.data that are measured in this precision.
 inline const std::map<AnswerKey, AnswerBound>& answerTable() {
   static const std::map<AnswerKey, AnswerBound> rows = [] {
-    const auto cells = [](const std::string& line) {
-      std::vector<std::string> out;
-      std::istringstream in(line);
-      std::string cell;
-      std::getline(in, cell, '|');  // before the first bar
-      while (std::getline(in, cell, '|')) {
-        const auto first = cell.find_first_not_of(' '), last = cell.find_last_not_of(' ');
-        out.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-      }
-      return out;
-    };
     std::map<AnswerKey, AnswerBound> out;
-    std::ifstream in(LPC_SOURCE_DIR "/docs/known_answers.md");
-    bool inside = false;
+    std::ifstream in(LPC_SOURCE_DIR "/tests/known_answers/answers.data");
+    std::string answer;
     for (std::string line; std::getline(in, line);) {
-      if (line == "<!-- answers -->" || line == "<!-- end -->") inside = line == "<!-- answers -->";
-      const std::vector<std::string> c = cells(line);
-      if (!inside || c.size() != 7) continue;
+      if (line.starts_with("[")) answer = line.substr(1, line.find(']') - 1);
+      std::vector<std::string> c;
+      for (std::size_t from = 0, to = 0; to != line.npos; from = to + 3) {
+        to = line.find(" | ", from);
+        c.push_back(line.substr(from, to - from));
+      }
       AnswerBound b;
-      if (std::sscanf(c[kDouble ? 5 : 6].c_str(), "%lf .. %lf", &b.low, &b.high) == 2) out[{c[0], c[1], c[2]}] = b;
+      if (c.size() == 6 && std::sscanf(c[kDouble ? 4 : 5].c_str(), "%lf .. %lf", &b.low, &b.high) == 2) {
+        out[{answer, c[0], c[1]}] = b;
+      }
     }
     return out;
   }();
   return rows;
 }
 
-/// What is wrong with an error, in words; empty when nothing is.
+/// Says why an error is outside its interval; empty if it is inside.
 inline std::string fault(const AnswerBound* bound, double error) {
-  if (!bound) return "docs/known_answers.md has no bound for it";
-  if (error < bound->low) return "better, or wrong to the other side? Correct docs/known_answers.md";
-  return error <= bound->high ? "" : "worse than docs/known_answers.md says";  // so is NaN
+  if (!bound) return "tests/known_answers/answers.data has no row for it";
+  if (error < bound->low)
+    return "below the interval of tests/known_answers/answers.data: better, or wrong with the other sign";
+  return error <= bound->high ? "" : "above the interval of tests/known_answers/answers.data";  // also NaN
 }
 
-/// Named by the answer: every row of it must be measured, by known().
+/// The test's name is the name of the problem. Fails if a row of the problem was not measured by known().
 class KnownAnswer : public testing::Test {
  public:
   static std::string answer() { return testing::UnitTest::GetInstance()->current_test_info()->name(); }
@@ -91,19 +86,19 @@ class KnownAnswer : public testing::Test {
     if (!kAllMethods) return;
     for (const auto& [key, bound] : answerTable()) {
       if (std::get<0>(key) != answer()) continue;
-      EXPECT_TRUE(seen().contains(key)) << "a row that nobody measures: " << std::get<1>(key) << ", "
+      EXPECT_TRUE(seen().contains(key)) << "no test measures this row: " << std::get<1>(key) << ", "
                                         << std::get<2>(key);
     }
   }
 };
 
-/// Holds a measured figure against its row. LPC_PRINT_ANSWERS=1 prints what was measured.
+/// Compares a measured figure with its row. LPC_PRINT_ANSWERS=1 prints each measured value.
 inline void known(const std::string& figure, const std::string& method, double expected, double measured) {
   const double error = expected == 0 ? measured : (measured - expected) / std::abs(expected);
   char text[120];
   std::snprintf(text, sizeof text, "%.9g | %.9g | %.3g", expected, measured, error);
   const std::string row = KnownAnswer::answer() + " | " + figure + " | " + method + " | " + text;
-  if (std::getenv("LPC_PRINT_ANSWERS")) std::printf("row | %s\n", row.c_str());
+  if (std::getenv("LPC_PRINT_ANSWERS")) std::printf("f%d | %s\n", kDouble ? 64 : 32, row.c_str());
   const AnswerKey key{KnownAnswer::answer(), figure, method};
   const auto found = answerTable().find(key);
   EXPECT_EQ(fault(found == answerTable().end() ? nullptr : &found->second, error), "") << row;
@@ -115,29 +110,29 @@ std::string in(const std::string& figure) {
   return figure + (D == 2 ? ", 2D" : ", 3D");
 }
 
-/// The one of two measured values that is further from the truth.
+/// Returns the measured value that is farther from the right one.
 inline double worse(double a, double b, double truth) { return std::abs(a - truth) > std::abs(b - truth) ? a : b; }
 
-/// Methods that a row judges together, by the worst of them.
+/// Methods that share a row; the row holds the worst error.
 struct Methods {
   std::string name;
   std::vector<std::string> solvers;
 };
 
-/// Those, and the solvers besides split_solver and soft_step, each by itself.
+/// Appends each solver other than split_solver and soft_step.
 inline std::vector<Methods> andSolvers(std::vector<Methods> first) {
   if (!kAllMethods) return first;
   for (const char* solver : {"tgs", "tgs_ngs", "pgs_soft", "xpbd", "avbd"}) first.push_back({solver, {solver}});
   return first;
 }
-/// The velocity resolvers that are to solve a step to the end.
+/// The velocity resolvers that solve a step exactly or to a tolerance.
 inline std::vector<Methods> toTheEnd() {
   return {{"split_solver{velocity=proximal_newton}", {"split_solver{velocity=proximal_newton}"}},
           {"split_solver{velocity=direct_lcp}", {"split_solver{velocity=direct_lcp}"}},
           {"split_solver{velocity=admm}", {"split_solver{velocity=admm}"}},
           {"split_solver{velocity=nncg}", {"split_solver{velocity=nncg}"}}};
 }
-/// Those, the other solvers, and the resolvers that solve to the end.
+/// Appends the other solvers and the resolvers of toTheEnd().
 inline std::vector<Methods> andOthers(std::vector<Methods> first) {
   if (!kAllMethods) return first;
   first = andSolvers(std::move(first));
@@ -148,7 +143,7 @@ inline std::vector<Methods> allMethods() {
   return andOthers({{"split_solver", {"split_solver"}}, {"soft_step", {"soft_step"}}});
 }
 
-/// split_solver with each velocity resolver, and `set` besides: "impact=poisson,".
+/// split_solver with each velocity resolver; `set` holds further parameters, such as "impact=poisson,".
 inline std::vector<std::string> everyVelocity(const std::string& set = "") {
   std::vector<std::string> solvers;
   for (const Registered* r : Registry::instance().list(StageKind::velocity, 2)) {
@@ -167,7 +162,7 @@ inline double ellipticK(double m) {
   return kPi / (2 * a);
 }
 
-/// An empty world with that solver.
+/// An empty world with this solver.
 template <int D>
 World<D> worldOf(const std::string& solver, const Vec<D>& gravity = defaultGravity<D>()) {
   WorldSettings<D> settings;

@@ -6,7 +6,7 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
 #define HWY_TARGET_INCLUDE "algorithms/pair_query/core/hull_support_lanes.cpp"
 #include "hwy/foreach_target.h"
-// Must follow foreach_target.h, which includes this file again and again.
+// Must follow the header of Highway that includes this file again and again.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();

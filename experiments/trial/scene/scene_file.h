@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A scene file (TOML, experiments/scenes/*.toml) and what it builds. docs/manual.md describes the format.
+// A scene file (TOML, experiments/scenes/*.toml) and what it builds. docs/reference_scenes.md describes the format.
 #pragma once
 
 #include <cstdint>
