@@ -235,8 +235,8 @@ class Words(undrawn.Undrawn):
         for name, meaning in coverage.MEANINGS.items():
             self.assertIn(f"| `{name}` | {meaning} |", manual)
         page = self.page(lambda maker: maker.trial("s", {"kind": "world"}, {}, "collapsed", "far", 9))
-        self.assertIn("<td>collapsed</td><td>C</td><td>a body went farther from where it came than the scene&#x27;s limit of "
-                      "drift, not by sagging alone, or still creeps at the end</td><td class=n>1</td>", page)
+        self.assertIn("<td>collapsed</td><td>C</td><td>a body moved farther from its start than the scene&#x27;s limit of drift, "
+                      "not by sagging alone, or still creeps at the end</td><td class=n>1</td>", page)
 
     def test_a_metric_is_named_as_charts_name_it(self):
         page = self.page(lambda maker: None)
