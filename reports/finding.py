@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
+import noise
 import table as tables
 from style import si, times
 
@@ -118,6 +119,12 @@ def ends(low, high, unit):
     if not (math.isfinite(low) or math.isfinite(high)):
         return ""
     return " to ".join(dict.fromkeys((si(low, unit), si(high, unit))))
+
+
+def told(said):
+    """A cell for what noise.said gives: the ratio as a number, or the words for why there is none."""
+    words = {noise.NOISE: f"{TIE}: {NOISE}", noise.FEW: f"{TIE}: {noise.FEW}"}
+    return float(said) if said[:1].isdigit() else words.get(said, said)
 
 
 def against(line, first, words, floor, unit):

@@ -108,4 +108,4 @@ def _chart(context, cells):
     return Chart(f"{sweep}_scenes_{dimension}d", SECTION, f"Sleep policies: waking waves, touches and slow rollers, {dimension}D",
                  finding(rows, asked, dimension), sweep, figure, table, holes(cells, ["scene", "method", "at"]),
                  "Left: steps from the loss of the support until most of a sleeping stack is awake; 0 is best. Middle: boxes of "
-                 "a stack that wake when a ball touches it. Right: the step from which on a rolling ball sleeps. Reddish: unwanted.")
+                 "a stack that wake when a ball touches it. Right: the step from which on a rolling ball sleeps. Red: unwanted.")

@@ -13,7 +13,7 @@ import measured
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
-from finding import NOISE, Finding, cut
+from finding import Finding, cut, told
 from load import one_machine, varying
 from sentences import listing, plural, some, verb
 from style import (NOT_ASKED, OUTCOMES, RIGHT, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si,
@@ -389,7 +389,7 @@ def _outcome(row):
     if peer["told"]:
         return "LPC faster" if peer["ratio"] > 1 else "LPC slower"
     few = any(0 < len(measured.runs(cell, TIME)) < noise.FEWEST for cell in (row["ours"], peer["cell"]))
-    return "tie: too few repeats" if few else f"tie: {NOISE}"
+    return told(noise.FEW if few else noise.NOISE)
 
 
 def finding_of_peers(rows):

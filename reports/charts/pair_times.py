@@ -297,8 +297,8 @@ def finding_of_streams(scenes, least, dimension):
         found = parted(ways, least)
         for a, b, drawn, world in found:
             bad = [m for m in (a, b) if fails(ways, m)]
-            rows.append({"comparison": f"{b} over {a}", "scene": scene, "drawn pairs [1]": drawn,
-                         "pairs of the world [1]": 1 / world,
+            rows.append({"comparison": f"{b} over {a}", "scene": scene, "time, drawn pairs": drawn,
+                         "time, pairs of the world": 1 / world,
                          "outcome": f"rank changes; {listing(bad)} {verb(len(bad), 'fail')}" if bad else "rank changes"})
         if not found and len(set(ways[DRAWN]) & set(in_world(ways))) > 1:
             silent += 1
@@ -306,7 +306,7 @@ def finding_of_streams(scenes, least, dimension):
     changed = len({row["scene"] for row in rows}) - silent
     for method, (gains, count) in cache_gains(scenes, least).items():
         rows.append({"comparison": f"{method}: no cache over cached data", "scene": f"{len(gains)} of {plural(count, 'scene')}",
-                     "pairs of the world [1]": span(times(min(gains)), times(max(gains))) if gains else None,
+                     "time, pairs of the world": span(times(min(gains)), times(max(gains))) if gains else None,
                      "outcome": "" if gains else "inside the noise"})
     compared = changed + silent
     head = (f"In {dimension}D methods change ranks between drawn pairs and a world's pairs on {changed} of "

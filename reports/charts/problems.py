@@ -270,7 +270,8 @@ def _profile(context, cells):
         np.median(found[m][0])) if len(found[m][0]) else math.nan, "outcome": why.get(m, "")} for m in order])
     return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SOLVES, "Performance profile of multiply-adds",
                  Finding(f"{some(surest)} {verb(len(surest), 'solve')} the largest share of {plural(count, 'problem')} "
-                         f"({si(100 * max(shares.values()))} %); {some(firsts)} {verb(len(firsts), 'are')} cheapest most often "
+                         f"({si(100 * max(shares.values()))} %)"
+                         f"{' and' if firsts == surest else '; ' + some(firsts)} {verb(len(firsts), 'are')} cheapest most often "
                          f"({si(100 * most_wins)} %).", cut(table)),
                  cells["sweep"].iloc[0], figure, table,
                  [f"{method}: {text}, not drawn" for method, text in _beyond(found, count).items()],

@@ -15,7 +15,7 @@ import noise
 import sleep_scenes
 import twins
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
-from finding import NOISE, Finding, cut, ends
+from finding import Finding, cut, ends, fits, told
 from load import one_machine, split, varying
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si, times
 from table import quantity
@@ -127,8 +127,9 @@ def finding(cells, awake, where):
         head = f"On {where} no body falls asleep."
     else:
         time = f" and {si(100 * most[TIME])} % of the time" if timed and math.isfinite(most[TIME]) else ""
-        far = f"; a body ends up to {si(most[FAR], 'm')} from its place without sleep" if math.isfinite(most[FAR]) else ""
-        head = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the multiply-adds{time}{far}."
+        head = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the multiply-adds{time}"
+        far = f"; it moves bodies by up to {si(most[FAR], 'm')}" if math.isfinite(most[FAR]) else ""
+        head = fits(f"{head}{far}.", f"{head}.")
     return Finding(head, cut(pd.DataFrame(table)))
 
 
@@ -257,11 +258,10 @@ def finding_of_contacts(pairs, least):
     """A row per policy and scene, the largest saving first; failures last."""
     rows = []
     for pair in sorted(pairs, key=lambda pair: (not math.isfinite(pair.saved), -pair.saved)):
-        word = twins.told(pair.kept, pair.anew, STEP, least)
         failed = [f"{name}: {cell['outcome']}" for name, cell in ((KEPT, pair.kept), (ANEW, pair.anew))
                   if cell["outcome"] != "ok"]
         rows.append({"scene": pair.place, "policy": pair.policy, "pair queries saved by keeping [1]": pair.saved,
-                     "time of a step, renewed over kept": float(word) if word[:1].isdigit() else _WORDS.get(word, word),
+                     "time of a step, renewed over kept": told(twins.told(pair.kept, pair.anew, STEP, least)),
                      "largest distance of the ends [m]": pair.apart, "same bits": "yes" if pair.same_bits else "no",
                      "wakes": "the same" if pair.wakes_alike else "not the same",
                      "outcome": f"failed: {', '.join(failed)}" if failed else "ok"})
@@ -272,12 +272,10 @@ def finding_of_contacts(pairs, least):
         head = "No body falls asleep in the sweep of kept and renewed contacts of sleeping bodies."
     else:
         exact = sum(pair.same_bits for pair in known)
-        head = (f"Keeping the contacts of sleeping bodies saves up to {si(100 * most.saved)} % of the pair queries "
-                f"({most.name}); {exact} of {len(known)} runs end in the same bits.")
+        head = f"Keeping contacts of sleeping bodies saves up to {si(100 * most.saved)} % of the pair queries"
+        bits = f"{exact} of {len(known)} runs end in the same bits."
+        head = fits(f"{head} ({most.name}); {bits}", f"{head}; {bits}")
     return Finding(head, cut(pd.DataFrame(rows)))
-
-
-_WORDS = {noise.NOISE: f"tie: {NOISE}", noise.FEW: f"tie: {noise.FEW}"}
 
 
 def headline_of_contacts(pairs, least):

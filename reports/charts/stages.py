@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_store, of_sweeps
-from finding import Finding, cut, ends
+from finding import Finding, cut, ends, fits, told
 from load import one_machine, split, varying
 from over_steps import stretches
 from sentences import plural, some, verb
@@ -242,15 +242,17 @@ def finding_of_profile(where, runs, cells, floor):
             row[f"{title} [s]"] = run[what]
             if run["repeats"] > 1:
                 row[f"range, {title}"] = ends(*run["spread"][what], "s")
-        row |= {"median step over the first run's": 1.0 if run is runs[0] else float(word) if word[:1].isdigit() else
-                noise.IN_WORDS.get(word, word), "contact points per body [1]": run["touching"],
+        row |= {"median step over the first run's": 1.0 if run is runs[0] else told(word), "contact points per body [1]": run["touching"],
                 "awake at the end": f"{run['awake']} of {run['bodies']}", "awake in the second half, least [1]": run["least"],
                 "repeats [1]": run["repeats"]}
         rows.append(row)
     slow, fast = (of(runs, key=lambda run: run["end"]) for of in (max, min))
-    head = f"At the end of {where} a step takes {si(slow['end'], 's')} with {slow['method']} ({slow['awake']} bodies awake)"
-    head += f" and {si(fast['end'], 's')} with {fast['method']} ({fast['awake']})" if len(runs) > 1 else ""
-    return Finding(f"{head}.", cut(pd.DataFrame(rows)))
+    head = f"At the end of {where} a step takes {si(slow['end'], 's')}"
+    long, short = (f"{head} with {slow['method']} ({slow['awake']} bodies awake)", f"{head} with {slow['awake']} bodies awake")
+    if len(runs) > 1:
+        long += f" and {si(fast['end'], 's')} with {fast['method']} ({fast['awake']})"
+        short += f", and {si(fast['end'], 's')} with {fast['awake']}"
+    return Finding(fits(f"{long}.", f"{short}."), cut(pd.DataFrame(rows)))
 
 
 def _half(store, key):

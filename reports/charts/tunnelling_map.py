@@ -11,7 +11,8 @@ from matplotlib.patches import Patch, Rectangle
 import measured
 import noise
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
-from finding import Finding, cut
+from finding import Finding, cut, fits
+from finding import told as told_as
 from load import one_machine, split, varying
 from metrics import Trial
 from sentences import plural, some
@@ -101,9 +102,10 @@ def finding(cells, ratios, where):
     rows.sort(key=lambda row: (bool(row["outcome"]), row["largest share that tunnels [1]"], row["method"]))
     safe = [row["method"] for row in rows if row["largest share that tunnels [1]"] == 0 and not row["outcome"]]
     through = next(iter(worst.values()), None)
-    head = f"{where}: no bullet tunnels with {some(safe, sorted(worst))}" if safe else f"{where}: no method stops all bullets"
+    head = f"no bullet tunnels with {some(safe, sorted(worst))}" if safe else "no method stops all bullets"
     passes = through is not None and through["share"] > 0
     head += f"; up to {percent(through['share'])} tunnel with the method {through['method']}." if passes else "."
+    head = fits(f"{where}: {head}", head[0].upper() + head[1:])
     columns = dict.fromkeys(key for row in sorted(rows, key=len, reverse=True) for key in row)
     return Finding(head, cut(pd.DataFrame(rows, columns=list(columns))))
 
@@ -113,7 +115,7 @@ def _times_of(found):
     if found is None:
         return "baseline"
     told = [ratio for ratio, text in found.values() if text not in SIGNS]
-    rest = " or ".join(dict.fromkeys(NOT_TOLD[text] for _, text in found.values() if text in SIGNS))
+    rest = " or ".join(dict.fromkeys(told_as(text) for _, text in found.values() if text in SIGNS))
     silent = f"{rest} in {len(found) - len(told)} of {plural(len(found), 'cell')}" if rest else ""
     return "; ".join(filter(None, (" to ".join(dict.fromkeys((times(min(told)), times(max(told))))) if told else "", silent)))
 
