@@ -414,8 +414,8 @@ def finding_of_residual(rows, setting, dimension, everyone, unranked):
         solved = next((row for row in falling if row["outcome"].startswith("solved")), falling[0])
         to = f"below {si(FLOOR)}" if solved["residual after"].startswith("<") else f"most, to {solved['residual after']}"
         scenes = f"; it falls on {len(falling)} of {len(rows)} scenes" if len(rows) > 1 else ""
-        head = (f"In {dimension}D on {solved['scene']} the residual of {some(solved['methods'], everyone)} falls {to} from "
-                f"{solved[setting]} {setting}{scenes}.")
+        head = (f"In {dimension}D on {solved['scene']}, from {solved[setting]} {setting}, the residual of "
+                f"{some(solved['methods'], everyone)} falls {to}{scenes}.")
     columns = dict.fromkeys(key for row in sorted(table, key=len, reverse=True) for key in row)
     return Finding(head, cut(pd.DataFrame(table, columns=list(columns))))
 

@@ -71,11 +71,13 @@ class Findings(with_store.WithStore):
             self.assertNotIn("no iterations", told().finding.text(), "the planted bug was not seen")
 
     def test_the_ends_of_two_runs_of_a_script_are_numbers_and_no_ratio(self):
-        """The last tenth of one run has no repeats here: that no floor of whole runs judges it."""
+        """The last tenth of a run has no repeats, so the floor of whole runs cannot judge it."""
         found = self.made(stages, synthetic_store.stages)[0]
-        self.assertRegex(found.finding, r"none: peak [\d.]+ ms, last tenth [\d.]+ ms a step and split_average: peak")
-        self.assertNotIn("as dear as", found.finding)
-        self.assertIn("no ratio of two runs is told", found.note)
+        self.assertEqual(list(found.finding.table.columns), ["sleep", "largest step [s]", "step of the last tenth [s]",
+                                                             "slowest stage", "share of the time [1]"])
+        self.assertEqual(list(found.finding.table["sleep"]), ["none", "split_average"])
+        self.assertIn("the slowest stage is solver", found.finding.headline)
+        self.assertIn("no ratio of two runs is given", found.note)
 
     def test_of_equal_medians_the_one_that_is_never_worse_is_the_best(self):
         def fill(maker):
@@ -199,8 +201,11 @@ class Findings(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 1.0, error)
         found = self.made(residual, fill)[0]
-        self.assertEqual(found.finding, "In 2D on stack the residual of catto and naive falls from 4 to 30 iterations "
-                         "below 1e-12, from 4e-07 to 1e-06; that of 1 of 4 methods is below 1e-12 from the first.")
+        self.assertEqual(found.finding.headline, "In 2D on stack, from 4 to 30 iterations, the residual of catto and naive falls "
+                         "below 1e-12.")
+        row = found.finding.table.iloc[0]
+        self.assertEqual((row["residual before"], row["residual after"]), ("4e-07 to 1e-06", "<1e-12"))
+        self.assertEqual((row["does not fall"], row["below 1e-12 throughout"]), ("0 of 4", "1 of 4"))
 
     def test_residuals_are_compared_over_one_span(self):
         def fill(contacts):
@@ -214,9 +219,11 @@ class Findings(with_store.WithStore):
                             maker.world("costs", axes, 1.0, errors[iterations] * contacts)
             return into
         found = self.made(residual, fill(1))[0]
-        self.assertEqual(found.finding, "In 2D on stack the residual of soft_step falls most of 3 methods from 10 to 30 "
-                         "iterations, from 0.0004 to 0.0001; that of 1 of 3 methods does not fall; on pyramid only "
-                         "iterations=10 was run.")
+        self.assertEqual(found.finding.headline, "In 2D on stack, from 10 to 30 iterations, the residual of soft_step falls most, "
+                         "to 0.0001; it falls on 1 of 2 scenes.")
+        stack, pyramid = found.finding.table.iloc[0], found.finding.table.iloc[1]
+        self.assertEqual((stack["residual before"], stack["residual after"], stack["does not fall"]), ("0.0004", "0.0001", "1 of 3"))
+        self.assertEqual((pyramid["scene"], pyramid["outcome"]), ("pyramid", "only iterations=10 was run"))
         self.assertIsNone(self.made(residual, fill(0))[0].figure, "no contacts, no residual, no chart")
 
     @staticmethod

@@ -379,7 +379,10 @@ class Findings(WithStore):
         self.assertIn("broken on uniform/100: did not start", made.holes)
         row = made.table.set_index("algorithm").loc["naive"]
         self.assertAlmostEqual(row["uniform/1000 [s]"], 0.9e-9 * 1e6, delta=1e-18)
-        self.assertIn("sort_and_sweep", made.finding)
+        found = made.finding.table.set_index("algorithm")
+        self.assertEqual(list(found.loc[["sort_and_sweep", "broken"], "fastest on"]), ["4 of 4", "0 of 4"])
+        self.assertEqual(found.at["broken", "outcome"], "no time on 4")
+        self.assertIn("sort_and_sweep is the fastest broadphase 2D on 4 of 4 calls", made.finding.headline)
         style.plt.close(made.figure)
 
 
