@@ -82,12 +82,9 @@ def share_of(failed, asked):
 
 def tolerances(cells):
     """"1e-12 of the size": the tolerance that decides what is a failure. Ranks can change with it."""
-    known = _precisions(cells)
-    return listing([failure.tolerance(p) + (f" in {p}" if len(known) > 1 else "") for p in known]) or "the referee's tolerance"
-
-
-def _precisions(cells):
-    return sorted({precision for _, precision in cells.get("arithmetic", []) if precision in failure.TOLERANCE}, reverse=True)
+    known = sorted({precision for _, precision in cells.get("arithmetic", []) if precision in failure.TOLERANCE}, reverse=True)
+    said = [failure.tolerance(p) + (f" in {p}" if len(known) > 1 else "") for p in known]
+    return listing(said) if said else "the referee's tolerance"
 
 
 def judged_at(cells):
@@ -315,7 +312,9 @@ def finding_of_failures(good, bad, dimension):
                      "judged at": judged.get(method, "")})
     rows.sort(key=lambda row: (row["worst share [1]"], row["method"]))
     count, clean = len(rows), [row["method"] for row in rows if row["failures there"] == "none"]
-    if not bad:
+    if not rows:
+        head = f"In {dimension}D no query was answered."
+    elif not bad:
         head = f"In {dimension}D no query of {np.nansum(asked):,.0f} fails, judged at {tolerances(good)}."
     else:
         _, method, pair, found, number = max(bad)
