@@ -233,10 +233,10 @@ def _scatter(context, cells, dimension, refused, least):
     return Chart(f"{cells['sweep'].iloc[0]}_error_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
                  finding(cells, dimension, least), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
                  refused + _holes(cells),
-                 "Lower left is better. A mark is the error of 99 of 100 queries; its bar spans the median to the worst. Errors "
-                 "are over the size of the query (largest extent + distance + largest coordinate). A time is that of a single "
-                 "query with two readings of the clock; the numbers also have times in batches, where SIMD lanes help. Hollow "
-                 f"marks are witnesses. {noise.rule(least)} {failure.DEFINITION}", headline=headline(cells, dimension, least))
+                 "Lower left is better. A mark is the error of 99 of 100 queries over their size (largest extent + distance + "
+                 "largest coordinate); its bar spans the median to the worst. A time is that of a single query and two readings "
+                 f"of the clock. Hollow marks are witnesses. {noise.rule(least)} {failure.DEFINITION}",
+                 headline=headline(cells, dimension, least))
 
 
 def _failures(context, cells, dimension):

@@ -316,7 +316,7 @@ def finding_of_streams(scenes, least, dimension):
 
 
 def headline_of_streams(scenes, least, dimension):
-    """The two methods without failures whose ranks change most."""
+    """The two methods without failures that change ranks most."""
     found = [(min(drawn, world), scene, a, b, drawn, world) for scene, ways in scenes.items()
              for a, b, drawn, world in parted(ways, least) if not fails(ways, a) and not fails(ways, b)]
     if not found:

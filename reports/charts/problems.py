@@ -18,7 +18,7 @@ from sentences import plural, some, verb
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
 from table import quantity
 
-SOLVES = "Which method solves a step's problem?"
+SOLVES = "Which method solves the velocity problem of a step?"
 RESIDUAL, COST, TO = "problem_residual", "multiply_adds", "multiply_adds_to_thousandth"
 TIME = "ns_per_solve"
 RATE, PREDICTED = "rate", "predicted_rate"
@@ -308,7 +308,7 @@ def _rates(context, cells):
     ax.set_ylabel("measured, per iteration")
     legend_right(figure, _handles({m: context.name(m) for m in methods}, looks), width)
     # The distance of a rate from 1 matters: it is inverse to the number of iterations.
-    plain = good[good["method"] == "catto"]  # catto is Gauss-Seidel, whose rate the spectral radius predicts
+    plain = good[good["method"] == "catto"]  # Gauss-Seidel; the spectral radius predicts its rate
     if not len(plain):
         return None
     need = (1 - plain[PREDICTED].astype(float)) / (1 - plain[RATE].astype(float))
@@ -358,8 +358,8 @@ def residual(context, cells):
 
 
 def slopes(cells, setting):
-    """Per method: its residual at both ends of one span of the setting, the same for all methods. It is the widest of the spans
-    whose two ends the most methods finished. Empty where there is none."""
+    """Per method: its residual at both ends of one span of the setting, the same for all methods. Of the spans with the most
+    methods finished at both ends it is the widest. Empty where there is none."""
     good = cells[(cells["outcome"] == "ok") & np.isfinite(metrics.column(cells, NORMALISED))].drop_duplicates(["method", setting])
     table = good.pivot(index="method", columns=setting, values=NORMALISED).sort_index(axis=1)
     values = list(table.columns)
@@ -377,8 +377,8 @@ def nothing(cells):
 
 
 def found(where, cells, setting):
-    """The row of one scene: the methods whose residual falls most over the span of the setting. Values up to FLOOR are rounding.
-    All methods that reach it are named: their factors would depend on the start only."""
+    """The row of one scene: the methods with the largest fall of the residual over the span of the setting. Values up to FLOOR
+    are rounding. All methods that reach it are named: their factors would depend on the start only."""
     table, values = slopes(cells, setting), cells[setting].dropna().unique()
     if nothing(cells):
         return {"scene": where, "outcome": "every residual is 0"}

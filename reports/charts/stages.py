@@ -320,7 +320,7 @@ def _colour(phase):
     return [*PHASES, OTHER].index(phase) if phase != OTHER else 11
 
 
-SINGLE = "What do single calls cost?"
+SINGLE = "What does a single call cost?"
 PER_PANEL = 12  # columns, so that times stay readable
 SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 

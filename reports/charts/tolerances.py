@@ -180,7 +180,7 @@ def shares(rows):
 
 
 def turned(whole, tight, loose, kinds):
-    """The two methods whose ranks reverse most: the first fails more at the tight tolerance, and less at the loose one. Only
+    """The two methods that reverse ranks most: the first fails more at the tight tolerance, and less at the loose one. Only
     methods with queries of the same kinds of shapes are compared."""
     best, found = 0.0, None
     for a in whole.index:
@@ -192,7 +192,7 @@ def turned(whole, tight, loose, kinds):
 
 
 def finding_of_right(rows, dimension, precision):
-    """(finding, entry on the first screen or None): a row per method. Two witnesses whose ranks reverse make the headline."""
+    """(finding, entry on the first screen or None): a row per method. Two witnesses that reverse ranks make the headline."""
     table = shares(rows)
     whole = table[table["pair"] == EVERYTHING].set_index("method")
     kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
