@@ -293,7 +293,7 @@ def _failures(context, cells, dimension):
                  finding_of_failures(cells[_usable(cells)], bad, dimension), cells["sweep"].iloc[0], figure, pd.DataFrame(rows),
                  _holes(cells),
                  "A cell is the share of the queries that fail; the number of queries of each pair of shapes stands beside each "
-                 f"name. A larger share than the column “could be up to” would have shown itself with 95 %. {failure.DEFINITION}")
+                 f"name. “Unseen share, at most” bounds the failures of a method without any, with 95 %. {failure.DEFINITION}")
 
 
 def finding_of_failures(good, bad, dimension):
@@ -308,7 +308,7 @@ def finding_of_failures(good, bad, dimension):
         rate, _, pair, found, number = worst.get(method, (0.0, method, "", 0, n.min()))
         rows.append({"method": method, "worst share [1]": rate,
                      "failures there": f"{found:,.0f} of {number:,.0f}" if found else "none", "on": pair,
-                     "could be up to": "" if found else failure.share(3 / n.min()), "queries of a pair": text,
+                     "unseen share, at most": "" if found else failure.share(3 / n.min()), "queries of a pair": text,
                      "judged at": judged.get(method, "")})
     rows.sort(key=lambda row: (row["worst share [1]"], row["method"]))
     count, clean = len(rows), [row["method"] for row in rows if row["failures there"] == "none"]

@@ -107,8 +107,9 @@ def finding_of_sizes(context, fits, dimension):
     own = fits[fits["own"]] if fits["own"].any() else fits
     steep = sorted(set(own["method"][own["verdict"] == STEEPER]))
     linear = [method for method, part in own.groupby("method") if set(part["verdict"]) == {LINEAR}]
-    head = (f"In {dimension}D time grows at most linearly in the vertices with {some(linear) if linear else 'no method'}, faster "
-            f"with {some(steep) if steep else 'none'} (2009 claim: O(E + V)).")
+    faster = f", faster with {some(steep)}" if steep else ""
+    head = (f"In {dimension}D time grows at most linearly in the vertices with {some(linear) if linear else 'no method'}{faster} "
+            "(2009 claim: O(E + V)).")
     ends = {i for _, part in fits[~fits["own"]].groupby("drawing") for i in (part["slope"].idxmin(), part["slope"].idxmax())}
     shown = fits[fits["own"] | fits.index.isin(ends)]
     order = list(shown.groupby("method")["slope"].mean().sort_values(kind="stable").index)

@@ -15,8 +15,9 @@ import noise
 import sleep_scenes
 import twins
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
-from finding import Finding, cut, ends, fits, told
+from finding import TIE, Finding, cut, ends, fits, told
 from load import one_machine, split, varying
+from sentences import some, verb
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si, times
 from table import quantity
 
@@ -118,25 +119,31 @@ def finding(cells, awake, where):
         table["range of repeats"] = [ends(min(runs), max(runs), "1") if runs else "" for runs in others[TIME_RUNS]]
     table |= quantity("largest distance from the end without sleep", "m", others[FAR])
     table |= quantity("steps until all are awake", "1", others[WAVE].where(late))
-    table["outcome"] = [_outcome(cell) for _, cell in others.iterrows()]
     good = others[np.isfinite(metrics.column(others, SAVED))]
-    most = good.iloc[0] if len(good) else None
-    if most is None:
+    first = good[good[SAVED] == good[SAVED].max()]
+    table["outcome"] = [_outcome(cell, list(first["method"])) for _, cell in others.iterrows()]
+    table = pd.DataFrame(table).replace({"outcome": {"": None}}).dropna(axis=1, how="all")
+    if not len(good):
         head = f"On {where} no policy that lets bodies sleep finishes."
-    elif most[SAVED] <= 0:
+    elif first[SAVED].iloc[0] <= 0:
         head = f"On {where} no body falls asleep."
     else:
-        time = f" and {si(100 * most[TIME])} % of the time" if timed and math.isfinite(most[TIME]) else ""
-        head = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the multiply-adds{time}"
-        far = f"; it moves bodies by up to {si(most[FAR], 'm')}" if math.isfinite(most[FAR]) else ""
-        head = fits(f"{head}{far}.", f"{head}.")
-    return Finding(head, cut(pd.DataFrame(table)))
+        up_to, they = ("up to ", "they move") if len(first) > 1 else ("", "it moves")
+        time = f" and {up_to}{si(100 * first[TIME].max())} % of the time" if timed and first[TIME].notna().any() else ""
+        saved = (f"{some(list(first['method']))} {verb(len(first), 'save')} most, {si(100 * first[SAVED].iloc[0])} % of the "
+                 "multiply-adds")
+        far = f"; {they} bodies by up to {si(first[FAR].max(), 'm')}" if first[FAR].notna().any() else ""
+        head = fits(*(f"On {where} {saved}{more}." for more in (time + far, far, "")))
+    return Finding(head, cut(table))
 
 
-def _outcome(cell):
+def _outcome(cell, first):
     if cell["outcome"] != "ok":
         return f"failed: {cell['outcome']}"
-    return "no body falls asleep" if cell[SAVED] <= 0 else "all bodies end in place" if cell[FAR] <= FLOOR else ""
+    if cell[SAVED] <= 0:
+        return "no body falls asleep"
+    tie = f"{TIE} with the best" if len(first) > 1 and cell["method"] in first else ""
+    return "; ".join(filter(None, (tie, "all bodies end in place" if cell[FAR] <= FLOOR else "")))
 
 
 def headline(cells, awake, where):
@@ -191,7 +198,7 @@ def _sleeping_chart(context, cells, awake, where):
         table |= quantity(title, unit, metrics.column(cells, name))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"What sleeping costs: {where}",
                  finding(cells, awake, where), cells["sweep"].iloc[0], figure, pd.DataFrame(table), holes(cells, ["method"]),
-                 f"Lower right is best. Across: the {'time' if timed else 'multiply-adds'} that a policy saves against "
+                 f"Lower right is best. Across: the {'time' if timed else 'multiply-adds'} that a policy saves against policy "
                  f"{context.name(awake['method'])}{', with the range of the repeats' if timed else ' (a count, without noise)'}. "
                  "Up: how far a body ends from its place in the run without sleep. In chaotic scenes this distance is another "
                  "course of events, not an error. Right: how many steps after the script's last action most of the woken bodies "

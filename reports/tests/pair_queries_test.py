@@ -134,7 +134,7 @@ class PairQueries(undrawn.Undrawn):
                          "often, on sphere–sphere: 8 of 96 (8.3%).")
         table = rates.finding.table.set_index("method")
         self.assertEqual(list(table["queries of a pair"]), ["600", "600", "600", "96"])
-        self.assertEqual(list(table["could be up to"]), ["0.5%", "0.5%", "0.5%", ""])
+        self.assertEqual(list(table["unseen share, at most"]), ["0.5%", "0.5%", "0.5%", ""])
         self.assertEqual(table.at["fcl_libccd", "failures there"], "8 of 96")
         labels = [label.get_text() for label in rates.figure.axes[0].get_yticklabels()]
         self.assertEqual(labels, ["closed_form, 600", "fcl_libccd (witness), 96", "gjk_epa, 600", "sat, 600"])

@@ -72,6 +72,12 @@ class Sleeping(with_store.WithStore):
         self.assertEqual({ax.get_xlabel() for ax in untimed.figure.axes}, {"multiply-adds saved (%)"})
         self.assertNotIn("of the time", untimed.finding.headline)
 
+    def test_equal_savings_tie(self):
+        made = self.made(sleeping.sleeping, self.stack({**POLICIES, "quick": (20, 1, 5, 0, 0.01)}))[0]
+        self.assertEqual(made.finding.headline, "On stack, 2D quick and slow save most, 80 % of the multiply-adds; they move bodies by "
+                         "up to 30 mm.")
+        self.assertEqual(list(made.finding.table["outcome"]), ["tie with the best"] * 2)
+
     @undrawn.drawn
     def test_no_mark_is_cut_by_the_frame(self):
         low, high = self.made(sleeping.sleeping, self.stack())[0].figure.axes[1].get_ylim()
