@@ -213,7 +213,7 @@ def finding_of_right(rows, dimension, precision):
                 f"the size, on {say(first, LOOSE)} at 1e{LOOSE}.")
     order = sorted(whole.index, key=lambda m: (whole[tight][m], m))
     gains = {m: whole[tight][family(m)] - whole[tight][m] for m in others.index if family(m) != m and family(m) in whole.index}
-    helped = max(gains, key=gains.get) if gains and max(gains.values()) > 0 else None  # by the tightest setting of its library
+    helped = max(gains, key=gains.get) if gains and max(gains.values()) > 0 else None  # by settings that are not the defaults
     found = pd.DataFrame({
         "method": [m if whole["role"][m] == "competitor" else f"{m} ({whole['role'][m]})" for m in order],
         f"fails at 1e{tight} [1]": [whole[tight][m] for m in order], f"fails at 1e{LOOSE} [1]": [whole[LOOSE][m] for m in order],
