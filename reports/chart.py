@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Zlib
-"""What a chart is: the question, one sentence found in the data, the figure, the numbers behind it, its holes.
+"""A chart: its question, its finding (finding.py), the figure, the numbers behind it, and what is missing.
 
-A kind of chart is one function in a file of charts/, which is found by itself; a file holds the kinds of one subject. Above the
-function stands either `@of_sweeps` with what a sweep must have, and it gets the cells of each sweep that has it; or `@of_store`,
-and it gets the whole store. It returns charts. Where it returns none, the page says what is missing.
+A kind of chart is one function in a file of charts/, where it is found automatically; a file holds the kinds of one subject.
+Under `@of_sweeps`, with the needs of the chart, the function gets the cells of each sweep that meets them. Under `@of_store` it
+gets the whole store. It returns charts. Where it returns none, the page says what is missing.
 """
 
 import importlib
@@ -14,26 +14,28 @@ from typing import Callable, Optional
 
 import pandas as pd
 
+import finding
 import load
 import metrics
+from finding import Finding
 from sentences import listing
 from style import Looks
 
 
 @dataclass(frozen=True)
 class Headline:
-    """The sentence of a chart that a researcher would repeat, and the numbers that it compares: they rank it, and are drawn
-    small beside it (headlines.py)."""
-    text: str
-    values: dict  # name -> number; NaN is what failed
+    """A chart's entry on the first screen of the page: a sentence of at most 30 words, and the numbers that it compares. They
+    rank the entry and are drawn small beside it (headlines.py)."""
+    text: str  # empty: the headline of the chart's finding
+    values: dict  # name -> number; NaN for a failure
     unit: str = "1"
-    quantity: str = ""  # what the numbers are, in words
-    larger: bool = False  # is better; failures then stand at the lower end
-    ends: dict = field(default_factory=dict)  # name -> what tells its final states apart (final_states); may lack names
+    quantity: str = ""  # name of the numbers
+    larger: bool = False  # whether larger is better; failures are then drawn at the lower end
+    ends: dict = field(default_factory=dict)  # name -> hashes of its final states (final_states); may lack names
 
     @property
     def effect(self):
-        """How many times the smallest number the largest is; a zero or a failure beside another number counts as 1000."""
+        """The ratio of the largest number to the smallest; 1000 for a zero or a failure beside another number."""
         known = [value for value in self.values.values() if math.isfinite(value)]
         if not known or len(known) == len(self.values) and max(known) <= 0:
             return 1.0
@@ -43,41 +45,47 @@ class Headline:
 @dataclass
 class Chart:
     id: str
-    section: str  # the question of its section; charts of one question stand together
+    section: str  # its question; the page groups charts by question
     title: str
-    finding: str  # one sentence computed from the data
+    finding: Finding  # computed from the data; a text is a headline without a table
     sweep: str  # the sweep that made the data
-    figure: object = None  # None when there was nothing to draw; the finding then says why
+    figure: object = None  # None without data; the finding then says why
     table: pd.DataFrame = field(default_factory=pd.DataFrame)
-    holes: list = field(default_factory=list)  # sentences: what is missing or refused and why
-    note: str = ""  # how to read it
-    others: tuple = ()  # more sweeps that made the data
+    holes: list = field(default_factory=list)  # sentences: missing or refused data, with the reason
+    note: str = ""  # one line on how to read the chart
+    others: tuple = ()  # further sweeps that made the data
     made_by: str = ""  # arguments of `lpc` where no sweep made the data
-    telling: bool = False  # may stand for the whole report
-    headline: Optional[Headline] = None  # where the data tell one: a difference that is larger than the noise
+    telling: bool = False  # whether `--chart best` may choose it
+    headline: Optional[Headline] = None  # only for a difference that is larger than the noise
+
+    def __post_init__(self):
+        if isinstance(self.finding, str):
+            self.finding = Finding(self.finding)
+        if self.headline is not None and not self.headline.text:
+            self.headline = replace(self.headline, text=self.finding.headline)
 
 
 @dataclass(frozen=True)
 class Needs:
-    """What a sweep must have for a chart to be made of it."""
+    """The needs of a chart: what a sweep must have."""
     kind: str  # of its trials: world, boxes, pairs
-    varies: tuple = ()  # axes that have several values
-    fixed: tuple = ()  # axes, or roles of axes (load.Sweep), that have one
-    methods: tuple = (1, math.inf)  # how many compete
-    metrics: tuple = ()  # that a finished cell holds; where none is finished, the plan decides
-    series: tuple = ()  # that the chart reads
-    also: str = ""  # what its function asks besides, in words
-    calibrated: Optional[bool] = False  # by the runner, to budgets, which are then the sweep's one question; None: both are drawn
+    varies: tuple = ()  # axes with several values
+    fixed: tuple = ()  # axes, or roles of axes (load.Sweep), with one value
+    methods: tuple = (1, math.inf)  # least and largest number of methods
+    metrics: tuple = ()  # metrics of a finished cell; without a finished cell the plan decides
+    series: tuple = ()  # series that the chart reads
+    also: str = ""  # further needs that its function checks, in words
+    calibrated: Optional[bool] = False  # whether the runner calibrated the methods to budgets; None: either
 
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """A kind of chart, as @of_sweeps or @of_store makes it of the function that draws."""
-    name: str  # as a sweep names it in `report = [...]`
+    """A kind of chart: @of_sweeps or @of_store makes it from the function that draws."""
+    name: str  # in a sweep's `report = [...]`
     place: int  # on the page
-    absent: Chart  # shown when there is none
+    absent: Chart  # shown where no chart is made
     make: Callable  # (context, cells of a sweep) or (context) -> charts
-    needs: Optional[Needs] = None  # None: made of the whole store
+    needs: Optional[Needs] = None  # None: made from the whole store
 
     @property
     def file(self):
@@ -85,18 +93,19 @@ class Kind:
 
 
 def of_sweeps(name, place, section, needs, title, absent, sweep):
-    """Makes the function below a kind of chart, called for each sweep that has what it needs. Where there is none, `absent` says
-    so under `title`, and `sweep` would make one. `lpc` reads the name here, in the text of the file (locations.cpp)."""
+    """Makes the function below a kind of chart, called for each sweep that meets its needs. Where none does, the page shows
+    `absent` under `title`, and the command of `sweep`, which would make one. `lpc` reads the name in the text of the file
+    (locations.cpp)."""
     return lambda make: Kind(name, place, Chart(name, section, title, absent, sweep), make, needs)
 
 
 def of_store(name, place, section, title, absent, sweep="", made_by=""):
-    """As of_sweeps, called once."""
+    """As of_sweeps, but called once, for the whole store."""
     return lambda make: Kind(name, place, Chart(name, section, title, absent, sweep, made_by=made_by), make)
 
 
 def of_asked(*words):
-    """As of_store, of the sweeps that name it in `report`, all together."""
+    """As of_store, for all sweeps together that list it in `report`."""
     return of_store(*words)
 
 
@@ -110,6 +119,15 @@ def kinds():
 
 def made(kind, context):
     """The charts of one kind."""
+    charts = _made(kind, context)
+    for chart in charts if finding.strict else ():
+        for text in filter(None, (chart.finding.headline, chart.headline and chart.headline.text)):
+            assert not finding.fault(text), f"{chart.id}: {finding.fault(text)}"
+        assert len(chart.finding.table) <= finding.ROWS, f"{chart.id}: {len(chart.finding.table)} rows of a finding"
+    return charts
+
+
+def _made(kind, context):
     if kind.needs is None:
         return kind.make(context) or [kind.absent]
     context.check(kind)
@@ -122,16 +140,17 @@ def made(kind, context):
                  and about.report and kind.name not in about.report]  # sweeps that are for other charts
     if found or not elsewhere:
         return found or [kind.absent]
-    return [replace(kind.absent, finding=f"{kind.absent.finding} That is without {listing(elsewhere)}, which "
-                    f"{'names' if len(elsewhere) == 1 else 'name'} other charts.")]
+    return [replace(kind.absent, holes=[f"Not used for this chart: {listing(elsewhere)}. The `report` of "
+                                        f"{'this sweep' if len(elsewhere) == 1 else 'these sweeps'} lists other charts."])]
 
 
 def _asked_for(kind, sweep, context):
-    """What stands for a chart that a sweep names and has not the data for: what it has, it is not told that it lacks."""
+    """Stands for a chart that a sweep lists in `report` without the data for it. Names only what the sweep lacks."""
     absent, needs = kind.absent, kind.needs
     wanted = (needs.also or "a cell that it can draw") if context.has(sweep, kind) else described(needs)
     return Chart(identifier(f"{sweep} {absent.id}"), absent.section, f"{absent.title}: {sweep}",
-                 f"{sweep} asks for this chart and has not what it needs: {wanted}.", sweep)
+                 f"The `report` of {sweep} lists this chart, but the sweep lacks its data.", sweep,
+                 holes=[f"The chart needs {wanted}."])
 
 
 def described(needs):
@@ -144,16 +163,16 @@ def described(needs):
 
 
 class Context:
-    """What every chart function gets."""
+    """The context of every chart function."""
 
     def __init__(self, store):
         self.store = store
         self.ids = []  # of all charts made so far, kept or not
         self._looks, self._varying = {}, {}
-        self.floors = {}  # (sweep, metric) -> noise.Floor, once it is asked for
+        self.floors = {}  # (sweep, metric) -> noise.Floor, on first use
 
     def check(self, kind):
-        """Refuses a chart that needs what nothing stores: a misspelt name would be a chart that is never made."""
+        """Raises UserError for a need that no store has: a chart with a misspelt name would never be made."""
         try:
             for name in kind.needs.metrics:
                 metrics.find(self.store, name)
@@ -163,8 +182,8 @@ class Context:
             raise load.UserError(f"{kind.file}: {error}") from error
 
     def has(self, sweep, kind):
-        """Whether this kind of chart is made of a sweep. Where the sweep itself says what it is for, how many methods compete
-        and what is fixed are its own affair."""
+        """Whether a sweep meets the needs of this kind of chart. For a sweep with a `report`, `methods` and `fixed` do not
+        count."""
         about, cells, needs = self.store.sweep(sweep), self.store.cells(sweep), kind.needs
         if not len(cells) or about.kind != needs.kind or needs.calibrated not in (None, bool(about.calibrate)):
             return False
@@ -180,18 +199,18 @@ class Context:
         return set(needs.varies) <= set(several) and all(self._holds(sweep, cells, metric) for metric in needs.metrics)
 
     def _holds(self, sweep, cells, name):
-        if self.store.is_time(name):  # what is timed stands in the plan
+        if self.store.is_time(name):  # the plan says what is timed
             axes = self.store.planned[self.store.planned["sweep"] == sweep]["axes"]
             return any(cell.get("timed") for cell in axes)
         done = cells[cells["finished_trials"] > 0]
         return not len(done) or metrics.find(self.store, name).compute is not None or done[name].notna().any()
 
     def cells(self, sweep, names=()):
-        """The cells of a sweep with these metrics; all that trials measure are there in any case."""
+        """The cells of a sweep, with all metrics that trials measure and the computed metrics `names`."""
         return metrics.add(self.store, self.store.cells(sweep), names)
 
     def metrics(self, kind, *roles):
-        """Names of the metrics of these roles, the most telling first."""
+        """Names of the metrics of these roles, the most important first."""
         return [name for name, m in metrics.known(self.store).items() if m.kind == kind and m.role in roles and "*" not in name]
 
     def metric(self, name):
@@ -207,8 +226,8 @@ class Context:
         return metrics.find(self.store, name).floor
 
     def baseline(self, cells):
-        """What the sweep of these cells compares the others with; empty where it says nothing. Where several stages vary it is
-        the first method that has it."""
+        """The baseline method of the sweep of these cells; empty where it has none. Where several stages vary it is the first
+        method with the baseline among its parts."""
         named = self.store.sweep(cells["sweep"].iloc[0]).baseline
         having = [label for label in sorted(set(cells["method"])) if named in label.split(load.JOINED)]
         return having[0] if having else named
@@ -227,7 +246,7 @@ class Context:
                 pd.api.types.is_numeric_dtype(cells[axis].dropna().infer_objects())]
 
     def name(self, label):
-        """For legends and axes: what is no competitor says so."""
+        """A label for legends and axes; witnesses and engines have their role beside it."""
         role = self.store.role(label)
         return label if role == "competitor" else f"{label} ({role})"
 
@@ -239,14 +258,14 @@ class Context:
         return self._looks_of(self._groups().get(stage, stage))
 
     def _groups(self):
-        """Stage -> group of stages whose methods meet in charts."""
+        """Stage -> group of stages whose methods share charts."""
         return {entry["stage"]: entry["group"] for entry in self.store.algorithms}
 
     def _group_of(self, sweep):
         axes, groups = self.store.method_axes(sweep), self._groups()
         if axes and axes[0] in groups:
             return groups[axes[0]]
-        # Labels of a sweep's own: the group to which most of their families belong.
+        # Labels defined by the sweep: the group of most of their families.
         families = {load.family(label) for label in self.store.cells(sweep)["method"]}
         votes = [entry["group"] for entry in self.store.algorithms if entry["name"] in families]
         return max(sorted(set(votes)), key=votes.count) if votes else ""
@@ -265,7 +284,7 @@ class Context:
 
 
 def final_states(cells):
-    """{method: the hashes of the final states of its cells}, for those of whom all are known."""
+    """{method: the hashes of the final states of its cells}, for methods with all hashes."""
     found = {}
     for method, part in cells.groupby("method", sort=True):
         hashes = [found for of_cell in part["hashes"] for found in of_cell or [None]]
@@ -291,7 +310,7 @@ def describe(row, axes):
 
 
 def holes(cells, axes, limit=12):
-    """Sentences for the cells that have no number in a chart; the page's last list has all of them in any case."""
+    """Sentences for the cells without a number in a chart; the page's list of failed trials has all of them."""
     bad = cells[cells["outcome"] != "ok"]
     said = []
     for _, row in bad.iterrows():
@@ -299,7 +318,7 @@ def holes(cells, axes, limit=12):
         reason = f" ({row['reason']})" if row["reason"] else ""
         said.append(f"{describe(row, axes)}: {row['outcome']}{step}{reason}")
     more = len(said) - limit
-    return said[:limit] + ([f"and {more} more, listed under “All that is not ok”"] if more > 0 else [])
+    return said[:limit] + ([f"and {more} more, listed under “Failed and missing trials”"] if more > 0 else [])
 
 
 def identifier(text):

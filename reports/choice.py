@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Zlib
-"""What to take of each stage for one scene, why not the others, and the pipeline that all of it is together.
+"""The choice of a method for each stage of one scene, the reasons against the others, and the pipeline that combines the choices.
 
-A choice must stand when the scene starts elsewhere. So a method errs more only where it does beyond doubt over the seeds
-(ranking.py), is slower only beyond that and the noise (noise.py), and ties otherwise. Depths within the slop that methods keep
-on purpose are equal, and so is what is slow enough to rest. Among those that tie the fastest is a matter of the hour: taken is
-who errs least beyond doubt, else what the other stages were judged with, else the fastest.
+A choice must hold for slightly different starts. So a method errs more only where it does significantly over the seeds
+(ranking.py), is slower only significantly and beyond the noise (noise.py), and ties otherwise. Depths within the slop that methods
+keep on purpose are equal, and so are speeds that count as rest. The fastest of methods that tie would change from run to run. So
+the choice is the method that errs significantly least, else that of the pipeline that all sweeps share, else the fastest.
 """
 
 import math
@@ -25,22 +25,23 @@ from sentences import plural
 from style import si, times
 
 COST = "ms_per_step_median"
-LEFT = "mean_penetration_poses_end"  # what a scene is left with
-ALONE = "ms_of_stage"  # of a stage that changes nothing but the time; a column made here
-TOGETHER = "together"  # the axis of a sweep of whole pipelines, in which what is taken runs as one
-OWN = ("work_box_tests", "work_node_visits", "work_sort_moves")  # counted by broadphases, by nobody after them
-AS_RIGHT = 2.0  # a method errs as little as another when it errs at most so many times as much: half as wrong is worth no time
+LEFT = "mean_penetration_poses_end"  # the overlap that remains at the end
+ALONE = "ms_of_stage"  # time of a stage that changes no result; a column made here
+TOGETHER = "together"  # axis of a sweep of whole pipelines, which runs the combined choice
+OWN = ("work_box_tests", "work_node_visits", "work_sort_moves")  # counted by broadphases only
+AS_RIGHT = 2.0  # methods whose errors differ by at most this ratio err equally
 TURNS = "not told from chance over the seeds"
+COMMON = "is in the pipeline that all sweeps share"
 ORDER = ("take", "tie", "slower", "errs more", "not ranked")
-DEPTH = "less overlap"  # what less of a depth means
-JITTER, AT_REST = "jitter", 0.05  # m/s; slower than this is at rest (experiments/trial/measure/settling.h)
+DEPTH = "less overlap"  # Metric.smaller of a depth
+JITTER, AT_REST = "jitter", 0.05  # m/s; slower bodies are at rest (experiments/trial/measure/settling.h)
 
 
 @dataclass(frozen=True)
 class Verdict:
     name: str
     role: str
-    word: str  # one of ORDER, or why there is no number; empty for what is not ours
+    word: str  # one of ORDER, or why there is no number; empty for witnesses and engines
     reason: str
     cell: pd.Series
     cost: str  # the column by which it was judged: COST or ALONE
@@ -49,11 +50,11 @@ class Verdict:
 @dataclass(frozen=True)
 class Choice:
     sweep: str
-    question: str  # "broadphase", "contacts", "resolver": the axis along which methods compete
-    cost: str  # the column by which the best are judged
-    floor: float  # of the noise of that column
-    verdicts: list  # ours first, the best first
-    why: str = ""  # this one among those that tie
+    question: str  # the axis along which methods compete: "broadphase", "contacts", "resolver"
+    cost: str  # the column that ranks the best methods
+    floor: float  # noise floor of that column
+    verdicts: list  # our methods first, the best first
+    why: str = ""  # why this one of the methods that tie
 
     @property
     def take(self):
@@ -62,23 +63,23 @@ class Choice:
 
 @dataclass
 class Advice:
-    """All that is known of one scene."""
+    """The choices for one scene."""
     where: str
     choices: list  # of Choice
-    errors: list  # names of the metrics by which methods are excluded
-    whole: list  # cells of whole pipelines that were run as such: (name, cell)
-    pipeline: str  # what is taken, canonical; empty where a stage takes nothing
+    errors: list  # names of the metrics that exclude methods
+    whole: list  # (name, cell) of whole pipelines that have run
+    pipeline: str  # the combined choice, canonical; empty where a stage has no choice
     run: object  # the cell that ran it, or None
     refused: list
 
     @property
     def given(self):
-        """What every stage was judged with. It ran before, with the stages: what is taken was not known in those rounds."""
+        """The cell of the pipeline that all sweeps share. It ran earlier, with the sweeps, before the choice was known."""
         return next((cell for name, cell in self.whole if self.run is not None and cell["key"] != self.run["key"]), None)
 
 
 def place_of(context, cells):
-    """The axes of the scene and of all that makes it larger or harder."""
+    """The axes of the scene and of its parameters."""
     about = context.store.sweep(cells["sweep"].iloc[0])
     axes = [axis for axis in cells.columns if axis in axes_of(context.store, cells) and
             (axis in ("scene", "dimension", "steps") or about.roles.get(axis) == "parameter")]
@@ -92,7 +93,7 @@ def by_place(context, cells):
 
 
 def _named(context, cells, but):
-    """With the column `name`: the method, and whatever else tells the cells of one place apart."""
+    """The cells with the column `name`: the method, and the axes that distinguish the cells of one place."""
     inner = varying(context.store, cells, but)
     cells = cells.copy()
     cells["name"] = [", ".join(filter(None, [cell["method"], describe(cell, inner)])) for _, cell in cells.iterrows()]
@@ -100,8 +101,7 @@ def _named(context, cells, but):
 
 
 def errors_judged(context, parts):
-    """What the scene is left with, how wrong it ever was, whether it rests, and what else its trials measure as an error; what
-    all have."""
+    """The errors that every finished trial has: overlap at the end, largest penetration, jitter, and one further error."""
     cells = pd.concat(parts, ignore_index=True)
     finished = cells[cells["outcome"] == "ok"]
     shared = [name for name in (LEFT, "penetration_poses", JITTER) if name in finished and len(finished) and
@@ -112,7 +112,7 @@ def errors_judged(context, parts):
 
 
 def zeros(context, cells, errors):
-    """{error: what counts as none}: of a depth the largest slop that one of these keeps on purpose, of a speed what rests."""
+    """{error: value up to which it counts as 0}: for a depth the largest slop of these methods, for a speed that of rest."""
     kept = max([metrics.slop(metrics.Trial(context.store, cell["key"])) for cell in cells if cell["key"] is not None],
                default=0.0)
     return {error: max(context.floor(error), kept if context.metric(error).smaller == DEPTH else
@@ -120,7 +120,7 @@ def zeros(context, cells, errors):
 
 
 def choose(context, sweep, cells, errors, given=""):
-    """`given`: the pipeline with which the other stages were judged."""
+    """The choice of one sweep. `given`: the pipeline that all sweeps share."""
     cells, cost = _costs(context, sweep, cells)
     excused = {cells["name"][index]: why for index, why in ranking.excused(context, cells).items()}
     rows = [(cell, context.store.role(cell["method"])) for _, cell in cells.iterrows()]
@@ -152,50 +152,50 @@ def choose(context, sweep, cells, errors, given=""):
 
 @dataclass(frozen=True)
 class Race:
-    """What the methods of one stage are judged by."""
+    """The rules that judge the methods of one stage."""
     context: object
-    ours: list  # cells of those that may be taken
+    ours: list  # cells of the methods that may be chosen
     cost: str
-    floors: dict  # of the noise: {cost: ratio}
-    least: dict  # {error: what counts as none}
+    floors: dict  # noise floors {cost: ratio}
+    least: dict  # {error: value up to which it counts as 0}
     many: int  # pairs that are compared
-    usual: tuple  # what most of ours count after the broadphase
+    usual: tuple  # the counts after the broadphase that most of our methods share
 
     def by(self, cell):
-        """The column by which a method is judged: one that leaves other work to the rest of the step by the whole of it."""
+        """The column that judges a method: the time of whole steps where its other counts differ from the usual ones."""
         return _by(cell, self.cost, self.usual)
 
     def tie(self, a, b, cost=""):
         return tie(a, b, cost or self.cost, self.floors[cost or self.cost], self.many)
 
     def right(self):
-        """The cells of ours that finished and err as little as the best, the fastest first."""
+        """The cells of our methods that finished and err as little as the best, the fastest first."""
         found = [cell for cell in self.ours
                  if not _failed(cell, self.cost) and not wrong(self.context, cell, self.ours, self.least)]
         return sorted(found, key=lambda cell: (self.by(cell) != self.cost, cell[self.cost]))
 
     def judged(self, cell, role, take, right):
-        """(word, reason) of one that finished and is not taken."""
+        """(word, reason) of a method that finished and is not chosen."""
         errs, by = "; ".join(wrong(self.context, cell, self.ours, self.least)), self.by(cell)
         alike = "" if take is None else self.tie(right[0], take if cell is right[0] else cell, by)
         slow = alike
         if not alike and take is not None:
-            whom = "" if take is right[0] else f" as {right[0]['name']}"
-            slow = f"{ratio(noise.ratio(right[0], cell, by))} times as long{whom}"
+            other = "" if take is right[0] else f" as {right[0]['name']}"
+            slow = f"{ratio(noise.ratio(right[0], cell, by))} times as long{other}"
         if slow and by != self.cost:
-            slow += " (whole steps: it makes other work)"
+            slow += " (whole steps: it causes other work)"
         if role != "competitor":
             return "", "; ".join(filter(None, [slow, errs]))
         return ("errs more", errs) if errs else ("tie" if alike else "slower", slow)
 
 
 def _later(cell):
-    """What was counted after the broadphase."""
+    """The counts of the stages after the broadphase."""
     return tuple(sorted((name, value) for name, value in noise.work(cell).items() if name not in OWN))
 
 
 def _usual(cells):
-    """What most of the cells that finished count after the broadphase; of as many the cheaper."""
+    """The counts after the broadphase that most finished cells share; of equally frequent ones those of the cheapest cell."""
     finished = [cell for cell in cells if cell["outcome"] == "ok" and np.isfinite(cell.get(COST, np.nan))]
     counts = Counter(map(_later, finished))
     return _later(min(finished, key=lambda cell: (-counts[_later(cell)], cell[COST]))) if finished else ()
@@ -206,7 +206,7 @@ def _by(cell, cost, usual):
 
 
 def _of_equals(context, cells, least, given):
-    """(the one to take of methods that tie, why)."""
+    """(the choice among methods that tie, the reason)."""
     if len(cells) < 2:
         return next(iter(cells), None), ""
     many = ranking.comparisons(len(cells))
@@ -217,24 +217,24 @@ def _of_equals(context, cells, least, given):
             return first[0], f"has the smallest {context.title(error).removeprefix('largest ')} over {_seeds(first[0])}"
     for cell in cells:
         if given and pipeline_of(context.store, cell) == given:
-            return cell, "is what the other stages were judged with"
-    return cells[0], "is the fastest by chance"
+            return cell, COMMON
+    return cells[0], "is the fastest, but the difference is noise"
 
 
 def given_of(context, parts):
-    """The pipeline that all these sweeps have, each with its own stage varied around it; empty where there is no one."""
+    """The pipeline that all these sweeps contain, each with another stage varied around it; empty where there is none."""
     shared = set.intersection(*({pipeline_of(context.store, cell) for _, cell in cells.iterrows()} for cells in parts)) - {""}
     return shared.pop() if len(parts) > 1 and len(shared) == 1 else ""
 
 
 def _costs(context, sweep, cells):
-    """(cells, the column by which they are judged): whole steps; but of broadphases that all end in the same states the times of
-    their stage alone, since the rest of the step is the same work and only adds its noise."""
+    """(cells, the column that judges them): the time of whole steps. Broadphases that all end in the same states are judged by
+    the time of their stage: the rest of the step is the same work and only adds noise."""
     stage = context.store.method_axes(sweep)[0]
     if stage != "broadphase":
         return cells, COST
     finished = cells[(cells["outcome"] == "ok") & [context.store.role(m) == "competitor" for m in cells["method"]]]
-    names = ["us_broadphase", "us_boxes"]  # a broadphase is told of moved boxes where these are made
+    names = ["us_broadphase", "us_boxes"]  # us_boxes includes reporting moved boxes to the broadphase
     same = len(finished) > 1 and len({tuple(hashes) for hashes in finished["hashes"]}) == 1 and all(finished["hashes"].iloc[0])
     if not same or any(name not in cells or finished[name].isna().any() for name in names):
         return cells, COST
@@ -247,7 +247,7 @@ def _costs(context, sweep, cells):
 
 
 def _failed(cell, cost):
-    """(word, reason) of what has no number; None of what has."""
+    """(word, reason) of a cell without a number; None of other cells."""
     if cell["outcome"] != "ok":
         failed, seeds = cell["failed_seeds"], len(cell["seeds"])
         many = f" under {failed} of {seeds} seeds" if failed and seeds > 1 else ""
@@ -262,8 +262,8 @@ def _seeds(cell):
 
 
 def wrong(context, cell, ours, least):
-    """Reasons: the errors that a method makes more of than AS_RIGHT times the least of ours, beyond doubt. `least`: {error: what
-    counts as none}."""
+    """Reasons: errors of a method that are significantly larger than AS_RIGHT times the least of our methods. `least`: {error:
+    value up to which it counts as 0}."""
     said, many = [], ranking.comparisons(len(ours))
     for error, zero in least.items():
         unit = context.unit(error)
@@ -274,15 +274,15 @@ def wrong(context, cell, ours, least):
         if not ranking.better(best, cell, error, zero, many, AS_RIGHT):
             continue
         a, b = (float(np.median(measured.of_seeds(found, error))) for found in (cell, best))
-        none = "none" if zero == context.floor(error) else f"no more than {si(zero, unit)}, which counts as none"
+        none = "none" if zero == context.floor(error) else f"no more than {si(zero, unit)}, which counts as 0"
         more = f"{ratio(a / b)} times that of {best['name']}" if b > zero else f"{si(a, unit)} where {best['name']} has {none}"
         said.append(f"{context.title(error)} {more}, above {AS_RIGHT:g} times over {_seeds(cell)}")
     return said
 
 
 def tie(a, b, cost, floor, many=1):
-    """Why two that finished are as fast as one another; empty where one is faster beyond doubt."""
-    if cost == ALONE:  # of equal runs, whose counts tell nothing
+    """Why two finished methods tie in time; empty where one is significantly faster."""
+    if cost == ALONE:  # the runs are equal, and so are their counts
         a, b = (cell[[name for name in cell.index if not name.startswith("work_")]] for cell in (a, b))
     said = noise.said(a, b, cost, floor)
     if said in (*noise.IN_WORDS, noise.SAME_WORK):
@@ -295,20 +295,20 @@ def ratio(value):
 
 
 def span(values, unit):
-    """The median in words, with the interval that holds it: "3.1 mm (2.9 mm to 3.4 mm)"."""
+    """The median with its interval: "3.1 mm (2.9 mm to 3.4 mm)"."""
     low, high = noise.interval(values)
     text = si(float(np.median(values)), unit)
     return text if si(low, unit) == si(high, unit) else f"{text} ({si(low, unit)} to {si(high, unit)})"
 
 
 def pipeline_of(store, cell):
-    """The canonical text, with every parameter; empty where a cell has none."""
+    """The canonical text of a cell's pipeline, with every parameter; empty where it has none."""
     return store.trials.loc[cell["key"], "canonical"].get("pipeline", "") if cell["key"] is not None else ""
 
 
 def combination(store, choices):
-    """The canonical pipeline of all that is taken: of each choice the stages in which its methods differ. Empty where one of
-    them takes nothing."""
+    """The canonical pipeline that combines the choices: from each choice the stages in which its methods differ. Empty where a
+    stage has no choice."""
     if not choices or any(choice.take is None for choice in choices):
         return ""
     whole = stages_of(pipeline_of(store, choices[0].take.cell))
@@ -327,7 +327,7 @@ def stages_of(pipeline):
 
 
 def _split(text, separator):
-    """At the separators that stand in no braces."""
+    """The text split at the separators outside braces."""
     parts, depth = [""], 0
     for letter in text:
         depth += (letter == "{") - (letter == "}")
@@ -339,7 +339,7 @@ def _split(text, separator):
 
 
 def short(pipeline, algorithms):
-    """Without the parameters that have their defaults, which are the same to whoever reads it. `algorithms`: the registry."""
+    """The pipeline without parameters at their defaults. `algorithms`: the registry."""
     known = {(entry["stage"], entry["name"]): {p["name"]: p for p in entry.get("params", [])} for entry in algorithms}
     return " ".join(f"{stage}={_short(stage, spec, known)}" for stage, spec in stages_of(pipeline).items())
 
@@ -358,7 +358,7 @@ def _short(stage, spec, known):
 
 
 def places_of(context, cells):
-    """[(place, cells that may be compared, refused)]: one for each scene and size."""
+    """[(place, comparable cells, sentences about refused cells)], one for each scene and size."""
     cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error")))
     return [(place, part, refused) for place, part in by_place(context, cells)]
 
@@ -388,7 +388,7 @@ def _advice(context, where, found):
 
 
 def to_run(context):
-    """The pipeline that is taken for the first scene where nothing has run it; empty where there is none."""
+    """The combined pipeline of the first scene whose combined pipeline has not run; empty where all have."""
     for advice in advices(context):
         if advice.pipeline and advice.run is None:
             return short(advice.pipeline, context.store.algorithms)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Zlib
-"""Statements of the field on trial: runs what experiments/claims says, judges, and fails where a verdict is another."""
+"""Tests claims of papers and engines: runs the commands of experiments/claims and fails where a verdict differs."""
 
 import argparse
 import json
@@ -26,18 +26,18 @@ EXAMPLE = """example:
 
 
 class UserError(Exception):
-    """A mistake of the user's: told in one line, exit code 2."""
+    """A mistake of the user: one line on stderr, exit code 2."""
 
 
 def series_of(name):
-    """The step and the series that a name is about: last_SERIES has no step, and a metric neither."""
+    """(step, series) of a name: last_SERIES has no step, a metric has neither."""
     found = re.fullmatch(r"last_(?P<last>\w+)|after_(?P<step>\d+)_(?P<after>\w+)", name)
     return (found["step"] and int(found["step"]), found["last"] or found["after"]) if found else (None, None)
 
 
 @dataclass
 class Run:
-    """One `lpc run`: its outcome, step and metrics, last_SERIES and after_STEP_SERIES as attributes. `seen` were asked for."""
+    """One `lpc run`, with outcome, step, metrics, last_SERIES and after_STEP_SERIES as attributes. `seen`: those read so far."""
     command: str
     result: dict
     seen: list = field(default_factory=list)
@@ -54,7 +54,7 @@ class Run:
         step, series = series_of(name)
         values = self.result["series"].get(series, [])[step or 0:] if series else []
         value = self.result["metrics"].get(name)
-        if values:  # of values that are not all numbers there is no largest
+        if values:  # None where a value is no number
             value = values[-1] if step is None else None if None in values else max(values)
         if value is None:
             raise UserError(f"`{self.command}` has no {name}")
@@ -63,14 +63,14 @@ class Run:
 
 @dataclass
 class Judged:
-    """A claim with its runs and what they say."""
+    """A claim with its runs and its measured verdict."""
     claim: dict
     runs: dict  # name -> Run
     verdict: str
 
 
 def read(path=CLAIMS):
-    """Of one file, or of a folder's, in the order of their names."""
+    """The claims of a file, or of all files of a folder, in the order of their names."""
     if Path(path).is_dir():
         return [claim for file in sorted(Path(path).glob("*.toml")) for claim in read(file)]
     try:
@@ -78,7 +78,7 @@ def read(path=CLAIMS):
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise UserError(f"{path}: {error}") from error
     if not isinstance(claims, list) or not all(isinstance(claim, dict) for claim in claims):
-        raise UserError(f"{path}: 'claim' is no list of tables; valid: [[claim]]")
+        raise UserError(f"{path}: 'claim' is not a list of tables; valid: [[claim]]")
     papers = set(re.findall(r"(?m)^@\w+\{(\w+),", PAPERS.read_text(encoding="utf-8")))
     for claim in claims:
         where = f"{path}: '{claim.get('title', '?')}'"
@@ -104,7 +104,7 @@ def read(path=CLAIMS):
 
 
 def run(lpc, command):
-    """The result of `lpc run COMMAND`. A run that falls is one, too."""
+    """The result of `lpc run COMMAND`; a run that fails has a result, too."""
     done = subprocess.run([lpc, "run", *shlex.split(command), "--json"], capture_output=True, text=True)
     if done.returncode not in (0, 1) or not done.stdout:
         raise UserError(f"`lpc run {command}`: {done.stderr.strip() or f'ended with {done.returncode}'}")
@@ -112,7 +112,7 @@ def run(lpc, command):
 
 
 def holds(where, text, runs):
-    """What a predicate says of the runs. Names are those of the runs and four functions; there are no others."""
+    """The value of an expression. It may use the names of the runs, abs, all, max and min, and no others."""
     try:
         return bool(eval(" ".join(text.split()), {"__builtins__": {}, "abs": abs, "all": all, "max": max, "min": min, **runs}))
     except (NameError, SyntaxError, TypeError, AttributeError, ValueError, ArithmeticError) as error:
@@ -120,7 +120,7 @@ def holds(where, text, runs):
 
 
 def judge(claims, lpc):
-    """Every claim by its runs; commands that several share run once."""
+    """Judges every claim by its runs; a command that several claims share runs once."""
     commands = list(dict.fromkeys(command for claim in claims for command in claim["runs"].values()))
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         results = dict(zip(commands, pool.map(lambda command: run(lpc, command), commands)))
@@ -129,7 +129,7 @@ def judge(claims, lpc):
         runs = {name: Run(command, results[command]) for name, command in claim["runs"].items()}
         answers = [holds(claim["title"], claim[key], runs) for key in ("says", "differs") if key in claim]
         judged.append(Judged(claim, runs, ("confirmed" if answers[0] else "refuted") if len(set(answers)) == 1 else "depends"))
-        for name, one in runs.items():  # those behind an `and` that was decided, and what is shown besides
+        for name, one in runs.items():  # also metrics that a short-circuited `and` skipped, and those of `shows`
             told = re.findall(rf"\b{name}\.(\w+)", claim["says"] + " " + claim.get("differs", ""))
             for metric in [*told, *claim.get("shows", "").split()]:
                 getattr(one, metric)
@@ -142,15 +142,15 @@ def units(lpc):
 
 
 def figure(metric, value, unit):
-    """Below 1e-12 is rounding."""
+    """A value with its unit; values below 1e-12 are rounding and read 0."""
     return f"{metric} {value if abs(value) >= 1e-12 else 0:.4g} {unit}".strip()
 
 
 def page(judged, unit):
-    """What stands between the marks."""
+    """The text between the marks of docs/claims.md."""
     count = {verdict: sum(j.verdict == verdict for j in judged) for verdict in VERDICTS}
     lines = [f"{len(judged)} claims: {count['confirmed']} confirmed, {count['refuted']} refuted, {count['depends']} depend on "
-             "what is named.", "", "| | claim | verdict |", "| --- | --- | --- |"]
+             "a named condition.", "", "| | claim | verdict |", "| --- | --- | --- |"]
     lines += [f"| {i} | {j.claim['title']} | {j.verdict} |" for i, j in enumerate(judged, 1)]
     for i, j in enumerate(judged, 1):
         lines += ["", f"## {i}. {j.claim['title']}", "", f"> {j.claim['statement']}", "", f"Source: {j.claim['source']}.", "",
@@ -165,14 +165,14 @@ def page(judged, unit):
 
 
 def between_marks(path):
-    """The page's text and the part of it that is written here, with its marks."""
+    """The page's text, and its part between the marks, with the marks."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}") from error
     found = re.findall(f"{BEGIN}.*?{END}", text, re.DOTALL)
     if len(found) != 1:
-        raise UserError(f"{path} has {len(found)} places between {BEGIN} and {END}; it needs one")
+        raise UserError(f"{path} has {len(found)} places between {BEGIN} and {END}; valid: one")
     return text, found[0]
 
 
@@ -180,24 +180,25 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(prog="reports/claims.py", description=__doc__, epilog=EXAMPLE,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--lpc", metavar="FILE", default=str(ROOT / "build" / "release" / "bin" / "lpc"), help="the program")
-    parser.add_argument("--claims", metavar="FILE", default=str(CLAIMS), help="or a folder of such; default: experiments/claims")
-    parser.add_argument("--only", metavar="TITLE", help="one claim")
-    parser.add_argument("--into", metavar="FILE", help="the page: writes what stands there between the marks anew")
+    parser.add_argument("--claims", metavar="FILE", default=str(CLAIMS),
+                        help="a file of claims, or a folder of such files; default: experiments/claims")
+    parser.add_argument("--only", metavar="TITLE", help="judge one claim")
+    parser.add_argument("--into", metavar="FILE", help="write the page: replaces the text between its marks")
     options = parser.parse_args(arguments)
     try:
         if not Path(options.lpc).is_file():
-            raise UserError(f"--lpc: there is no {options.lpc}")
+            raise UserError(f"--lpc: {options.lpc} is not a file")
         if options.only and options.into:
-            raise UserError("--into: the page has all claims; leave --only out")
+            raise UserError("--into writes all claims; valid: without --only")
         text, old = between_marks(options.into) if options.into else ("", "")
         claims = read(options.claims)
         chosen = [claim for claim in claims if options.only in (None, claim["title"])]
         if not chosen:
-            raise UserError(f"--only: there is no '{options.only}'; valid: {', '.join(claim['title'] for claim in claims)}")
+            raise UserError(f"--only: no claim '{options.only}'; valid: {', '.join(claim['title'] for claim in claims)}")
         judged = judge(chosen, options.lpc)
         other = [j for j in judged if j.verdict != j.claim["verdict"]]
         for j in other if options.into else judged:
-            print(f"{j.claim['title']}: {j.verdict}" + (f", and not {j.claim['verdict']} as written" if j in other else ""))
+            print(f"{j.claim['title']}: {j.verdict}" + (f", but written as {j.claim['verdict']}" if j in other else ""))
             for name, one in j.runs.items():
                 print(f"  {name}: " + ", ".join(f"{m} {one.value(m)}" for m in dict.fromkeys(["outcome", *one.seen])))
         if options.into and not other:

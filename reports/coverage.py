@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Every planned trial with what came of it; what is not ok is listed with its reason."""
+"""Every planned trial with its outcome; failed and missing trials with their reason."""
 
 import numpy as np
 import pandas as pd
@@ -8,19 +8,19 @@ from chart import describe
 from load import NOT_RUN, REPEATS
 from style import OUTCOMES
 
-# In the words of docs/manual.md.
+# In the words of docs/reference_sweeps.md.
 MEANINGS = {
     "ok": "ran to its end within the limits of its scene, without a wrong answer",
-    "unsupported": "a method, an engine or a scene has not what the cell asks for, or no setting meets the budget",
-    "nondeterministic": "a repeat ended in another state than the first",
-    "wrong": "an answer that the referee proves wrong, or, of boxes, a pair that is missing or too many",
-    "sank": "at its end a body has sagged, is in another or sinks, by more than a hundredth of the scene's smallest body",
-    "frozen": "all rest, but a body that must fall there does not: numbers are too coarse, or nothing moves",
-    "left": "a body is below all that could hold it: over an edge, or through the floor",
-    "collapsed": "a body went farther from where it came than the scene's limit of drift, not by sagging alone, or still "
-                 "creeps at the end",
-    "exploded": "a body went faster than the scene's limit of speed, or than light",
-    "diverged": "a number of the state is not finite, or the energy is over the scene's limit of energy",
+    "unsupported": "a method, an engine or a scene cannot do what the cell asks, or no setting meets the budget",
+    "nondeterministic": "a repeat ended in another state than the first run",
+    "wrong": "the referee proves an answer wrong, or a broadphase misses a pair or returns one too many",
+    "sank": "at its end a body sags, overlaps another or sinks by more than a hundredth of the scene's smallest body",
+    "frozen": "all bodies rest, also one that must fall: numbers are too coarse, or nothing moves",
+    "left": "a body is below everything that could hold it: over an edge, or through the floor",
+    "collapsed": "a body moved farther from its start than the scene's limit of drift, not by sagging alone, or still creeps "
+                 "at the end",
+    "exploded": "a body was faster than the scene's limit of speed, or than light",
+    "diverged": "a number of the state is not finite, or the energy exceeds the scene's limit of energy",
     "timeout": "it took longer than the sweep's wall_limit",
     "out_of_memory": "it needed more memory than a trial may have",
     "crash": "its process ended by a signal or an exception",
@@ -48,13 +48,13 @@ def _order(axes):
 
 
 def outcomes(table):
-    """One row per outcome that there can be: the letter that marks it, what it means, how many trials of this store have it."""
+    """One row per possible outcome: its letter, its meaning, the number of trials of this store."""
     return pd.DataFrame([(name, OUTCOMES[name][1], meaning, int((table["outcome"] == name).sum()))
                          for name, meaning in MEANINGS.items()], columns=["outcome", "letter", "what it means", "trials"])
 
 
 def not_ok(table):
-    """All trials that are not ok; the timed and untimed trial of a cell that ended alike share a line."""
+    """All failed and missing trials; timed and untimed trials of a cell with the same outcome share a row."""
     bad = table[table["outcome"] != "ok"]
     grouped = bad.groupby(["sweep", "cell", "outcome", "reason"], sort=False, dropna=False)
     return grouped.agg(step=("step", "max"), trials=("timed", "size")).reset_index()[

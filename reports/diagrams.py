@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Draws three figures of the docs from the source, so that they cannot lag behind it: docs/drawings/folders.svg, the folders of
-the code and what each includes, docs/drawings/pipeline.svg, the stages in the order of World::step with the methods of each,
-and docs/drawings/classes.svg, what derives from what. Standard library only.
+"""Draws three figures of the docs from the source, so that they are always up to date: docs/drawings/folders.svg, the folders of
+the code and their includes; docs/drawings/pipeline.svg, the stages in the order of World::step with their methods; and
+docs/drawings/classes.svg, the base classes and what derives from them. Needs the standard library only.
 
 usage: reports/diagrams.py [--check]
 
-  --check   writes nothing; exit code 1 where a figure is not what the source says
+  --check   writes nothing; exit code 1 where a figure differs from the source
 
 Example: reports/diagrams.py
 """
@@ -37,12 +37,12 @@ def stages():
     """{enumerator: name} in the order of framework/stage/stages.h."""
     rows = re.findall(r'\{StageKind::(\w+), "(\w+)", "\w+", "(\w*)"\}', source("framework/stage/stages.h"))
     if not rows:
-        raise UserError("framework/stage/stages.h has no rows of kStages that this reads")
+        raise UserError("framework/stage/stages.h: found no rows of kStages; expected {StageKind::NAME, \"name\", ...}")
     return {kind: name for kind, name, _ in rows}
 
 
 def interfaces():
-    """{class: stage's name}: who says kStage = StageKind::..."""
+    """{class: name of its stage}, of the classes with kStage = StageKind::..."""
     names, found = stages(), {}
     for path in sorted((ROOT / "framework").glob("*/*.h")):
         text = source(path.relative_to(ROOT))
@@ -52,7 +52,7 @@ def interfaces():
 
 
 def competitors(stage):
-    """Names in algorithms/STAGE, as their info() says; engines are in oracles/engines."""
+    """Names of the methods in algorithms/STAGE, from their info(); engines are in oracles/engines."""
     folder = ROOT / ("oracles/engines" if stage == "engine" else f"algorithms/{stage}")
     found = []
     for path in sorted(folder.glob("*.cpp")):
@@ -63,7 +63,7 @@ def competitors(stage):
 
 
 def parts(stage):
-    """Stages that algorithms of this one hold: v.stage("query", query, StageKind::pairQuery, ...)."""
+    """Stages that methods of this stage contain: v.stage("query", query, StageKind::pairQuery, ...)."""
     names = stages()
     kinds = set()
     for path in (ROOT / "algorithms" / stage).glob("*.cpp"):
@@ -72,16 +72,16 @@ def parts(stage):
 
 
 def parts_of_world():
-    """{member: class} of what World<D> is made of."""
+    """{member: class} of the parts of World<D>."""
     found = re.search(r"// Parts[^\n]*\n(.*?)\n\n", (ROOT / "framework/world/world.h").read_text(), re.S)
     members = re.findall(r"(\w+)<D> (m_\w+);", found[1]) if found else []
     if not members:
-        raise UserError("framework/world/world.h does not say what the parts of World are")
+        raise UserError("framework/world/world.h: found no members NAME<D> m_NAME after `// Parts`")
     return {member: name for name, member in members}
 
 
 def body_of(name, function):
-    """The body of NAME<D>::FUNCTION, whichever file has it."""
+    """The body of NAME<D>::FUNCTION, from any file of framework/world."""
     for path in sorted((ROOT / "framework/world").glob("*.cpp")):
         text = source(path.relative_to(ROOT))
         match = re.search(name + r"<D>::" + function + r"\([^;{]*\)(?: const)? \{(.*?)\n\}", text, re.S)
@@ -91,7 +91,7 @@ def body_of(name, function):
 
 
 def order():
-    """Stages in the order in which World::step comes to each last: [(function, stage)]."""
+    """[(function, stage)] in the order of the last call of each stage in World::step."""
     of, owners = interfaces(), parts_of_world()
     step = body_of("World", "step")
 
@@ -106,14 +106,14 @@ def order():
         elif match[1] in owners:
             where = f"{owners[match[1]]}::{match[2]}"
             names = [name for word in re.findall(r"\w+", match[3]) for name in given.get(word, [])] + named(match[3])
-            if "boxes.findPairs" in body_of(owners[match[1]], match[2]):  # a BoxIndex, which asks the broadphase
+            if "boxes.findPairs" in body_of(owners[match[1]], match[2]):  # a BoxIndex, which calls the broadphase
                 names.append("broadphase")
             found += [(where, name) for name in names]
     last = {name: at for at, (_, name) in enumerate(found)}
     of_world = re.findall(r'\{StageKind::\w+, "(\w+)", "\w+", "\w+"\}', source("framework/stage/stages.h"))
     missing = [name for name in of_world if name not in last]
     if missing:
-        raise UserError(f"World::step does not come to {', '.join(missing)}, as far as this reads it")
+        raise UserError(f"World::step: found no call of {', '.join(missing)}")
     return [(where, name) for at, (where, name) in enumerate(found) if last[name] == at]
 
 
@@ -144,7 +144,7 @@ def picture(width, height, content, label):
 
 
 def pipeline():
-    """A column of the stages of a step; beside each the stages that it holds."""
+    """A column of the stages of a step, each with the stages that it contains beside it."""
     left, wide, beside = 20, 400, 460
     fits = int((wide - 2 * PAD) / CHAR)
     content, y = [], 20
@@ -162,7 +162,7 @@ def pipeline():
         y = bottom + 16
     content.pop()
     y += 8
-    content.append(f'<text class="s" x="{left}" y="{y + 8}">Not called once a step, but named by scenes and programs:</text>')
+    content.append(f'<text class="s" x="{left}" y="{y + 8}">Not called in every step; used by scenes and programs:</text>')
     y += 18
     shown = {n for _, n in order()} | {p for _, n in order() for p in parts(n)}
     for name in stages().values():
@@ -174,7 +174,8 @@ def pipeline():
 
 
 def classes():
-    """Trees of what derives from what, of the framework's public headers and of engines; a world's parts and state beside."""
+    """Trees of base and derived classes, of the framework's public headers and of engines; beside them the parts and the state of
+    a world."""
     children, about = {}, {}
     for path in [*sorted((ROOT / "framework").glob("*/*.h")), ROOT / "oracles/engines/engine_world.h"]:
         text = source(path.relative_to(ROOT))
@@ -201,21 +202,21 @@ def classes():
         y += 8
     state = re.search(r"struct SavedState \{\n(.*?)\n\};", source("framework/world/saved_state.h"), re.S)
     if not state:
-        raise UserError("framework/world/saved_state.h has no SavedState that this reads")
+        raise UserError("framework/world/saved_state.h: found no struct SavedState")
     fields = [re.sub(r"\s+", " ", line).strip(" ;") for line in state[1].split("\n")]
-    boxes = [("World: its parts", [f"{name} {member[2:]}" for member, name in parts_of_world().items()]),
-             ("World: its state, all of it in a save", [f for f in fields if f])]
+    boxes = [("Parts of World", [f"{name} {member[2:]}" for member, name in parts_of_world().items()]),
+             ("State of World, as saved", [f for f in fields if f])]
     width = max(len(line) for title, lines in boxes for line in [title, *lines]) * CHAR + 2 * PAD
     bottom = 20
     for title, lines in boxes:
         drawn, height = box(430, bottom, width, title, lines, kind='class="p"')
         content += drawn
         bottom += height + 20
-    return picture(430 + width + 20, max(y, bottom), content, "What derives from what, and the state of a world")
+    return picture(430 + width + 20, max(y, bottom), content, "Base classes with derived classes, and the state of a world")
 
 
 def folders():
-    """{folder: (folders of its own part of the project that it includes, those of other parts)}, of all that hold C++."""
+    """{folder: folders that it includes}, of all folders with C++."""
     holds = {}
     for part in ("framework", "algorithms", "oracles", "experiments"):
         for path in sorted((ROOT / part).rglob("*")):
@@ -233,7 +234,7 @@ def folders():
 
 
 def by_layers(uses):
-    """The folders of one part, those first that nothing else of it includes; folders that include each other are beside."""
+    """The folders of one part of the project, in layers: a folder stands above those that it includes."""
     below = {folder: {u for u in used if u in uses} for folder, used in uses.items()}
     reach = {}
 
@@ -249,7 +250,7 @@ def by_layers(uses):
 
 
 def layout():
-    """A column a part of the project: each folder with what it includes, the ones that stand on the others above."""
+    """A column per part of the project: each folder with its includes, above the folders that it includes."""
     uses = folders()
     wide, gap, content, bottom = 300, 24, [], 0
     fits = int((wide - 2 * PAD) / CHAR)
@@ -275,7 +276,7 @@ def layout():
             content += drawn
             y += height + 8
         bottom = max(bottom, y)
-    return picture(20 + len(parts_of) * (wide + gap), bottom + 10, content, "The folders of the code, and what each includes")
+    return picture(20 + len(parts_of) * (wide + gap), bottom + 10, content, "The folders of the code and their includes")
 
 
 def main(words):
@@ -299,7 +300,7 @@ def main(words):
         else:
             path.write_text(text)
     if stale:
-        print(f"{', '.join(stale)}: not what the source says; run reports/diagrams.py", file=sys.stderr)
+        print(f"{', '.join(stale)}: out of date; run reports/diagrams.py", file=sys.stderr)
     return 1 if stale else 0
 
 

@@ -1,28 +1,32 @@
 # SPDX-License-Identifier: Zlib
-"""Charts on a page of docs/: for each pair of marks the figure, its finding and its numbers, all from one store.
+"""Charts on a page of docs/: finding, figure and numbers between each pair of marks, all from one store.
 
-A page says where it wants a chart, `<!-- chart ID -->` and `<!-- end -->`. What stands between is written from ID.json of
-figures/numbers.zip alone, and the picture bears the finding, too. A test writes it again and compares.
+A page marks the place of a chart with `<!-- chart ID -->` and `<!-- end -->`. The text between the marks is written from ID.json
+in figures/numbers.zip alone; the picture's metadata hold the finding, too. A test writes the text again and compares.
 """
 
 import json
 import re
 import zipfile
 
+import finding
 import pages
 import table
 from load import UserError
 from PIL import Image
 
 MARKS = re.compile(r"<!-- chart (\w+) -->\n.*?<!-- end -->", re.DOTALL)
-DPI = 110  # of the pictures: as wide as a page shows
+DPI = 110  # of the pictures: the width of a page
 NUMBERS = "numbers.zip"  # ID.json of every chart on the pages of a folder
 
 
 def block(facts):
-    """What stands between the marks, with them."""
+    """The marks and the text between them."""
     made = ", then ".join(f"`{line}`" for line in facts["commands"])
-    return (f"<!-- chart {facts['id']} -->\n![{facts['title']}](figures/{facts['id']}.png)\n\n*{facts['finding']}* "
+    found = table.to_markdown(facts.get("found", []))
+    note = f"{facts['note']} " if facts.get("note") else ""
+    return (f"<!-- chart {facts['id']} -->\n*{facts['finding']}*\n\n{found}{'' if not found else chr(10)}"
+            f"![{facts['title']}](figures/{facts['id']}.png)\n\n{note}"
             f"Numbers: `{facts['id']}.json` in [{NUMBERS}](figures/{NUMBERS}); made by {made}.\n<!-- end -->")
 
 
@@ -34,7 +38,7 @@ def wanted(text, page):
 
 
 def read_numbers(figures):
-    """The text of ID.json by ID; none where there is no file yet."""
+    """{ID: text of ID.json}; empty without the file."""
     if not (figures / NUMBERS).is_file():
         return {}
     with zipfile.ZipFile(figures / NUMBERS) as packed:
@@ -42,7 +46,7 @@ def read_numbers(figures):
 
 
 def write_numbers(numbers, figures):
-    """The same numbers give the same bytes: in the order of their names, without dates."""
+    """Writes numbers.zip, in the order of names and without dates, so that the same numbers give the same bytes."""
     def pack(target):
         with zipfile.ZipFile(target, "w") as packed:
             for name in sorted(numbers):
@@ -53,14 +57,14 @@ def write_numbers(numbers, figures):
 
 
 def finding_in(picture):
-    """As `write` left it there."""
+    """The finding in the metadata of a picture that `write` made."""
     with Image.open(picture) as image:
         return image.info.get("Description", "")
 
 
 def write(context, charts, page):
-    """Writes figures/ID.png and the numbers of each chart that the page wants, and the page; returns the ids. Numbers that no
-    page of the folder wants are dropped."""
+    """Writes the page, and figures/ID.png and the numbers of each chart that it marks; returns the ids. Drops numbers that no
+    page of the folder uses."""
     if not page.is_file():
         raise UserError(f"--page {page}: no such file")
     text = page.read_text(encoding="utf-8")
@@ -77,10 +81,11 @@ def write(context, charts, page):
         chart = drawn[name]
         commands = [line for sweep in dict.fromkeys((chart.sweep, *chart.others)) if sweep
                     for line in pages.sweep_commands(context.store, sweep, f"results/{context.store.path.name}")]
-        facts = {"id": name, "title": chart.title, "finding": chart.finding,
+        facts = {"id": name, "title": chart.title, "finding": chart.finding.headline,
+                 "found": chart.finding.rows(), "note": chart.note.strip(),
                  "commands": commands + [f"reports/make.py --store results/{context.store.path.name} --page docs/{page.name}"],
                  **pages.source(context.store)}
-        described = {"Software": "LPC reports", "Description": chart.finding}
+        described = {"Software": "LPC reports", "Description": chart.finding.text()}
         pages.whole(figures / f"{name}.png",
                     lambda target: chart.figure.savefig(target, format="png", dpi=DPI, metadata=described))  # noqa: B023
         numbers[name] = table.json_of(chart.table, facts)
@@ -91,16 +96,16 @@ def write(context, charts, page):
 
 
 def faults(page):
-    """What a page, its pictures and its numbers say otherwise than each other: sentences, none where they agree."""
+    """Sentences about differences between a page, its pictures and its numbers; none where they agree."""
     said, numbers = [], read_numbers(page.parent / "figures")
     for found in MARKS.finditer(page.read_text(encoding="utf-8")):
         name, picture = found[1], page.parent / "figures" / f"{found[1]}.png"
         if not picture.is_file() or name not in numbers:
-            said.append(f"{name}: there are no {picture.name} and {name}.json in {NUMBERS}")
+            said.append(f"{name}: {picture.name}, or {name}.json in {NUMBERS}, is missing")
             continue
         facts = json.loads(numbers[name])
         if found[0] != block(facts):
-            said.append(f"{name}: what the page says is not what {name}.json does")
-        if finding_in(picture) != facts["finding"]:
-            said.append(f"{name}: the picture is of other data than {name}.json")
+            said.append(f"{name}: the text of the page differs from {name}.json")
+        if finding_in(picture) != finding.text(facts["finding"], facts.get("found", [])):
+            said.append(f"{name}: the data of the picture differ from {name}.json")
     return said

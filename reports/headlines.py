@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""The findings that stand on the first screen of the page: which of them, and the small chart of each."""
+"""The first screen of the page: the choice of its findings, and a small chart of each."""
 
 import math
 import re
@@ -16,8 +16,8 @@ INK, SOFT = "#0072B2", "#777777"
 
 
 def chosen(charts, most=MOST):
-    """The charts whose headlines stand first: of each question, in the order of the page, the one with the largest effect, then
-    of each the one with the second largest, and so on. What is the same for all is no finding."""
+    """The charts of the first screen: of each question, in the order of the page, the chart with the largest effect, then of each
+    the one with the second largest, and so on. An effect of 1 is no finding."""
     questions = {}
     for chart in charts:
         if chart.headline is not None and chart.headline.effect > 1:
@@ -29,7 +29,7 @@ def chosen(charts, most=MOST):
 
 @dataclass(frozen=True)
 class Row:
-    """A line of a small chart: methods of one family that have one number are one line; a gap has no number (None)."""
+    """A row of a small chart: methods of one family with the same number share a row; the value of a gap is None."""
     name: str
     value: object
     under: str = ""  # smaller, below the name
@@ -37,8 +37,8 @@ class Row:
 
 
 def rows_of(headline):
-    """Rows from the best to the worst, what failed at the end. Of many those that the sentence names, the ends, and the best;
-    gaps say how many others there are."""
+    """Rows from the best to the worst, failures last. Of many rows: the ends, the rows that the sentence names, then the best; a
+    gap says how many rows it leaves out."""
     rows, sign = merged(headline), -1 if headline.larger else 1
     rows = sorted((row for row in rows if row.value == row.value), key=lambda row: sign * row.value) + [
         row for row in rows if row.value != row.value]
@@ -63,7 +63,7 @@ def _with_gaps(rows, kept):
 
 
 def merged(headline):
-    """Methods of a family that have the same number share a row, which says whether their runs end in the same bits."""
+    """The rows: methods of a family with the same number share one, which says whether their runs end in the same bits."""
     groups = {}
     for name, value in headline.values.items():
         groups.setdefault((family(name), "failed" if value != value else value), []).append(name)
@@ -82,20 +82,20 @@ def merged(headline):
 
 
 def named(text, row):
-    """Whether a sentence names a method of the row, by itself or with its whole family."""
+    """Whether a sentence names a method of the row, or its whole family."""
     return any(re.search(rf"(?<![\w+]){re.escape(name)}(?![\w+{{])", text) for name in row.methods) or (
         len(row.methods) > 1 and f" {row.name} variants" in text)
 
 
 def caption(headline, wide):
-    """What the numbers are, with the unit of SI that their prefixes belong to."""
+    """The name of the numbers with their SI unit."""
     unit = SI.get(headline.unit, (1, headline.unit))[1]
     return f"{headline.quantity}{'' if unit == '1' else f' ({unit})'}{', logarithmic' if wide else ''}"
 
 
 def drawn(headline):
-    """One line per row: its number as a dot, from zero on, or on a logarithmic scale where the numbers span a decade. What failed
-    is a cross at the worse end."""
+    """One dot per row, on a linear scale from zero, or on a logarithmic one where the numbers span more than a decade. Failures
+    are crosses at the worse end."""
     rows = rows_of(headline)
     tops, height = [], 0.03
     for row in rows:
@@ -110,15 +110,15 @@ def drawn(headline):
     wide = bool(above) and max(above) / min(above) > 10
     low, high = (min(above), max(above)) if above else (0.0, 1.0)
     failed = any(row.value is not None and row.value != row.value for row in rows)
-    span = 0.84 if failed and not headline.larger else 1.0  # the last of it is for what failed
+    span = 0.84 if failed and not headline.larger else 1.0  # the rest is for failures
     for row, top in zip(rows, tops):
         y, value = top + (0.16 if row.under else 0.1), row.value
         place = 0.0
         if value is not None and value > 0:
-            # A zero stands at the left edge, apart from the smallest number.
+            # A zero is drawn at the left edge, apart from the smallest number.
             place = span * (0.12 + 0.88 * math.log(value / low) / math.log(high / low) if wide else value / high)
         if value is not None and value == value:
-            # A bar from zero has a length; on a logarithmic scale a place is all that there is.
+            # A bar from zero has a length; on a logarithmic scale only the place has a meaning.
             ends, width, dots = [0, span if wide else place], 0.8 if wide else 3, ":" if wide else "-"
             ax.plot(ends, [y, y], color="#C9D6E2", lw=width, ls=dots, zorder=1)
             ax.plot([place], [y], marker="o", ms=5, color=INK, zorder=2, clip_on=False)

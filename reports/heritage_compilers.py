@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Zlib
-"""The resting pyramid under compilers and levels (2009 report, figures 7.6 and 7.7): chart and finding of the CSV files that
-experiments/heritage/compilers writes."""
+"""Draws the resting pyramid under several compilers and optimisation levels (2009 report, figures 7.6 and 7.7) from the CSV files
+of experiments/heritage/compilers, and writes its finding."""
 
 import argparse
 import re
@@ -12,13 +12,13 @@ EXAMPLE = """example:
   reports/heritage_compilers.py results/heritage_compilers --to reports/out/heritage/compilers.svg
   reports/heritage_compilers.py results/heritage_compilers --page docs/heritage_figures.md"""
 PHASES = ("findPairs", "findContacts", "applyForces", "resolveVelocities", "moveApart")
-MARKS = re.compile(r"<!-- compilers -->\n.*?<!-- end -->", re.DOTALL)  # on a page, below its picture
-WARM_UP = 10  # steps that are not counted
+MARKS = re.compile(r"<!-- compilers -->\n.*?<!-- end -->", re.DOTALL)  # on a page, below the picture
+WARM_UP = 10  # first steps, which do not count
 
 
 def builds_of(folder):
-    """A row per build: the medians of its runs' medians (s), the interval that holds that of the whole step, bodies, and the
-    hashes of its last states."""
+    """A row per build: medians of the medians of its runs (s), the interval of the whole step's median, the number of bodies, and
+    the hashes of the last states."""
     import noise
     import pandas as pd
     runs = {}
@@ -39,27 +39,32 @@ def builds_of(folder):
 
 
 def finding(builds):
-    """What the levels give each compiler, which compiler is faster where, and whether all end in the same bits. Ratios only where
-    the intervals of two builds are apart."""
-    from style import si, times
-    said = []
+    """A row per build. Ratios only where the intervals of two builds do not overlap."""
+    import pandas as pd
+    from finding import NOISE, TIE, Finding, ends, fits
+    from style import times
+    rows, gains = [], []
     apart = lambda a, b: a["high [s]"] < b["low [s]"] or b["high [s]"] < a["low [s]"]  # noqa: E731
-    ratio = lambda a, b: (f"{times(a['whole [s]'] / b['whole [s]'])} times" if apart(a, b) else  # noqa: E731
-                          "alike within the noise")
+    ratio = lambda a, b: a["whole [s]"] / b["whole [s]"] if apart(a, b) else f"{TIE}: {NOISE}"  # noqa: E731
+    first = builds.sort_values("compiler")["compiler"].iloc[0]
     for compiler, part in builds.groupby("compiler", sort=True):
-        first, last = part.iloc[0], part.iloc[-1]
-        said.append(f"{compiler} takes {si(last['whole [s]'], 's')} a step at -{last['level']}" +
-                    (f" and {ratio(first, last)} of that at -{first['level']}" if len(part) > 1 else "") +
-                    (f"; -{part.iloc[-2]['level']} is {ratio(part.iloc[-2], last)} of -{last['level']}" if len(part) > 2 else ""))
-    if builds["compiler"].nunique() == 2:
-        a, b = (part for _, part in builds.groupby("compiler", sort=True))
-        for _, one in a.iterrows():
-            for _, other in b[b["level"] == one["level"]].iterrows():
-                said.append(f"at -{one['level']} {one['compiler']} over {other['compiler']} is {ratio(one, other)}")
-    ends = len(set.union(*builds["states"]))
-    said.append("all end in the same bits" if ends == 1 else f"they end in {ends} different states")
-    return (f"A resting pyramid of {builds['bodies'].iloc[0] - 1} boxes in 2D, with the stages of 2009: " + "; ".join(said) +
-            ".")
+        last = part.iloc[-1]
+        for _, build in part.iterrows():
+            row = {"compiler": compiler, "level": f"-{build['level']}", "time of a step [s]": build["whole [s]"],
+                   "range": ends(build["low [s]"], build["high [s]"], "s"),
+                   "over the last level": None if build is last or build["level"] == last["level"] else ratio(build, last)}
+            if builds["compiler"].nunique() > 1:
+                other = builds[(builds["compiler"] == first) & (builds["level"] == build["level"])]
+                row[f"over {first}"] = None if compiler == first or not len(other) else ratio(build, other.iloc[0])
+            rows.append(row)
+        if len(part) > 1 and apart(part.iloc[0], last):
+            least = "" if gains else f" as fast as -{part.iloc[0]['level']}"
+            gains.append(f"{times(ratio(part.iloc[0], last))} times{least} with {compiler}")
+    states = len(set.union(*builds["states"]))
+    bits = "all builds end in the same bits" if states == 1 else f"builds end in {states} different states"
+    where = f"On a resting 2D pyramid of {builds['bodies'].iloc[0] - 1} boxes"
+    level = f"-{builds['level'].iloc[-1]} is {' and '.join(gains)}; " if gains else ""
+    return Finding(fits(f"{where} {level}{bits}.", f"{where} {bits}."), pd.DataFrame(rows))
 
 
 def draw(builds, target):
@@ -74,7 +79,7 @@ def draw(builds, target):
     for ax, compiler in zip(axes[0], compilers):
         part = builds[builds["compiler"] == compiler]
         below = np.zeros(len(part))
-        # Shares: at -O0 a step takes hundreds of times as long, and beside it no other bar would be seen.
+        # Shares, because a step at -O0 takes hundreds of times as long and would hide the other bars.
         whole = part["whole [s]"].to_numpy()
         parts = {name: 100 * part[f"{name} [s]"].to_numpy() / whole for name in PHASES}
         parts["other"] = np.maximum(0, 100 - sum(parts.values()))
@@ -92,12 +97,18 @@ def draw(builds, target):
     axes[0][0].set_ylim(0, 122)
     legend_right(figure, [Patch(color=colours[name], alpha=0.85, label=name) for name in reversed(colours)], 1.75)
     pages.folder(Path(target).parent)
-    pages.save(figure, Path(target), finding(builds))
+    pages.save(figure, Path(target), said(finding(builds)))
     return overlap.overlaps(figure)
 
 
+def said(found):
+    """The finding as the page shows it: headline and table."""
+    import table
+    return f"*{found.headline}*\n\n{table.to_markdown(found.rows())}"
+
+
 def write(text, page):
-    """Puts the finding below the picture of a page."""
+    """Writes the finding below the picture of a page."""
     import pages
     old = page.read_text(encoding="utf-8")
     if not MARKS.search(old):
@@ -106,15 +117,15 @@ def write(text, page):
 
 
 def block(text):
-    return f"<!-- compilers -->\n*{text}*\n<!-- end -->"
+    return f"<!-- compilers -->\n{text}<!-- end -->"
 
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="reports/heritage_compilers.py", description=__doc__, epilog=EXAMPLE,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", metavar="DIR", help="where experiments/heritage/compilers wrote")
-    parser.add_argument("--to", metavar="FILE", help="draw the chart there (.svg, .png or .pdf)")
-    parser.add_argument("--page", metavar="FILE", help="write the finding on that page, between '<!-- compilers -->' and "
+    parser.add_argument("folder", metavar="DIR", help="folder that experiments/heritage/compilers wrote")
+    parser.add_argument("--to", metavar="FILE", help="draw the chart into this file (.svg, .png or .pdf)")
+    parser.add_argument("--page", metavar="FILE", help="write the finding on this page, between '<!-- compilers -->' and "
                         "'<!-- end -->'")
     options = parser.parse_args(arguments)
     try:
@@ -122,8 +133,8 @@ def main(arguments=None):
         if options.to:
             draw(builds, options.to)
         if options.page:
-            write(finding(builds), Path(options.page))
-        print(finding(builds))
+            write(said(finding(builds)), Path(options.page))
+        print(said(finding(builds)), end="")
     except (OSError, ValueError, KeyError) as error:
         print(f"reports/heritage_compilers.py: {error}", file=sys.stderr)
         return 2

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Zlib
 """A result store (SQLite, schema 3) as pandas tables.
 
-A *cell* is what a sweep plans: one set of axis values. It holds one untimed trial (errors, counts, series) of each seed
-and any number of timed repeats (times). Every planned cell is a row here, whatever became of it: a cell without a result
-has the outcome "not run", a failed one its outcome, step and reason. Nothing is dropped: the value of each seed and of each
-repeat is in the column MEASURED (measured.py).
+A *cell* is one set of axis values that a sweep plans. It holds one untimed trial (errors, counts, series) per seed and any number
+of timed repeats (times). Every planned cell is a row: a cell without a result has the outcome "not run", a failed cell its
+outcome, step and reason. The column MEASURED (measured.py) keeps the value of each seed and of each repeat.
 """
 
 import json
@@ -23,58 +22,58 @@ from measured import MEASURED, Measured
 SCHEMA = "3"
 TABLES = {"meta", "machine", "sweep", "metrics", "planned", "trial", "series", "poses", "benchmark", "ledger"}
 NOT_RUN = "not run"
-# The worst outcome of a cell's trials is the cell's; an outcome that this list does not know is worse than ok.
+# A cell has the worst outcome of its trials. An outcome that is not in this list is worse than ok.
 SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "sank", "frozen", "left", "collapsed", "exploded",
             "diverged", "timeout", "out_of_memory", "crash"]
-# Between the parts of a method's label where several stages vary: `sat_clip / region_tree`.
+# Separates the parts of a method's label where several stages vary: `sat_clip / region_tree`.
 JOINED = " / "
-ROLES = ("competitor", "witness", "engine")  # ours, other people's part, other people's whole; later ones decide what both are
+ROLES = ("competitor", "witness", "engine")  # a later role wins where a method has parts of several roles
 REPEATS = ("timed", "repeat")
 TOLERANCE = {"f64": 1e-12, "f32": 1e-5}  # of the size of a pair query: oracles/verify/verify.h
-WITHIN_CELL = (*REPEATS, "seed")  # axes that tell the trials of one cell apart, not the cells
+WITHIN_CELL = (*REPEATS, "seed")  # axes that distinguish trials of one cell, not cells
 
 
 class UserError(Exception):
-    """A mistake of the user's: told in one line, exit code 2."""
+    """A user's mistake: reported in one line, exit code 2."""
 
 
 @dataclass(frozen=True)
 class Metric:
-    """A metric or series, described: by the program that wrote the store, or in metrics.py."""
-    name: str  # may end in *: one for each stage, or for each count
-    title: str  # for an axis
+    """Description of a metric or series, from the store or from metrics.py."""
+    name: str  # may end in *: one metric per stage, or per count
+    title: str  # of an axis
     unit: str
     meaning: str
-    role: str  # "cost", "error": what charts show first; "detail"
-    smaller: str  # what a smaller value means; empty where it means neither good nor bad
-    needs: tuple  # what a trial must have, or the metric is not defined for it
+    role: str  # "cost" or "error", which charts show first, or "detail"
+    smaller: str  # what a smaller value means; empty where it is neither better nor worse
+    needs: tuple  # metrics, series or parameters that a trial must have; else the metric is undefined
     kind: str = "world"  # of trial
-    compute: Optional[Callable] = None  # of a Trial, where the report works it out
+    compute: Optional[Callable] = None  # computes the metric from a Trial; None where the store has it
 
     @property
     def floor(self):
-        """Below this a chart shows 0: rounding of metres in double precision, not a difference between methods."""
+        """Values below this are drawn as 0: in double precision they are rounding, no difference between methods."""
         return 1e-12 if self.unit in ("m", "m/s", "rad") else 0.0
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """What a sweep says of itself."""
+    """A sweep's description of itself."""
     name: str
     kind: str
     summary: str = ""
-    baseline: str = ""  # the value of an axis that the others are compared with
+    baseline: str = ""  # the method that the others are compared with
     # Axis -> "label" (of pipelines), "stage", "setting" (used as $name in a pipeline), "parameter" (of the scene), "run"
     roles: dict = field(default_factory=dict)
-    report: tuple = ()  # the charts that it is for; empty: whatever it has the data for
-    calibrate: dict = field(default_factory=dict)  # equal, metric, setting, most: what the runner made equal; empty: nothing
+    report: tuple = ()  # its charts; empty: every chart for which it has the data
+    calibrate: dict = field(default_factory=dict)  # equal, metric, setting, most; empty where the runner made nothing equal
     questions: dict = field(default_factory=dict)  # of breaking points, by name: parameter, falling, limit, seeds, perturb, ratio
-    settings_told: bool = False  # a cell whose method lacks a setting has no value of it; older stores give it the first value
-    commands: tuple = ()  # the arguments of `lpc`, but for the store, that planned it; a store of an older program has none
+    settings_told: bool = False  # cells of methods without a setting have no value of it; older stores give them the first value
+    commands: tuple = ()  # arguments of `lpc` that planned it, without the store; empty in stores of older programs
 
     def method_axes(self, planned):
-        """The axes along which methods compete: all that say what a pipeline is made of and vary, the one that tells
-        most first; one where none varies."""
+        """The axes along which methods compete: axes of the pipeline that vary, the one with the most values first; one axis
+        where none varies."""
         def values(name):
             return len({str(cell[name]) for cell in planned if name in cell})
         named = [name for name, role in self.roles.items() if role in ("label", "stage")]
@@ -83,8 +82,8 @@ class Sweep:
 
 
 def _sweep(name, kind, summary, baseline, roles):
-    """Among the roles, which are texts, may stand the lists of charts and of commands, the tables of what is equal and of what
-    breaks, and whether settings are told."""
+    """A Sweep from its row. The JSON of the roles (texts) may also hold `report`, `commands`, `calibrate`, `break` and
+    `settings_told`."""
     roles = json.loads(roles)
     charts = roles.pop("report") if isinstance(roles.get("report"), list) else ()
     equal = roles.pop("calibrate") if isinstance(roles.get("calibrate"), dict) else {}
@@ -95,27 +94,27 @@ def _sweep(name, kind, summary, baseline, roles):
 
 
 def _plain(value):
-    """An axis value as something that can be grouped by and printed."""
+    """An axis value that can be grouped by and printed."""
     if isinstance(value, (dict, list)):
         return json.dumps(value, sort_keys=True)
     return value
 
 
 def loosened(canonical):
-    """The tolerance that a trial of a pair query was asked for, where that is looser than the referee's; else None."""
+    """The requested tolerance of a trial of a pair query, if it is looser than the referee's; else None."""
     asked = [float(value) for value in re.findall(r"tolerance=([0-9.eE+-]+)", str(canonical.get("pair_query", "")))]
     most = max(asked, default=0.0)
     return most if most > TOLERANCE.get(canonical.get("precision"), TOLERANCE["f64"]) else None
 
 
 def within_asked(metrics, asked):
-    """Whether all answers are as exact as was asked. A wrong side is within it as its value is; without a value it is not."""
+    """Whether all answers are within the requested tolerance. A wrong side counts by its value; without a value it is wrong."""
     error = metrics.get("max_error")
     return error is not None and error <= asked and not (metrics.get("wrong_boolean") and metrics.get("side_alone"))
 
 
 class Store:
-    """One open store. Everything small is read at once; series and poses when asked for."""
+    """One open store. Series and poses are read on request, all else when the store is opened."""
 
     def __init__(self, path):
         self.path = Path(path)
@@ -125,7 +124,7 @@ class Store:
             self.db = sqlite3.connect(f"file:{self.path}?mode=ro", uri=True)
             self._read()
         except (sqlite3.DatabaseError, pd.errors.DatabaseError, json.JSONDecodeError) as error:
-            reason = " ".join(str(error).split())  # pandas tells it in several lines
+            reason = " ".join(str(error).split())  # pandas gives several lines
             raise UserError(f"{path}: not a result store, or a damaged one ({reason})") from error
 
     def _read(self):
@@ -165,7 +164,7 @@ class Store:
 
     def _read_planned(self):
         planned = pd.read_sql("SELECT sweep, key, axes FROM planned ORDER BY rowid", self.db)
-        # A part of a sweep run again after its code changed plans the same cells under new keys: the newest counts.
+        # A sweep that is run again after a change of code plans the same cells under new keys: the newest counts.
         newest = planned.drop_duplicates(["sweep", "axes"], keep="last")
         self.superseded = len(planned) - len(newest)
         planned = newest.reset_index(drop=True)
@@ -186,20 +185,20 @@ class Store:
         return {row[0]: Metric(*row[:6], (row[6],) if row[6] else (), row[7]) for row in rows}
 
     def is_time(self, metric):
-        """Times come from the timed trials of one machine, everything else from the untimed one."""
+        """Whether a metric is a time. Times come from the timed trials of one machine, other metrics from the untimed trial."""
         found = described(self.metrics, metric)
         return found is not None and "timing" in found.needs
 
     def role(self, label):
-        """Whose a method is. Labels are free text, so its trials' pipelines decide; where it has none (a ledger, a cell not
-        run) the names in the label do; competitor where nothing is known."""
+        """The role of a method. Labels are free text, so the pipelines of its trials decide; without a trial (a ledger, a cell
+        that has not run) the names in the label do. An unknown method is a competitor."""
         if self._roles is None:
             self._roles = self._roles_of_trials()
         parts = [family(part) for part in str(label).split(JOINED)]
         return self._roles.get(label) or theirs(entry["role"] for entry in self.algorithms if entry["name"] in parts)
 
     def judged(self, label, precision):
-        """The precision by whose tolerance a method is judged that was asked in this one: its own, where that is less."""
+        """The precision whose tolerance applies to a method asked in `precision`: f32 for a method that computes in f32."""
         part = family(str(label))
         return "f32" if any(entry["name"] == part and entry.get("in_float") for entry in self.algorithms) else precision
 
@@ -212,12 +211,12 @@ class Store:
         return {label: theirs(roles) for label, roles in found.items() if roles}
 
     def declared(self, key):
-        """The properties that a trial's methods say they fail (info().failures). A failure whose `when` begins with a choice
-        and a colon, "friction=box: ...", is one of this choice alone; each is one of the dimensions that it names."""
+        """The properties that a trial's methods declare to fail (info().failures). A `when` that begins with a parameter and a
+        colon, "friction=box: ...", applies to this parameter alone. A failure applies to the dimensions that it names."""
         canonical = self.by_key[key].canonical
         named, dimension = set(_named(canonical)), canonical.get("dimension")
         def applies(failure):
-            if dimension not in failure.get("dimensions", (dimension,)):  # older stores do not say
+            if dimension not in failure.get("dimensions", (dimension,)):  # older stores name none
                 return False
             choice = re.match(r"(\w+)=(\w+):", failure["when"])
             return choice is None or choice.groups() in named
@@ -231,7 +230,7 @@ class Store:
         return self._sweeps.get(name) or Sweep(name, "")
 
     def axes(self, sweep):
-        """Names of all axes that tell its cells apart."""
+        """Names of all axes that distinguish its cells."""
         if sweep not in self._axes:
             planned = self.planned[self.planned["sweep"] == sweep]["axes"]
             self._axes[sweep] = {name for axes in planned for name in axes} - set(WITHIN_CELL)
@@ -244,7 +243,7 @@ class Store:
         return self._method_axes[sweep]
 
     def series(self, key, name):
-        """One value per step, or None where the trial stored none of that name."""
+        """One value per step, or None where the trial did not store this series."""
         if described(self.described_series, name) is None:
             raise UserError(f"no series '{name}'; valid: {', '.join(self.described_series)}")
         row = self.db.execute("SELECT data FROM series WHERE key=? AND name=?", (key, name)).fetchone()
@@ -260,8 +259,8 @@ class Store:
         return {step: np.frombuffer(data, dtype="<f8").reshape(-1, width) for step, data in rows}
 
     def film(self, key):
-        """Pictures of a run that fell, as experiments/film/falls.cpp drew them: width, top and height of each in pixels, its step
-        and time (s), and patches [fill, edge, [x, y, x, y, ...]]. None where the store has none."""
+        """Pictures of a fallen run, drawn by experiments/film/falls.cpp: per picture width, top and height in pixels, step,
+        time (s) and patches [fill, edge, [x, y, x, y, ...]]. None where the store has none."""
         if not self.db.execute("SELECT 1 FROM sqlite_master WHERE name='film'").fetchone():
             return None
         row = self.db.execute("SELECT data FROM film WHERE key=?", (key,)).fetchone()
@@ -278,19 +277,19 @@ class Store:
         return [(json.loads(text), vertices, size) for text, vertices, size in rows]
 
     def ledger(self):
-        """What `lpc verify` wrote: one row per method, kinds of shape and value of one axis; histograms as dictionaries. What
-        must not matter is other questions, which `lpc verify --metamorphic` prints."""
+        """The ledger of `lpc verify`: one row per method, kinds of shape and value of one axis; histograms as dictionaries. Rows
+        of `lpc verify --metamorphic` are left out."""
         ledger = pd.read_sql("SELECT * FROM ledger WHERE axis <> 'relation' ORDER BY stage, precision, dimension, axis, value, "
                              "kind_a, kind_b, method", self.db)
         ledger["histogram"] = [json.loads(text) if text else {} for text in ledger["histogram"]]
         ledger["judged"] = [self.judged(method, precision) for method, precision in zip(ledger["method"], ledger["precision"])]
-        # Without an answer there is no error; a zero stays one.
+        # Without an answer there is no error; a zero error stays 0.
         ledger["max_error"] = pd.to_numeric(ledger["max_error"]).where(ledger["histogram"].map(bool))
         return ledger
 
     def cells(self, sweep):
-        """All cells of a sweep, one row each: axes, outcome, reason, step, metrics (each that its kind of trial has, NaN
-        where a cell has none), keys of the trials."""
+        """All cells of a sweep, one row each: axes, outcome, reason, step, all metrics of its kind of trial (NaN where a cell has
+        no value), keys of the trials."""
         if sweep not in self._cells:
             self._cells[sweep] = pd.DataFrame(self._cells_of(sweep))
         return self._cells[sweep].copy()
@@ -326,14 +325,14 @@ class Store:
         seed_of = {entry.key: entry.axes.get("seed") for entry in entries}
         bad = self._facts(cell, axes, trials, seed_of)
         if timed:
-            # Machines do not mix: times come from the machine with most repeats; one_machine tells how many others there are.
+            # Times come from the machine with the most repeats; one_machine reports the others.
             machines = [trial.machine for trial in timed if not pd.isna(trial.machine)]
             machine = min(machines, key=lambda number: (-machines.count(number), number)) if machines else None
             same = {trial.Index: trial.metrics for trial in timed if machine is None or trial.machine == machine}
             cell.update(key_timed=next(iter(same)), keys_timed=list(same), machine=machine,
                         refused_repeats=len(timed) - len(same))
             for name in dict.fromkeys(name for metrics in same.values() for name in metrics if self.is_time(name)):
-                repeats, of_seeds = {}, {}  # a repeat is one round over all cells
+                repeats, of_seeds = {}, {}  # a repeat is one pass over all cells
                 for entry in entries:
                     value = same[entry.key].get(name) if entry.key in same else None
                     if value is not None:
@@ -347,8 +346,8 @@ class Store:
         return cell
 
     def _facts(self, cell, axes, trials, seed_of):
-        """What does not depend on the hour, from one trial of each seed: medians over the seeds that are ok, and all values.
-        The key is that of the first seed that is ok, whose series and poses stand for the cell. Returns the others."""
+        """Enters outcomes, keys and metrics that are no times, from one trial per seed: medians over the seeds that are ok, and
+        all values. The cell's key, for series and poses, is that of the first seed that is ok. Returns the failed seeds."""
         of_seed, bad = {}, set()
         for trial in sorted(trials, key=lambda trial: trial.timed == 1):  # untimed first
             of_seed.setdefault(seed_of[trial.Index], trial)
@@ -385,20 +384,20 @@ def severity(trial):
 
 
 def middle(values):
-    """The median of those that are numbers; one value stays what it is."""
+    """The median of the values that are numbers; a single value is returned unchanged."""
     values = [value for value in values if value is not None and value == value]
     return values[0] if len(values) == 1 else median(values) if values else math.nan
 
 
 def median(values):
-    """That of numpy, which is slow on as few values as a cell has."""
+    """The median. numpy's is slower on the few values of a cell."""
     ordered, half = sorted(values), len(values) // 2
     return float(ordered[half] if len(values) % 2 else (ordered[half - 1] + ordered[half]) / 2)
 
 
 def over_seeds(repeats, bad):
-    """Of each repeat {seed: time} the median over the seeds that are ok, if any is. All are of the same seeds, those of the
-    fullest repeat: else a repeat that was cut short would differ by what another seed costs, which is no noise."""
+    """The median of each repeat {seed: time} over the seeds that are ok, or over all where none is. Only repeats with all seeds
+    of the fullest repeat count: in a repeat cut short the missing seeds would look like noise."""
     ok = [{seed: value for seed, value in of_seed.items() if seed not in bad} for of_seed in repeats.values()]
     of_seeds = ok if any(ok) else list(repeats.values())
     counted = max(of_seeds, key=len, default={}).keys()
@@ -407,12 +406,12 @@ def over_seeds(repeats, bad):
 
 
 def theirs(roles):
-    """The role of what is made of parts of these roles: one part of another library's makes it theirs."""
+    """The role of a pipeline with parts of these roles: a part of another library decides it."""
     return max(roles, key=lambda role: ROLES.index(role) if role in ROLES else len(ROLES), default=ROLES[0])
 
 
 def _named(canonical):
-    """(stage, name) of all that a trial was made of: its pipeline's, a whole engine, or the one method that it asks alone."""
+    """(stage, name) of all methods of a trial: its pipeline's, its engine, or the single method that it asks."""
     alone = [f"{key}={value}" for key, value in canonical.items() if isinstance(value, str) and key != "pipeline"]
     engine = canonical.get("engine")
     return re.findall(r"(\w+)=(\w+)", " ".join([canonical.get("pipeline", ""), *alone])) + (
@@ -429,37 +428,37 @@ def family(label):
 
 
 def described(table, name):
-    """The entry of this name, or the one with a star that it belongs to; None where there is none."""
+    """The entry of this name, or the entry with a star that matches it, or None."""
     if name in table:
         return table[name]
     return next((entry for key, entry in table.items() if key.endswith("*") and name.startswith(key[:-1])), None)
 
 
 def varying(store, cells, but=()):
-    """Axes of these cells with more than one value, but for those that tell methods apart. An engine that exists in one
-    precision only does not make the precision an axis."""
+    """Axes of these cells with more than one value, without the axes of the methods. An engine that exists in one precision only
+    does not make the precision an axis."""
     axes = axes_of(store, cells) - {axis for name in cells["sweep"].unique() for axis in store.method_axes(name)} - set(but)
     sweeps = [store.sweep(name) for name in cells["sweep"].unique()]
-    settings = {axis for about in sweeps for axis, role in about.roles.items() if role == "setting"}  # not each method has one
+    settings = {axis for about in sweeps for axis, role in about.roles.items() if role == "setting"}  # some methods have none
     several = [c for c in cells.columns
                if c in axes and (cells[c].dropna() if c in settings else cells[c]).map(str).nunique() > 1]
     return [c for c in several if c != "precision" or (cells.groupby("method")[c].nunique() > 1).any()]
 
 
 def split(cells, names, sort=False):
-    """The cells in groups that agree in these axes; all in one group when there are none."""
+    """The cells in groups with equal values of these axes; one group where `names` is empty."""
     if not names:
         return [cells]
     return [part for _, part in cells.groupby(names[0] if len(names) == 1 else names, sort=sort, dropna=False)]
 
 
 def axes_of(store, cells):
-    """Names of all axes that the sweeps of these cells have."""
+    """Names of all axes of the sweeps of these cells."""
     return set().union(*map(store.axes, dict.fromkeys(cells["sweep"])))
 
 
 def one_machine(store, cells):
-    """(cells whose times may be compared, sentences naming those that may not, and the repeats that were left out)."""
+    """(cells with times of one machine, sentences about the times and repeats of other machines, which are left out)."""
     if "machine" not in cells:
         return cells, []
     said = [f"{method}: {int(part['refused_repeats'].sum())} timed trials on another machine are left out"

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Zlib
-"""A result store in, charts and one web page out."""
+"""Makes charts and a web page from a result store."""
 
 import argparse
 import sys
@@ -21,18 +21,18 @@ def parse(arguments):
     parser.add_argument("--out", metavar="DIR", help="folder for index.html, charts/ and tables/ (made if absent)")
     parser.add_argument("--only", metavar="ID,ID", default="",
                         help="only the charts whose id begins with one of these, and no page")
-    parser.add_argument("--chart", metavar="ID", help="one chart alone, written to --to; `best` picks the most telling")
+    parser.add_argument("--chart", metavar="ID", help="one chart alone, written to --to; `best` chooses one")
     parser.add_argument("--to", metavar="FILE", help="with --chart: where to write it (.svg, .png or .pdf)")
     parser.add_argument("--readme", metavar="FILE",
-                        help="the README: writes its figure, numbers and caption anew from this store")
-    parser.add_argument("--page", metavar="FILE", help="a page of docs/: writes each chart that it has marks for, '<!-- chart ID "
-                        "-->' and '<!-- end -->', with finding and numbers anew from this store")
-    parser.add_argument("--check", action="store_true", help="measure the pictures: print the texts that overlap or are cut off "
-                        "and end with 1 where there are any; write nothing")
+                        help="the README: writes its figure, numbers and caption from this store")
+    parser.add_argument("--page", metavar="FILE", help="a page of docs/: writes the finding, figure and numbers of each "
+                        "chart that it marks with '<!-- chart ID -->' and '<!-- end -->', from this store")
+    parser.add_argument("--check", action="store_true", help="print the texts that overlap or are cut off in the pictures, "
+                        "and exit with 1 if there are any; write nothing")
     parser.add_argument("--list", action="store_true",
                         help="print the ids, titles and findings, and the metrics, and write nothing")
-    parser.add_argument("--taken", action="store_true", help="print the pipeline that the sweeps of choose take together, where "
-                        "nothing has run it as a whole; write nothing")
+    parser.add_argument("--taken", action="store_true", help="print the combined pipeline of the sweeps of choose, if no sweep "
+                        "has run it; write nothing")
     options = parser.parse_args(arguments)
     one_of = (options.out, options.list, options.check, options.readme, options.page, options.taken, options.chart and options.to)
     if not any(one_of):
@@ -42,7 +42,7 @@ def parse(arguments):
 
 
 def all_charts(context, only=()):
-    """Every chart of the report in reading order. A theme that the store lacks gives a chart that says so."""
+    """All charts of the report in reading order. A kind of chart without data gives a chart that says so."""
     from chart import kinds, made
     from load import UserError
     from style import plt
@@ -62,7 +62,7 @@ def all_charts(context, only=()):
 
 
 def name_apart(charts):
-    """Titles that several charts have get the name of the sweep that each was made of."""
+    """Adds the sweep's name to titles that several charts share."""
     titles = [chart.title for chart in charts]
     for chart, title in zip(charts, titles):
         if titles.count(title) > 1 and chart.sweep:
@@ -70,7 +70,7 @@ def name_apart(charts):
 
 
 def most_telling(charts):
-    """The one chart for those who look at one: the first that says of itself that it may stand for all."""
+    """The chart of `--chart best`: the first with `telling`, else the first that is drawn."""
     drawn = sorted((c for c in charts if c.figure is not None), key=lambda c: not c.telling)
     return drawn[0] if drawn else None
 
@@ -97,7 +97,7 @@ def run(options):
         raise UserError(f"--only {options.only}: no such chart; there are {names}")
     if options.list:
         for chart in charts:
-            print(f"{chart.id}  {chart.title}\n    {chart.finding}")
+            print(f"{chart.id}  {chart.title}\n    " + chart.finding.text().replace("\n", "\n      "))
         print("\nmetrics")
         for name, metric in known(store).items():
             print(f"  {name} ({metric.unit})  {metric.meaning}")
@@ -117,7 +117,7 @@ def run(options):
             raise UserError(f"--to {options.to}: unknown ending; valid are .svg, .png, .pdf")
         pages.folder(target.parent)
         pages.save(found.figure, target)
-        print(f"{target}: {found.finding}")
+        print(f"{target}: {found.finding.headline}")
         return 0
     out = Path(options.out)
     if out.exists() and not out.is_dir():
@@ -132,7 +132,7 @@ def run(options):
 
 
 def check(charts):
-    """Prints the faults of the pictures; 1 where there are any."""
+    """Prints the faults of the pictures; returns 1 if there are any."""
     import headlines
     import overlap
     faults = 0

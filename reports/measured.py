@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""What the number of a metric in a cell is the median of. The number itself is the column of the metric's name; the column
-MEASURED has, by metric, what stands behind it."""
+"""The single values behind a cell's metric, of which the metric's column has the median. The column MEASURED has them by
+metric."""
 
 import math
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ MEASURED = "measured"  # {metric: Measured}
 
 @dataclass(frozen=True)
 class Measured:
-    runs: tuple = ()  # the value of each repeat, of what is a time
-    seeds: tuple = ()  # that of each seed, NaN where it failed; empty where the cell has one seed
+    runs: tuple = ()  # the value of each repeat, for a time
+    seeds: tuple = ()  # the value of each seed, NaN where it failed; empty for a cell with one seed
 
 
 def of(cell, metric):
-    """Empty where the cell has one value, or none."""
+    """The values behind a metric of a cell; empty where it has one value or none."""
     found = cell.get(MEASURED)
     return found.get(metric, Measured()) if isinstance(found, dict) else Measured()
 
@@ -33,7 +33,7 @@ def seeds(cell, metric):
 
 
 def of_seeds(cell, metric):
-    """The values of all seeds, infinite where a seed failed; a cell of one seed has one."""
+    """The value of each seed, infinite where the seed failed; one value for a cell with one seed."""
     found = of(cell, metric).seeds
     if found:
         return [math.inf if v is None or v != v else float(v) for v in found]
@@ -42,5 +42,5 @@ def of_seeds(cell, metric):
 
 
 def add(cells, metric, values):
-    """Enters what stands behind a metric that is worked out: one Measured for each of these cells, which are changed."""
+    """Enters the values behind a computed metric into these cells, one Measured per cell."""
     cells[MEASURED] = [{**found, metric: value} for found, value in zip(cells[MEASURED], values)]

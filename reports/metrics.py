@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Zlib
-"""Metrics that the report works out from the series and poses of a store, so that one more needs no new run.
+"""Metrics that the report computes from the series and poses of a store: a new one needs no new run.
 
-One entry is one function under @metric. It takes a Trial and returns a number; `needs` are the stored metrics and series
-without which it is not defined (NaN). What a trial measures itself is described in the store, in the same words.
+An entry is a function under @metric. It takes a Trial and returns a number; `needs` are the stored metrics and series without
+which it is undefined (NaN). The store describes the metrics that trials measure, in the same terms.
 """
 
 import math
@@ -18,7 +18,7 @@ DERIVED = {}
 
 
 def metric(title, unit, meaning, smaller, needs, role="detail"):
-    """Enters the function below as a metric of its name; the words are those of load.Metric."""
+    """Registers the function below as a metric of its name; the arguments are those of load.Metric."""
     def enter(compute):
         name = compute.__name__
         DERIVED[name] = Metric(name, title, unit, meaning, role, smaller, needs, "world", compute)
@@ -27,7 +27,7 @@ def metric(title, unit, meaning, smaller, needs, role="detail"):
 
 
 class Trial:
-    """What one finished trial stored."""
+    """The stored data of one finished trial."""
 
     def __init__(self, store, key):
         self.store, self.key = store, key
@@ -41,7 +41,7 @@ class Trial:
         if described(self.store.metrics, name):
             value = self.metrics.get(name)
             return value is not None and not math.isnan(value)
-        return self.series(name) is not None  # refuses what is neither
+        return self.series(name) is not None  # raises where the name is neither
 
     def parameter(self, name):
         """A number anywhere in the canonical description: a scene parameter, dt, steps. NaN where there is none."""
@@ -68,10 +68,10 @@ def _energy(trial):
     return None if kinetic is None or potential is None or not len(kinetic) else kinetic + potential
 
 
-@metric("sideways drift at the end", "m", "farthest that any body has gone sideways at the end", "less drift",
+@metric("sideways drift at the end", "m", "largest sideways displacement of a body at the end", "less drift",
         ("drift_limit",), "error")
 def lean(trial):
-    """Farthest that a body has gone sideways between its first and its last stored pose; y is up."""
+    """The largest sideways displacement of a body from its first to its last stored pose; y is up."""
     dimension = trial.parameter("dimension")
     if dimension not in (2, 3):
         return math.nan
@@ -87,21 +87,21 @@ def lean(trial):
 @metric("restlessness (speed)", "m/s", "speed of the fastest body, root mean square of the last quarter", "calmer",
         ("drift_limit", "max_speed"), "error")
 def restlessness(trial):
-    """Root mean square of the fastest body's speed in the last quarter: how restless a scene at rest is."""
+    """Root mean square of the fastest body's speed in the last quarter."""
     speed = _last_quarter(trial.series("max_speed"))
     return math.nan if speed is None else float(np.sqrt(np.mean(np.square(speed))))
 
 
 def exchanged(kinetic, potential):
-    """The largest energy (J) that a run exchanged, from finite values: its largest kinetic one, or the largest fall of its
-    potential one. A rise is not in it: a gain over itself would always be all of what is exchanged."""
+    """The largest energy (J) that a run exchanged, from finite values: the largest kinetic energy or the largest fall of the
+    potential energy. A rise does not count: a gain over itself would always be 100 %."""
     return max(float(np.max(kinetic)), float(np.max(np.maximum.accumulate(potential) - potential)))
 
 
-@metric("energy gained", "1", "energy above the start, over the largest energy exchanged", "less energy from nowhere",
+@metric("energy gained", "1", "energy above the start, over the largest energy exchanged", "less energy gained",
         ("kinetic", "potential"))
 def energy_gain(trial):
-    """Above the start, as a fraction of the largest kinetic energy or fall that the run saw: no division by zero."""
+    """The largest energy above the start over the energy exchanged; 0 where none is exchanged."""
     energy = _energy(trial)
     if energy is None:
         return math.nan
@@ -110,25 +110,25 @@ def energy_gain(trial):
 
 
 def _share(trial, of):
-    """An error of a momentum over that which the scene's parameter of the same name says there is."""
+    """The error of a momentum over the scene's parameter of that name."""
     total = trial.parameter(of)
     return trial.metrics[f"{of}_error"] / total if total > 0 else math.nan
 
 
-@metric("change of momentum over what there is", "1", "change of momentum from start to end, over the scene's `momentum`",
+@metric("relative change of momentum", "1", "change of momentum from start to end, over the scene's `momentum`",
         "momentum is kept", ("momentum_error",))
 def momentum_share(trial):
     return _share(trial, "momentum")
 
 
-@metric("change of angular momentum over what there is", "1",
+@metric("relative change of angular momentum", "1",
         "change of angular momentum from start to end, over the scene's `angular_momentum`", "angular momentum is kept",
         ("angular_momentum_error",))
 def angular_momentum_share(trial):
     return _share(trial, "angular_momentum")
 
 
-@metric("contacts that flicker", "1", "contact points gained or lost per step in the last quarter", "calmer",
+@metric("flickering contacts", "1", "contact points gained or lost per step in the last quarter", "calmer",
         ("drift_limit", "points"))
 def contact_flicker(trial):
     points = _last_quarter(trial.series("points"))
@@ -143,28 +143,28 @@ def mean_penetration_rest(trial):
 
 
 def slop(trial):
-    """The depth (m) that a method keeps on purpose: the largest of its parts, and what an engine was set to."""
+    """The depth (m) that a method keeps on purpose: the largest slop of its pipeline and of its engine."""
     told = [trial.canonical.get("pipeline", ""), str(trial.canonical.get("engine", ""))]
     found = [value for text in told for value in re.findall(r"\bslop['\"]?[=:]\s*['\"]?([0-9.e+-]+)", text)]
     return max(map(float, found), default=0.0)
 
 
 @metric("penetration beyond the slop", "m", "largest penetration of shapes (after a second, where bodies should rest), less the "
-        "slop that the method keeps on purpose", "less overlap than is kept on purpose", ("penetration_poses",))
+        "slop that the method keeps on purpose", "less overlap beyond the slop", ("penetration_poses",))
 def penetration_beyond_slop(trial):
     settled = trial.metrics.get("penetration_settled")
     return max(0.0, (trial.metrics["penetration_poses"] if settled is None else settled) - slop(trial))
 
 
-# Depths, of which this one is what nobody meant.
+# The metric without the intended slop, for each depth.
 BEYOND_SLOP = dict.fromkeys(("penetration_settled", "penetration_poses", "max_penetration"), "penetration_beyond_slop")
 
 
 def known(store):
-    """Every metric by name: those that trials measure, then those that are worked out here, under names of their own."""
+    """Every metric by name: those that trials measure, then those of DERIVED. A name must not be in both."""
     twice = sorted(store.metrics.keys() & DERIVED.keys())
     if twice:
-        raise UserError(f"reports/metrics.py: trials measure {', '.join(twice)}, too; one name is one metric")
+        raise UserError(f"reports/metrics.py: trials already measure {', '.join(twice)}; a metric needs a unique name")
     return {**store.metrics, **DERIVED}
 
 
@@ -176,7 +176,7 @@ def find(store, name):
 
 
 def add(store, cells, names):
-    """Adds the named metrics as columns, where the store has not measured them; cells without a finished trial get NaN."""
+    """Adds the named computed metrics as columns; cells without a finished trial get NaN."""
     for name in names:
         entry = find(store, name)
         if entry.compute and len(cells):
@@ -195,14 +195,14 @@ def _value(entry, trial):
 
 
 def column(cells, name):
-    """A metric's values as floats. Every metric of the trials' kind is a column, so one that is none is misspelt."""
+    """A metric's values as floats. Every metric of the trials' kind is a column, so a missing column is a misspelt name."""
     if name not in cells:
         raise UserError(f"no metric '{name}' among these cells; they have {', '.join(map(str, cells.columns))}")
     return cells[name].astype(float).to_numpy()
 
 
 def pareto(cost, error):
-    """Indices of the points that no other beats: ascending cost, strictly falling error. Zero counts as any number."""
+    """Indices of the points that no other beats: ascending cost, strictly falling error. Zeros are points like any other."""
     order = sorted((i for i in range(len(cost)) if math.isfinite(cost[i]) and math.isfinite(error[i])),
                    key=lambda i: (cost[i], error[i]))
     front = []
@@ -213,7 +213,7 @@ def pareto(cost, error):
 
 
 def crossover(n, a, b):
-    """The n from which `b` stays below `a`, interpolated on log-log axes; None when it never does or always did."""
+    """The n from which `b` stays below `a`, interpolated on log-log axes; None where it never or always does."""
     n, a, b = (np.asarray(v, dtype=float) for v in (n, a, b))
     good = np.isfinite(a) & np.isfinite(b) & (a > 0) & (b > 0)
     n, gap = n[good], np.log(a[good]) - np.log(b[good])
@@ -228,8 +228,8 @@ def crossover(n, a, b):
 
 
 def errors_of(context, cells):
-    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has.
-    An error that none of them makes (no contacts, no penetration) is no panel."""
+    """At most three errors for panels, the most important first: errors that every method has and that are not all zero, one per
+    meaning."""
     finished = cells[cells["outcome"] == "ok"]
     names, kept = context.metrics("world", "error"), {}
     for name in names:

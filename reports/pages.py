@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""The page: one HTML file with the charts beside it, that opens from disk without a server or script."""
+"""The page: one HTML file with its charts in folders beside it. It opens from disk, without a server or scripts."""
 
 import multiprocessing
 import os
@@ -27,8 +27,8 @@ MARK = '<meta name="generator" content="LPC reports">'
 
 
 def whole(path, write):
-    """Calls write(path) so that the file is there whole or not at all: under another name first, then renamed. What
-    exists and is no regular file (a device, a pipe) is written in place."""
+    """Calls write(path) so that the file is complete or absent: writes under another name, then renames. An existing device or
+    pipe is written in place."""
     special = path.exists() and not path.is_file()
     target = path if special else path.with_name(path.name + ".partial")
     try:
@@ -50,7 +50,8 @@ def folder(path):
 
 
 def save(figure, path, finding=None):
-    """As the ending says; no dates inside, so the same store gives the same bytes. An SVG bears its finding, if it is given."""
+    """Saves a figure in the format of the path's ending, without dates, so that the same store gives the same bytes. A given
+    finding goes into the metadata of an SVG."""
     ending = path.suffix[1:]
     made_by = {"svg": {"Date": None, "Creator": "LPC reports"}, "png": {"Software": "LPC reports"}}
     metadata = made_by.get(ending, {}) | ({"Description": finding} if finding and ending == "svg" else {})
@@ -58,9 +59,9 @@ def save(figure, path, finding=None):
 
 
 def save_all(pictures):
-    """[(figure, path)], by one process per core: most of the time of a report is spent here."""
+    """Saves [(figure, path)] with one process per core: this takes most of the time of a report."""
     global _pictures
-    _pictures = pictures  # figures cannot be sent: the processes are copies of this one, which has them
+    _pictures = pictures  # figures cannot be pickled: the forked processes inherit them
     cores = min(len(os.sched_getaffinity(0)), len(pictures))
     if cores < 2:
         for figure, path in pictures:
@@ -69,10 +70,10 @@ def save_all(pictures):
     try:
         with ProcessPoolExecutor(cores, multiprocessing.get_context("fork")) as pool:
             for said in pool.map(_save, range(len(pictures))):
-                for message, category in said:  # of a copy nobody would hear them
+                for message, category in said:  # the warnings of a forked process would be lost
                     warnings.warn(message, category, stacklevel=2)
     except BrokenProcessPool as error:
-        raise UserError(f"a process that writes pictures was ended from outside, as when memory is short: {error}") from error
+        raise UserError(f"a process that writes pictures was killed, perhaps for lack of memory: {error}") from error
     finally:
         _pictures = []
 
@@ -81,7 +82,7 @@ _pictures = []
 
 
 def _save(place):
-    """Writes one; returns what was warned of."""
+    """Saves one picture; returns its warnings."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         save(*_pictures[place])
@@ -89,13 +90,13 @@ def _save(place):
 
 
 def save_table(rows, about, path):
-    """Beside each other for programs: path.csv, and path.json that also says what the table is."""
+    """Writes path.csv, and path.json with a description of the table."""
     whole(path.with_suffix(".csv"), lambda target: table.to_csv(rows, target))
     whole(path.with_suffix(".json"), lambda target: table.to_json(rows, about, target))
 
 
 def facts(store):
-    """The header: where these numbers come from."""
+    """The source of the numbers: machine, compiler, commit, seeds, dates, store."""
     first, last = store.started()
     rows = []
     for number, machine in sorted(store.machines.items()):
@@ -115,13 +116,13 @@ def facts(store):
 
 
 def source(store):
-    """Where a table's numbers come from, for programs; times are ISO 8601, UTC."""
+    """The source of a table's numbers, for JSON; times are ISO 8601, UTC."""
     first, last = store.started()
     return {"store": store.path.name, "first_trial": first, "last_trial": last}
 
 
 def forget_earlier(out):
-    """Removes the charts and tables of an earlier report in this folder, and nothing that is not a report's."""
+    """Removes the charts and tables of an earlier report in this folder, and no other file."""
     page = out / "index.html"
     if not page.is_file() or MARK not in page.read_text(encoding="utf-8", errors="replace"):
         return
@@ -137,19 +138,19 @@ def write_charts(store, charts, out):
     folder(tables)
     drawn = [chart for chart in charts if chart.figure is not None]
     save_all([(chart.figure, pictures / (chart.id + ending)) for chart in drawn
-              for ending in (".svg", ".png")])  # PNG for where SVG does not go
+              for ending in (".svg", ".png")])  # PNG for programs without SVG
     for chart in drawn:
         plt.close(chart.figure)
     for chart in charts:
         if len(chart.table):
-            about = {"id": chart.id, "title": chart.title, "question": chart.section, "finding": chart.finding,
-                     "sweep": chart.sweep}
+            about = {"id": chart.id, "title": chart.title, "question": chart.section,
+                     "finding": chart.finding.headline, "found": chart.finding.rows(), "sweep": chart.sweep}
             save_table(chart.table, {**about, **source(store)}, tables / chart.id)
     return [pictures / f"{chart.id}.svg" for chart in drawn]
 
 
 def write_headlines(charts, out):
-    """Writes the small charts of the findings that stand first; returns what the page says of them."""
+    """Writes the small charts of the first screen; returns their entries for the page."""
     folder(out / "charts" / "small")
     said = []
     for chart in headlines.chosen(charts):
@@ -167,7 +168,8 @@ def write(context, charts, out, store_argument, out_argument):
     write_charts(context.store, charts, out)
     first, sections = write_headlines(charts, out), {}
     for chart in charts:
-        item = {"id": chart.id, "title": chart.title, "finding": chart.finding, "note": chart.note,
+        item = {"id": chart.id, "title": chart.title, "finding": chart.finding.headline, "note": chart.note,
+                "found": table.to_html(chart.finding.table) if len(chart.finding.table) else "",
                 "holes": chart.holes, "drawn": chart.figure is not None,
                 "width": round(100 * chart.figure.get_figwidth()) if chart.figure is not None else 0,
                 "table": table.to_html(chart.table) if len(chart.table) else "", "rows": len(chart.table),
@@ -175,10 +177,10 @@ def write(context, charts, out, store_argument, out_argument):
         sections.setdefault(chart.section, []).append(item)
     planned = coverage.trials(context.store)
     bad, outcomes = coverage.not_ok(planned), coverage.outcomes(planned)
-    save_table(bad, {"id": "not_ok", "title": "All that is not ok", **source(context.store)}, tables / "not_ok")
+    save_table(bad, {"id": "not_ok", "title": "Failed and missing trials", **source(context.store)}, tables / "not_ok")
     glossary = pd.DataFrame([(name, m.title, m.meaning, m.unit, m.smaller or "–", ", ".join(m.needs) or "–",
                               "the report" if m.compute else "the trial") for name, m in metrics.known(context.store).items()],
-                            columns=["metric", "in charts", "what it is", "unit", "smaller is", "needs", "computed by"])
+                            columns=["metric", "in charts", "meaning", "unit", "smaller is", "needs", "computed by"])
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE / "templates"), autoescape=True,
                                      trim_blocks=True, lstrip_blocks=True)
     page = environment.get_template("index.html.j2").render(
@@ -194,13 +196,13 @@ def write(context, charts, out, store_argument, out_argument):
 
 
 def told(items):
-    """How much of a section there is to see."""
+    """The number of drawn charts of a section."""
     drawn = sum(item["drawn"] for item in items)
     return plural(drawn, "chart") if drawn else "not in this store"
 
 
 def commands(opened, chart, store, out):
-    """What to type to get this figure again: the sweeps that measure, the report that draws."""
+    """The commands that make a chart again: the sweeps that measure, and the report."""
     store, out = shlex.quote(str(store)), shlex.quote(str(out))
     lines = [line for sweep in dict.fromkeys((chart.sweep, *chart.others)) if sweep
              for line in sweep_commands(opened, sweep, store)]
@@ -210,17 +212,17 @@ def commands(opened, chart, store, out):
 
 
 def sweep_commands(opened, sweep, store):
-    """What planned the cells of this sweep, as the store remembers it: with its file, plugins and options."""
+    """The commands that planned the cells of this sweep, with file, plugins and options, as the store recorded them."""
     asked = opened.sweep(sweep).commands or (("sweep", sweep),)
     return [f"{PROGRAM} {shlex.join(arguments)} --store {store}" for arguments in asked]
 
 
 def missing(opened, store):
-    """What the first lines of the page say of sweeps that were stopped: (sentence, commands that go on)."""
+    """Unfinished sweeps, for the first lines of the page: (sentence, commands that continue them)."""
     table, found = coverage.trials(opened), []
     for sweep, part in table.groupby("sweep", sort=False):
         left = int((part["outcome"] == NOT_RUN).sum())
         if left:
-            found.append((f"{left} of {plural(len(part), 'trial')} of {sweep} are missing: it was stopped, or still runs.",
+            found.append((f"{left} of {plural(len(part), 'trial')} of {sweep} are missing: the sweep was stopped, or still runs.",
                           sweep_commands(opened, sweep, shlex.quote(str(store)))))
     return found

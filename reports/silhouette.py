@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Zlib
-"""Outlines of the shapes of cases. `lpc verify` writes them (oracles/corpus/case_text.cpp); of a case of an older store they are
-worked out here, by support points, of the kinds that there were then.
+"""Outlines of the shapes of a case. `lpc verify` writes them (oracles/corpus/case_text.cpp). Older stores lack them: then they
+are computed here from support points, for the kinds of shapes of that time.
 
-Shapes and poses are those of the schema of tests/regressions/hard_cases.json; 3D is seen from one fixed side, in parallel.
+Shapes and poses follow the schema of tests/regressions/hard_cases.json. 3D is seen from one fixed side, in parallel projection.
 """
 
 import numpy as np
 
-TURN = np.linspace(0, 2 * np.pi, 180, endpoint=False) + 1e-3  # along no axis, where a support point is any of an edge
-# Right and up of the picture in 3D: a little from the side and from above.
+TURN = np.linspace(0, 2 * np.pi, 180, endpoint=False) + 1e-3  # off the axes, where a support point is not unique
+# Right and up axes of the picture in 3D: slightly from the side and from above.
 CAMERA = np.array([[0.87, 0.0, -0.49], [-0.19, 0.92, -0.34]])
 
 
@@ -16,7 +16,7 @@ KNOWN = ("sphere", "capsule", "cylinder", "cone", "ellipsoid", "box", "segment",
 
 
 def of_case(case, side):
-    """Points of the outline of its shape A or B, one row each, closed; None where nothing tells it."""
+    """Points of the closed outline of shape A or B, one per row; None where the outline is unknown."""
     given = case.get(f"outline{side}")
     if given:
         return np.array([*given, given[0]], dtype=float)
@@ -25,13 +25,13 @@ def of_case(case, side):
 
 
 def outline(shape, pose, dimension):
-    """Points of the outline in the picture's plane (m), one row each."""
+    """Points of the closed outline in the picture's plane (m), one per row."""
     camera = CAMERA if dimension == 3 else np.eye(2)
     camera = camera / np.linalg.norm(camera, axis=1, keepdims=True)
     turn, at = _turn(pose), np.asarray(pose["t"], dtype=float)
     points = [camera @ (turn @ _support(shape, turn.T @ d) + at) for d in
               (camera.T @ np.array([np.cos(a), np.sin(a)]) for a in TURN)]
-    return np.array([*points, points[0]])  # closed, although a corner's two edges belong to no direction of these
+    return np.array([*points, points[0]])  # closes the outline
 
 
 def _turn(pose):
@@ -45,7 +45,7 @@ def _turn(pose):
 
 
 def _support(shape, d):
-    """The farthest point along d, in the shape's own frame."""
+    """The support point along d, in the shape's frame."""
     kind, d = shape["type"], d / np.linalg.norm(d)
     if kind == "sphere":
         return shape["radius"] * d

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""What each policy of sleep does in three small scenes, which the 2009 report complains of (6.5.1, 9.4.3): the wave in which a
-sleeping stack wakes, sleepers that a gentle touch wakes for nothing, and slow rollers that do not fall asleep."""
+"""Sleep policies in three small scenes that the 2009 report complains of (6.5.1, 9.4.3): the wave in which a sleeping stack
+wakes, sleeping bodies that a gentle touch wakes needlessly, and slow rollers that do not fall asleep."""
 
 import math
 
@@ -8,18 +8,20 @@ import pandas as pd
 from matplotlib.patches import Rectangle
 
 from chart import Chart, holes
+from finding import Finding, cut
 from load import family, split
-from sentences import listing
+from sentences import plural
 from style import grid_of_axes
 
 SECTION = "What does sleeping save, and what does it cost?"
 WAVE, TOUCH, ROLL = "sleep_wave", "sleep_touch", "sleep_roll"
-SINGLE, SPLIT = "millington", "split_average"  # the report's first average, and the two that it made of it for the rollers' sake
+NONE = "none"  # the policy that keeps all bodies awake
+SINGLE, SPLIT = "millington", "split_average"  # one average of v and w; the two that the 2009 report made of it for slow rollers
 NEVER = "never"
 
 
 def of_sweep(context, cells):
-    """One chart per dimension, where a sweep has all three scenes; charts/sleeping.py asks."""
+    """One chart per dimension for a sweep with all three scenes; charts/sleeping.py calls this."""
     if not {WAVE, TOUCH, ROLL} <= set(cells.get("scene", ())):
         return []
     cells = cells[cells["scene"].isin((WAVE, TOUCH, ROLL))]
@@ -27,13 +29,13 @@ def of_sweep(context, cells):
 
 
 def asleep_from(awake):
-    """The step from which on nobody is awake; None where somebody is in the end."""
+    """The step from which on no body is awake; None where a body is awake at the end."""
     last = max((i for i, count in enumerate(awake) if count > 0), default=-1)
     return None if last == len(awake) - 1 else last + 1
 
 
 def told(context, cell):
-    """(what a cell says, whether it is what one would not want, its number)."""
+    """(text of a cell, whether it is an unwanted result, its number)."""
     if cell["outcome"] != "ok" or cell["key"] is None:
         return cell["outcome"], True, math.nan
     if cell["scene"] == ROLL:
@@ -47,40 +49,31 @@ def told(context, cell):
 
 
 def question(cell):
-    return {WAVE: f"{cell.get('n', 0):.0f} boxes: steps\nuntil all wake", TOUCH: f"touch at {cell.get('speed', 0):g} m/s:\nwoken",
+    return {WAVE: f"{cell.get('n', 0):.0f} boxes: steps\nuntil all wake",
+            TOUCH: f"touch at {cell.get('speed', 0):g} m/s:\nboxes woken",
             ROLL: f"roller at {cell.get('speed', 0):g} m/s:\nasleep from"}[cell["scene"]]
 
 
-def finding(rows):
-    """Per question what the policies do at their defaults; then whether two averages get slow rollers to sleep sooner."""
-    said, plain = [], [row for row in rows if row["method"] == family(row["method"]) and row["method"] != "none"]
-    for scene, begins, unit in ((WAVE, "a sleeping stack of {} boxes whose support goes is awake within", " steps"),
-                                (TOUCH, "a touch at {} m/s wakes", " of a stack"), (ROLL, "a roller of {} m/s sleeps", "")):
-        for at in dict.fromkeys(row["at"] for row in plain if row["scene"] == scene):
-            here, groups = [row for row in plain if row["scene"] == scene and row["at"] == at], {}
-            for row in here:
-                groups.setdefault(row["told"], []).append(row["method"])
-            words = [f"{text.replace('step', 'from step')}{unit} under {listing(names)}" for text, names in groups.items()]
-            said.append(f"{begins.format(f'{at:g}')} {listing(words)}")
-    return "; ".join(said) + "." + rollers(rows)
+def finding(rows, asked, dimension):
+    """A row per policy with its default parameters, a column per question."""
+    plain = [row for row in rows if row["method"] == family(row["method"])]
+    table = {"policy": sorted({row["method"] for row in plain}, key=lambda m: (m != NONE, m))}
+    by = {(row["scene"], row["at"], row["method"]): row["told"] for row in plain}
+    for (scene, at), title in asked.items():
+        table[title.replace("\n", " ")] = [by.get((scene, at, policy), "") for policy in table["policy"]]
+    return Finding(rollers(rows, dimension), cut(pd.DataFrame(table)))
 
 
-def rollers(rows):
-    """The report split its average since slow rollers did not fall asleep soon enough: at which speeds that helps here."""
+def rollers(rows, dimension):
+    """The 2009 report split its average because slow rollers did not fall asleep soon enough: at how many speeds that helps."""
     by = {(row["method"], row["at"]): row["number"] for row in rows if row["scene"] == ROLL}
     speeds = sorted({at for method, at in by if method == SINGLE and (SPLIT, at) in by})
     known = [at for at in speeds if not any(math.isnan(by[method, at]) for method in (SINGLE, SPLIT))]
+    sooner, later = (sum(sign * (by[SPLIT, at] - by[SINGLE, at]) < 0 for at in known) for sign in (1, -1))
     if not known:
-        return ""
-    sooner, later = ([at for at in known if sign * (by[SPLIT, at] - by[SINGLE, at]) < 0] for sign in (1, -1))
-    word = "holds" if sooner and not later else "does not hold" if not sooner else "does not hold everywhere"
-    each = [f"at {at:g} m/s {SPLIT} {_beside(by[SPLIT, at], by[SINGLE, at])}" for at in known]
-    return f" That splitting the average lets slow rollers sleep sooner (6.5.1) {word}: {listing(each)}."
-
-
-def _beside(split_, single):
-    return (f"sleeps sooner than {SINGLE}" if split_ < single else "sleeps no sooner" if split_ == single else
-            f"never sleeps, {SINGLE} does" if math.isinf(split_) else f"sleeps later than {SINGLE}")
+        return f"In {dimension}D {SPLIT} and {SINGLE} have no roller to compare."
+    return (f"In {dimension}D {SPLIT} lets a slow roller sleep sooner than {SINGLE} at {sooner} of "
+            f"{plural(len(known), 'speed')}, later or never at {later} (2009 report, 6.5.1).")
 
 
 def _chart(context, cells):
@@ -88,7 +81,7 @@ def _chart(context, cells):
     cells = cells.assign(at=[cell["n"] if cell["scene"] == WAVE else cell["speed"] for _, cell in cells.iterrows()],
                          place=[(WAVE, TOUCH, ROLL).index(scene) for scene in cells["scene"]])
     cells = cells.sort_values(["place", "at", "method"])
-    asked, policies, rows = {}, sorted(cells["method"].unique(), key=lambda m: (m != "none", m)), []
+    asked, policies, rows = {}, sorted(cells["method"].unique(), key=lambda m: (m != NONE, m)), []
     for _, cell in cells.iterrows():
         text, bad, number = told(context, cell)
         asked.setdefault((cell["scene"], cell["at"]), question(cell))
@@ -111,9 +104,8 @@ def _chart(context, cells):
     for spine in ax.spines.values():
         spine.set_visible(False)
     table = pd.DataFrame([{"scene": row["scene"], "boxes, or speed in m/s": row["at"], "policy": row["method"],
-                           "outcome": row["outcome"], "told": row["told"]} for row in rows])
-    return Chart(f"{sweep}_scenes_{dimension}d", SECTION, f"Waves, touches and slow rollers, {dimension}D",
-                 f"In {dimension}D {finding(rows)}", sweep, figure, table, holes(cells, ["scene", "method", "at"]),
-                 "Left how many steps after its support went most of a sleeping stack is awake: 0 is all at once. Middle how "
-                 "many of a stack a ball wakes that touches it. Right from which step on a rolling ball sleeps. Reddish is what "
-                 "a user would rather not have.")
+                           "outcome": row["outcome"], "result": row["told"]} for row in rows])
+    return Chart(f"{sweep}_scenes_{dimension}d", SECTION, f"Sleep policies: waking waves, touches and slow rollers, {dimension}D",
+                 finding(rows, asked, dimension), sweep, figure, table, holes(cells, ["scene", "method", "at"]),
+                 "Left: steps from the loss of the support until most of a sleeping stack is awake; 0 is best. Middle: boxes of "
+                 "a stack that wake when a ball touches it. Right: the step from which on a rolling ball sleeps. Red: unwanted.")

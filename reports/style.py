@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""How charts look: colours that stay with an algorithm, log axes with a place for zero and for failures, labels."""
+"""The look of charts: fixed colours of algorithms, log axes with a place for zero and for failures, labels."""
 
 import gc
 import math
@@ -16,13 +16,13 @@ import matplotlib.ticker as ticker  # noqa: E402
 
 from load import family  # noqa: E402
 
-# Okabe and Ito's palette without its yellow and black, continued by Paul Tol's muted one: told apart by the colour-blind.
+# Okabe and Ito's palette without its yellow and black, continued by Paul Tol's muted one: both suit colour-blind readers.
 PALETTE = ["#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#332288", "#882255", "#44AA99", "#999933",
            "#661100", "#777777"]
 # For more families than colours: the dark ones lightened, the light ones darkened.
 SHADES = ["#8C3E00", "#66AAD1", "#00573F", "#7A3E61", "#8A5F00", "#1F6F9E", "#8A7FC9", "#C98AA3", "#1E5F55", "#5A5A10",
           "#B5806F", "#333333"]
-MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "d", "*"]  # told apart at the size of a legend
+MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "d", "*"]  # distinct at the size of a legend
 OUTCOMES = {"ok": ("#DCE9F2", ""), "not run": ("#FFFFFF", "?"), "sank": ("#F3DFA2", "S"), "frozen": ("#A9CCE3", "F"),
             "left": ("#8C6BB1", "L"), "collapsed": ("#E69F00", "C"),
             "exploded": ("#D55E00", "E"), "diverged": ("#000000", "N"), "timeout": ("#332288", "T"),
@@ -30,7 +30,7 @@ OUTCOMES = {"ok": ("#DCE9F2", ""), "not run": ("#FFFFFF", "?"), "sank": ("#F3DFA
             "unsupported": ("#BBBBBB", "U"), "nondeterministic": ("#999933", "D")}
 RIGHT, REFUSED, NOT_ASKED = "#E3F0E8", "#B9CFE4", "#F2F2F2"  # of verdicts
 WIDTH = 11.6  # inches at 100 dots: the page's column
-gc.set_threshold(100_000)  # charts are of many small objects that live: to look for dead ones every 700 took a tenth of a report
+gc.set_threshold(100_000)  # charts keep many small objects: collecting every 700 took a tenth of the time of a report
 
 plt.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 9.5, "axes.titlesize": 10.5, "axes.labelsize": 9.5,
@@ -43,20 +43,19 @@ plt.rcParams.update({
 
 
 class Looks:
-    """Colour and marker of each method label of one pool, the methods that meet in a chart.
+    """Colour and marker of each method label of one pool: the methods that can be in one chart.
 
-    The colour is that of the label's family (`catto` of `catto+linear`), the marker that of the member. What the registry
-    of the store names has its look by this alone, whatever else the store holds; other labels take what is left. So a
-    label looks alike on all pages.
+    The family of the label (`catto` of `catto+linear`) gives the colour, the member the marker. The looks of registered names
+    depend on the registry alone, so a label looks the same on all pages. Other labels take the looks that are left.
     """
 
     def __init__(self, store, registered, labels):
-        """`registered`: entries of the registry that belong to this pool, in its order; `labels`: all that are drawn."""
+        """`registered`: entries of the registry in this pool, in the registry's order; `labels`: all labels that are drawn."""
         self.store, self.families, self.looks = store, {}, {}
         stages = {}
         for entry in registered:
             stages.setdefault(entry["stage"], []).append(entry["name"])
-        # `+linear` is the same shift of the marker in each family: its place among the names of its stage.
+        # `+linear` shifts the marker by the same number in each family: its place among the names of its stage.
         self.shifts = {"+" + name: 1 + place for names in stages.values() for place, name in enumerate(sorted(names))}
         for name in [entry["name"] for entry in registered] + sorted({family(label) for label in labels}):
             self._enter(name)
@@ -67,7 +66,7 @@ class Looks:
             slot, member = self.families[family(label)], self._member(label)
             marker = 7 * slot + (self.shifts.get(member, zlib.crc32(member.encode())) if member else 0)
             colours = PALETTE + SHADES
-            # A family of more members than there are markers goes on in the other shade of its colour.
+            # A family with more members than markers continues in the other shade of its colour.
             tried = [(colours[place % len(colours)], MARKERS[(marker + step) % len(MARKERS)])
                      for place in (slot, slot + len(PALETTE)) for step in range(len(MARKERS))]
             self.looks[label] = next((look for look in tried if look not in taken), tried[0])
@@ -78,7 +77,7 @@ class Looks:
         return label[len(family(label)):]
 
     def _enter(self, name):
-        """The slot that the name's hash prefers, or the next free one: of the palette first, then of its shades."""
+        """Gives a family the slot of its name's hash, or the next free slot: of the palette first, then of its shades."""
         if name in self.families:
             return
         used = set(self.families.values())
@@ -88,7 +87,7 @@ class Looks:
         self.families[name] = next(slot for slot in slots if slot not in used)
 
     def __call__(self, label):
-        """Keyword arguments for plot(): what is no competitor is drawn hollow and dashed."""
+        """Keyword arguments for plot(). Witnesses and engines are drawn hollow and dashed."""
         colour, marker = self.looks[label]
         look = {"color": colour, "marker": marker, "markersize": plt.rcParams["lines.markersize"] * scale_of(marker)}
         if self.store.role(label) != "competitor":
@@ -97,12 +96,12 @@ class Looks:
 
 
 def scale_of(marker):
-    """A star of the size of a disc would be a speck."""
+    """Factor of a marker's size: a star looks smaller than a disc of the same size."""
     return 1.6 if marker == "*" else 1.0
 
 
 def letter(outcome):
-    """The mark of a run that is not ok: the outcome's letter, upright."""
+    """The marker of a failed run: the letter of its outcome, upright."""
     return f"$\\mathbf{{{OUTCOMES.get(outcome, ('', '?'))[1] or '?'}}}$"
 
 
@@ -110,8 +109,8 @@ HALO = [patheffects.withStroke(linewidth=2.5, foreground="white")]  # keeps a le
 
 
 def fallen(ax, spots, **kwargs):
-    """Letters of failed runs at (x, y, outcome, colour). Those that would lie on one another are one letter with their number.
-    They are the last that a panel gets: the limits of its axes stand from now on."""
+    """Draws letters of failed runs at (x, y, outcome, colour); letters that would overlap become one letter with their number.
+    Call it last: the limits of the axes are fixed from then on."""
     if not spots:
         return
     ax.update_datalim([spot[:2] for spot in spots])
@@ -150,29 +149,29 @@ def _counted(spots, members):
 
 
 def _wide(spots, members):
-    """Of the letters of these spots, in points, with room beside them."""
+    """Width of the letters of these spots in points, with room beside them."""
     return 7.0 * len(_counted(spots, members)) + 3
 
 
 def same(curves):
-    """{method: the first of those with exactly these points}: lines that lie on one another are drawn once. Without a point that
-    is drawn there is no line."""
+    """{method: the first method with the same points}: lines that coincide are drawn once. A curve without a finite point is no
+    line."""
     curves, firsts = {method: np.asarray(points, float) for method, points in curves.items()}, {}
     drawn = {method: np.isfinite(np.atleast_2d(points)).all(axis=0).any() for method, points in curves.items()}
     return {method: firsts.setdefault(points.tobytes() if drawn[method] else method, method) for method, points in curves.items()}
 
 
 def one_line(ax, firsts, words):
-    """Says above the axes which methods share a line, `words` (of a group) or, where there is no room, their number alone:
-    then the words are returned, for the caption."""
+    """Writes above the axes which methods coincide, in `words` of a group. Without room it writes their number alone, and returns
+    the words for the caption."""
     groups = [[m for m in firsts if firsts[m] == first] for first in dict.fromkeys(firsts.values())]
     groups = [group for group in groups if len(group) > 1]
     room = int(ax.get_position().width * ax.figure.get_figwidth() / 0.067)
-    told, unnamed = "; ".join(f"{words(group)} are one line" for group in groups), ""
-    lines = textwrap.wrap("; ".join(f"{words(group)} are one line here" for group in groups), room)
+    told, unnamed = "; ".join(f"{words(group)} coincide" for group in groups), ""
+    lines = textwrap.wrap("; ".join(f"{words(group)} coincide" for group in groups), room)
     if len(lines) > 1:
         lined = "one line" if len(groups) == 1 else f"{len(groups)} lines"
-        lines = textwrap.wrap(f"{sum(map(len, groups))} methods are {lined} here", room)
+        lines = textwrap.wrap(f"{sum(map(len, groups))} methods lie on {lined}", room)
         unnamed = told
     if lines:
         ax.text(0, 1.02, "\n".join(lines), transform=ax.transAxes, va="bottom", fontsize=8, color="#555555")
@@ -182,7 +181,7 @@ def one_line(ax, firsts, words):
 
 
 def caption_of_lines(found):
-    """What `one_line` returned for each panel, [(panel, words)], as the end of a caption."""
+    """The end of a caption, from [(panel, words that one_line returned)]."""
     panels = {}
     for panel, words in found:
         if words:
@@ -191,13 +190,13 @@ def caption_of_lines(found):
 
 
 def figures(value, digits=3):
-    """A number in a sentence or a cell: as many digits as tell it, thousands in full and without a power of ten."""
+    """A number with three digits; from a thousand to a million all digits, without a power of ten."""
     rounded = float(f"{value:.{digits - 1}e}")  # 999.6 is 1,000
     return f"{value:,.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{value:.{digits}g}"
 
 
 def si(value, unit="", digits=3):
-    """A number for a sentence: 0.00123 m -> 1.23 mm. Zero stays 0."""
+    """A number with its unit: 0.00123 m -> 1.23 mm. Zero stays 0."""
     if value is None or math.isnan(value):
         return "unknown"
     if math.isinf(value):
@@ -218,9 +217,9 @@ def si(value, unit="", digits=3):
 
 
 def times(ratio):
-    """A ratio for a sentence."""
+    """A ratio as text."""
     short = f"{ratio:.1f}"
-    if short in ("0.0", "1.0"):  # and it is told because it is neither
+    if short in ("0.0", "1.0"):  # the ratio differs from both
         return f"{ratio:.2g}" if ratio < 0.5 else f"{ratio:.2f}"
     return short if ratio < 20 else f"{ratio:,.0f}"
 
@@ -238,7 +237,7 @@ def _tick(value, unit):
 
 
 def _ticks(low, high, most):
-    """Round values between 10^low and 10^high: decades, or 1-2-5, or every digit, whatever fits into `most`."""
+    """Round values between 10^low and 10^high: decades, 1-2-5 or every digit, at most `most`."""
     first, last = math.ceil(low - 1e-9), math.floor(high + 1e-9)
     decades = [10.0**p for p in range(first, last + 1)]
     if len(decades) >= 3 or len(decades) > most:
@@ -252,7 +251,7 @@ def _ticks(low, high, most):
 
 
 def _apart(ticks, kept, inch_of, which):
-    """Those of the ticks whose labels do not touch: the `kept` first, then the others in order."""
+    """The ticks whose labels do not touch: first those in `kept`, then the others in order."""
     found = {}
     for value in sorted(ticks, key=lambda v: (v not in kept, v)):
         if all(abs(inch_of(value) - inch_of(other)) > _BESIDE[which] + (_inches(ticks[value], which) +
@@ -261,19 +260,19 @@ def _apart(ticks, kept, inch_of, which):
     return found
 
 
-_BESIDE = {"x": 0.12, "y": 0.05}  # inches between labels of ticks: more where they stand in one line
+_BESIDE = {"x": 0.12, "y": 0.05}  # inches between labels of ticks: more where they are side by side
 
 
 def _inches(label, which):
-    """Of the label of a tick, along its axis; powers of ten are set smaller than they are written."""
+    """Length of a tick's label along its axis; a power of ten is shorter than its text."""
     return 0.12 if which == "y" else 0.075 * (4 if label.startswith("$") else len(label))
 
 
 class ZeroLog:
-    """A log axis on which nothing vanishes: zeros stand left of (below) a gap at "0", failures beyond the other end.
+    """A log axis with places for zeros, left of (below) a gap at "0", and for failures, beyond the other end.
 
-    `place` gives the position of a value: its own, the zero place, or, for NaN and infinity, the failure place.
-    Values up to `floor` stand with the zeros; the label then says so.
+    `place` gives the position of a value: its own, that of zeros, or that of failures for NaN and infinity. Values up to `floor`
+    are drawn with the zeros; the label then says so.
     """
 
     def __init__(self, ax, which, values, unit="", failures=None, failed_name="failed", floor=0.0):
@@ -296,7 +295,7 @@ class ZeroLog:
         getattr(ax, f"set_{which}lim")(10.0**bottom, 10.0**top)
         share = (high - low) / (top - bottom)
         most = max(2, int(inches * share / (0.66 if which == "x" else 0.3)))
-        ticks = {v: _tick(v, unit) for v in _ticks(low, high, most) if v >= floor}  # below it stand the zeros
+        ticks = {v: _tick(v, unit) for v in _ticks(low, high, most) if v >= floor}  # smaller values are drawn with the zeros
         if self.has_zero:
             below = any(0 < v <= floor for v in values)
             ticks[self.zero] = f"<{si(floor, unit)}" if below else "0"
@@ -328,7 +327,7 @@ def plain_log(ax, which, values, unit=""):
 
 
 def direct_labels(ax, ends, size=8.5):
-    """Labels right of the axes at the ends of lines, pushed apart so that none overlap. ends: (y, text, colour)."""
+    """Labels right of the axes at the ends of lines, moved apart so that they do not overlap. ends: (y, text, colour)."""
     if not ends:
         return
     to_axes = ax.transAxes.inverted()
@@ -350,7 +349,7 @@ def direct_labels(ax, ends, size=8.5):
 
 def grid_of_axes(rows, columns, row_height, legend_width=0.0, width=WIDTH, top=0.45, bottom=0.6, left=0.85, gap_x=0.85,
                  gap_y=0.75, **kwargs):
-    """Axes at sizes in inches, with room kept at the right for a legend or direct labels."""
+    """Axes with sizes in inches, and room at the right for a legend or direct labels."""
     height = top + bottom + rows * row_height + (rows - 1) * gap_y
     edge = 0.35 if legend_width else 0.15  # half of the last label of an axis goes beyond its end
     cell = (width - left - legend_width - edge - (columns - 1) * gap_x) / columns
@@ -366,7 +365,7 @@ def legend_room(names, least):
 
 
 def legend_right(figure, handles, legend_width, title=None, width=WIDTH):
-    """A legend in the room that grid_of_axes kept; the figure grows when there are more methods than it is high."""
+    """A legend in the room that grid_of_axes leaves; the figure grows where the legend is higher."""
     figure.set_figheight(max(figure.get_figheight(), 0.35 + 0.2 * len(handles) + (0.2 if title else 0)))
     figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - legend_width / width, 0.97), title=title,
                   alignment="left", borderaxespad=0, labelspacing=0.55, handlelength=1.8)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Zlib
-"""Tables: for programs as CSV and JSON with raw SI numbers, for eyes as HTML with the same numbers rounded.
+"""Tables: as CSV and JSON with raw SI numbers, as HTML and markdown with the same numbers rounded.
 
-A column of numbers is titled "what it is [unit]", with the unit in SI; texts and counts of things have no unit. Nothing is
-formatted before the page is written, so a number that is read from a table is the one that the chart was drawn from.
+A column of numbers is titled "quantity [unit]", with an SI unit; texts and counts have no unit. Numbers are formatted only when a
+page is written, so a table holds the numbers that the chart was drawn from.
 """
 
 import html
@@ -15,17 +15,18 @@ import pandas as pd
 
 from style import si
 
-SI = {"ms": (1e3, "s"), "us": (1e6, "s"), "ns": (1e9, "s")}  # the units of metrics that are not SI: parts of one, and the one
+# Units of metrics that are not SI: how many make the SI unit, and the SI unit.
+SI = {"ms": (1e3, "s"), "us": (1e6, "s"), "ns": (1e9, "s")}
 
 
 def quantity(title, unit, values):
-    """{title of the column: its numbers}, in SI. For an unknown value NaN."""
+    """{title of the column: its numbers} in SI; NaN for an unknown value."""
     parts, unit = SI.get(unit, (1.0, unit))
     return {f"{title} [{unit}]": [math.nan if v is None else float(v) / parts for v in values]}
 
 
 def heading(name):
-    """(title, unit) of a column; the unit is empty where it has none."""
+    """(title, unit) of a column; an empty unit for a column without one."""
     found = re.fullmatch(r"(.+) \[([^\[\]]+)\]", str(name))
     return (found[1], found[2]) if found else (str(name), "")
 
@@ -35,7 +36,7 @@ def unknown(value):
 
 
 def shown(value, unit):
-    """A value for eyes: empty where it is unknown, rounded where it is a number; zero is 0."""
+    """A value as text: empty where it is unknown, a number rounded; zero is 0."""
     if unknown(value):
         return ""
     if isinstance(value, numbers.Real) and unit:
@@ -46,7 +47,7 @@ def shown(value, unit):
 
 
 def to_html(table):
-    """Numbers right, nothing hidden."""
+    """The whole table, numbers at the right."""
     headings = [heading(name) for name in table.columns]
     head = "".join(f"<th>{html.escape(title)}</th>" for title, _ in headings)
     body = []
@@ -57,8 +58,31 @@ def to_html(table):
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
 
 
+def texts(row):
+    """The values of a row {title: value} as texts; an infinity may be a text, as in JSON."""
+    found = []
+    for name, value in row.items():
+        unit = heading(name)[1]
+        found.append(shown(float(value) if unit and isinstance(value, str) else value, unit))
+    return found
+
+
+def to_markdown(rows):
+    """A table of rows {title: value} for pages of docs/, with numbers rounded; empty where there are none."""
+    if not rows:
+        return ""
+    cell = lambda text: text.replace("|", "\\|")  # noqa: E731
+    lines = [[heading(name)[0] for name in rows[0]], ["---"] * len(rows[0]), *map(texts, rows)]
+    return "".join(f"| {' | '.join(map(cell, line))} |\n" for line in lines)
+
+
+def records(table):
+    """Rows {title of the column: value} for JSON; unknown is null, infinite is the text "inf" or "-inf"."""
+    return [dict(zip(map(str, table.columns), map(_plain, row))) for row in table.itertuples(index=False, name=None)]
+
+
 def to_csv(table, target):
-    """Every digit of a number, so that it is read back as it was; unknown is empty."""
+    """Writes CSV with all digits of a number, so that it reads back unchanged; unknown is empty."""
     table.to_csv(target, index=False)
 
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Zlib
-"""How far each method goes from a converged reference, for as long as it agrees with itself and with an unlike solver.
+"""Distance of each method from a converged reference, for as long as the reference agrees with itself and with another solver.
 
-The sweep's baseline is the reference: a label whose cells have a step of their own, hundreds of times shorter, and beside them
-its own runs, at half that step and started a nanometre beside itself. Of another solver, as converged, are the cells with the
-label "NAME by SOLVER". They part where a scene forgets its start, where the reference has not converged, or where the solvers
-converge to different motions: from there on no distance is compared or ranked, and ensembles say what can be said.
+The sweep's baseline is the reference: a label whose cells have their own step, hundreds of times shorter. Beside them stand its
+own runs, at half that step and started a nanometre away. Converged cells of another solver have the label "NAME by SOLVER". The
+runs part where a scene forgets its start, where the reference has not converged, or where the solvers converge to different
+motions. From then on no distance is compared or ranked; ensembles answer what can still be answered.
 """
 
 import math
@@ -18,15 +18,15 @@ import over_steps
 import ranking
 from budget import marks, within
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
+from finding import Finding, Line, fits, ranked
 from load import split, varying
-from sentences import does, listing, methods, verb
+from sentences import listing, methods, some, verb
 from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si, times
 from table import quantity
 
-SECTION = "How far does each method go from a converged reference?"
+SECTION = "How far is each method from a converged reference?"
 APART = 5e-4  # m: a tenth of the slop that most methods leave
-NAMED = 4  # so many of those that are farthest are named in a sentence
-EVEN = 1e-6  # s: moments that are nearer are one
+EVEN = 1e-6  # s: times that are closer count as one
 BY = " by "  # in the label of the same reference by another solver
 WORK = "work_multiply_adds"
 COST, FAR, MIDDLE = "cost", "largest distance", "median distance"  # columns of cells
@@ -53,7 +53,7 @@ def against_reference(context, cells):
 
 
 def several_steps(cells):
-    """Whether the methods are run at several time steps: their work is then that of a second, not of a step."""
+    """Whether methods run at several time steps: their work is then compared per second, not per step."""
     return cells["own_dt"].nunique() > 1
 
 
@@ -70,13 +70,13 @@ def _dt(context, key):
 
 
 def tracks(context, key, dt, dimension):
-    """{time (s): {slot: position}} of a run; times are rounded, so that steps of any length meet."""
+    """{time (s): {slot: position}} of a run; times are rounded, so that runs with different steps have common times."""
     return {round(step * dt / EVEN) * EVEN: {row[0]: row[1:1 + dimension] for row in rows}
             for step, rows in context.store.poses(key, dimension).items()}
 
 
 def distances(track, other, moving):
-    """(largest, median) distance of the moving bodies at each time that both have; infinite where one lacks a body."""
+    """{time: (largest, median) distance of the moving bodies} at each common time; infinite where a run lacks a body."""
     found = {}
     for time in sorted(set(track) & set(other) - {0.0}):
         far = [float(np.linalg.norm(track[time][s] - other[time][s])) if s in track[time] and s in other[time] else math.inf
@@ -86,9 +86,9 @@ def distances(track, other, moving):
 
 
 class Runs:
-    """A reference and how far its own runs, and those of unlike solvers, are from it. `compared`: whether it has all of them;
-    `spread`: {time: m}; `unlike`: {solver: {time: m}}; `horizon`: the first time at which one is farther away than APART, None
-    where there is none; `end`: its last time."""
+    """A reference, and the distances of its own runs and of another solver's from it. `compared`: whether it has all of them;
+    `spread`: {time: m}; `unlike`: {solver: {time: m}}; `horizon`: the first time at which one is farther than APART, None where
+    there is none; `end`: its last time."""
 
     def __init__(self, context, own, by_others):
         self.context = context
@@ -97,10 +97,10 @@ class Runs:
         still = [run for run in runs if run[1] == 0]
         self.dt = max((dt for dt, _, _ in still), default=math.nan)
         self.beside = max((beside for _, beside, _ in runs), default=0.0)
-        # Both are asked for: half a step does not see that a scene forgets its start, nor another start that a step is too long.
-        # Nor does either see what all of one family do alike.
+        # All three are needed: half a step does not show that a scene forgets its start, another start does not show that the
+        # step is too long, and neither shows an error that all methods of one family share.
         others = {cell["method"].split(BY, 1)[1]: (cell["own_dt"], cell["key"]) for _, cell in by_others.iterrows()
-                  if cell["own_dt"] <= self.dt * (1 + EVEN) and cell["key"] is not None}  # where one falls, they part
+                  if cell["own_dt"] <= self.dt * (1 + EVEN) and cell["key"] is not None}  # a failed run has parted
         self.compared = (min((dt for dt, _, _ in still), default=math.nan) < self.dt and self.beside > 0 and len(others) > 0)
         if not self.compared:
             return
@@ -123,7 +123,7 @@ class Runs:
         return distances(tracks(self.context, key, dt, self.dimension), self.track, self.moving)
 
     def ended(self, key, dt):
-        """Whether a run ended while the reference served."""
+        """Whether a run ended while the reference was valid."""
         last = max((time for time in self.spread if self.serves(time)), default=math.nan)
         return not max(self.context.store.poses(key, self.dimension), default=0) * dt > last - EVEN
 
@@ -132,13 +132,13 @@ class Runs:
 
     @property
     def doubt(self):
-        """m: how far the reference may be off while it serves."""
+        """m: the uncertainty of the reference while it is valid."""
         return max([v for time, v in self.spread.items() if self.serves(time)], default=math.nan)
 
 
 def measured(context, others, runs):
-    """The cells with FAR and MIDDLE, the largest over the times at which the reference serves; a run that ended before has
-    none. Also {index: {time: (largest, median)}}."""
+    """The cells with FAR and MIDDLE, the largest over the times at which the reference is valid, NaN for a run that ended
+    before. Also {index: {time: (largest, median)}}."""
     courses = {i: {} if cell["key"] is None else {time: far for time, far in runs.to(cell["key"], cell["own_dt"]).items()
                                                    if runs.serves(time)} for i, cell in others.iterrows()}
     ended = {i: cell["key"] is None or runs.ended(cell["key"], cell["own_dt"]) for i, cell in others.iterrows()}
@@ -147,80 +147,84 @@ def measured(context, others, runs):
                         for i in others.index]
         others.loc[~np.isfinite(others[name].astype(float)), name] = math.nan
     others[COST] = metrics.column(others, WORK) / (others["own_dt"] if several_steps(others) else 1)
-    # What ended while the reference served has no error, and no rank; that it fell later is another chart's affair.
+    # A run that ended while the reference was valid has no error and no rank. Later failures belong to other charts.
     others["outcome"] = ["ok" if known == known else outcome for known, outcome in zip(others[FAR], others["outcome"])]
     return others, courses
 
 
 def agreement(runs):
-    """How long the reference serves, and which run parts from it first."""
+    """A sentence: how long the reference is valid, and which run parts from it first."""
     own, others = f"its runs at half the step and {si(runs.beside, 'm')} beside it", f"with {listing(sorted(runs.unlike))}"
     if runs.horizon is None:
-        return f"the reference agrees with {own} and {others} to {si(runs.doubt, 'm')} for all {si(runs.end, 's')}"
+        return f"The reference agrees with {own} and {others} to {si(runs.doubt, 'm')} for all {si(runs.end, 's')}."
     far = runs.spread[runs.horizon]
     apart = f"({si(far, 'm')} apart)" if math.isfinite(far) else "(one has ended)"
-    if runs.itself[runs.horizon] > APART:
-        return f"the reference and {own} part at {si(runs.horizon, 's')} {apart}"
-    parted = [solver for solver, far in sorted(runs.unlike.items()) if not far.get(runs.horizon, math.inf) <= APART]
-    return f"the reference and {listing(parted)}, as converged, part at {si(runs.horizon, 's')} {apart}"
+    parted = own if runs.itself[runs.horizon] > APART else listing(
+        solver for solver, far in sorted(runs.unlike.items()) if not far.get(runs.horizon, math.inf) <= APART) + ", as converged,"
+    return f"The reference and {parted} part at {si(runs.horizon, 's')} {apart}; later distances are not compared."
 
 
 def nearest(reached, doubt):
-    """(methods that no other is nearer than, beyond what the reference is in doubt, the least distance, those that are farthest,
-    theirs): the reference may be off by the doubt, so two distances are told apart when they differ by twice as much."""
+    """(methods nearest to the reference, the least distance, the farthest methods, the largest distance). Distances that differ
+    by at most twice the doubt of the reference are equal."""
     best, most = min(reached.values()), max(reached.values())
     firsts = [m for m in sorted(reached) if reached[m] - best <= 2 * doubt]
     return firsts, best, [m for m in sorted(reached) if most - reached[m] <= 2 * doubt and m not in firsts], most
 
 
-def some(names, everyone):
-    """Method labels in a sentence; of more than NAMED the first and how many others."""
-    said = methods(names, everyone)
-    return said if said.count(",") + said.count(" and ") < NAMED else f"{names[0]} and {len(names) - 1} others"
-
-
-def finding(context, others, runs, where):
-    text = f"On {where} {agreement(runs)}"
-    everyone, finished = sorted(others["method"].unique()), others[others[FAR].notna()]
+def found(context, others, runs, where):
+    """(finding, entry of the first screen or None): distances at the largest budget, and beside them at the smallest."""
+    why, finished = ranking.unranked(context, others[others[FAR].notna()]), others[others[FAR].notna()]
+    known, everyone = ranking.eligible(context, finished), sorted(others["method"].unique())
+    budgets = (marks(known, COST, FAR) or [math.inf]) if known["method"].nunique() > 1 else [math.inf] * (len(known) > 0)
+    ends, reached = list(dict.fromkeys([*budgets[:1], *budgets[-1:]])), {}
+    for budget in ends:
+        cells = within(known, COST, FAR, budget).items() if budget < math.inf else (
+            (m, part.loc[part[FAR].astype(float).idxmin()]) for m, part in known.groupby("method"))
+        reached[budget] = dict(cells)
+    last = reached[ends[-1]] if ends else {}
+    cost = lambda budget: f"{budget:,.0f} {cost_title(context, others)}"  # noqa: E731
+    far = {m: float(cell[FAR]) for m, cell in last.items()}
+    firsts, best, lasts, most = nearest(far, runs.doubt) if far else ([], math.nan, [], math.nan)
+    lines = []
+    for method in everyone:
+        ended = others[(others["method"] == method) & others[FAR].isna()]["outcome"]
+        outcome = "not compared"
+        if method in far:
+            outcome = ""
+        elif method in why:
+            outcome = f"not ranked: {why[method]}"
+        elif len(ended) and ended.iloc[0] != "ok":
+            outcome = f"ended before: {ended.iloc[0]}"
+        elif not len(ended) and ends:
+            outcome = f"costs more than {cost(ends[-1])}"
+        lines.append(Line(method, far.get(method, math.nan), outcome=outcome, more={} if len(ends) < 2 else quantity(
+            f"within {cost(ends[0])}", "m", [float(reached[ends[0]][method][FAR]) if method in reached[ends[0]] else math.nan])))
+    lines = [Line(line.name, line.value, outcome=line.outcome, more={k: v[0] for k, v in line.more.items()}) for line in lines]
+    at = f"within {cost(ends[-1])}" if ends and ends[-1] < math.inf else "at any cost"
+    table = ranked(lines, f"distance from the reference, {at}", "m", [m for m in firsts if far[m] > best] + [
+        m for m in firsts if far[m] == best][1:], keep=[context.baseline(others)])
+    until = f" until {si(runs.horizon, 's')}" if runs.horizon is not None else ""
     if not any(runs.serves(time) for time in runs.spread):
-        return f"{text}: there is nothing to compare, and no method is ranked."
-    if not len(finished):
-        return f"{text}; no method ran so far."
-    known, said = ranking.eligible(context, finished), []
-    if known["method"].nunique() == 1:
-        said.append(f"Only {known['method'].iloc[0]} has a rank ({si(known[FAR].min(), 'm')})")
-        known = known.iloc[:0]
-    for budget in (marks(known, COST, FAR) or [math.inf]) if len(known) else []:
-        reached = {m: float(cell[FAR]) for m, cell in within(known, COST, FAR, budget).items()} if budget < math.inf else (
-            known.groupby("method")[FAR].min().astype(float).to_dict())
-        firsts, best, lasts, most = nearest(reached, runs.doubt)
-        cost = f"Within {budget:,.0f} {cost_title(context, others)} " if budget < math.inf else ""
-        text_of = f"{cost}{does(firsts, 'are', everyone)} nearest ({si(best, 'm')})"
-        said.append(text_of + (f", {some(lasts, everyone)} farthest ({si(most, 'm')})" if lasts else ""))
-    none = sorted(set(everyone) - set(finished["method"]))
-    # The cheapest and the dearest budget: what is between is in the table.
-    said = [*dict.fromkeys((said[0], said[-1]))] if said else ["No method has a rank"]
-    said = [*(["Beyond that no method is ranked"] if runs.horizon else []), *said]
-    said += [f"{does(none, 'do', everyone)} not run so far"] if none else []
-    return f"{text}. {'. '.join(said)}.{ranking.tail(context, finished)}"
+        return Finding(f"On {where} no method is ranked: {_parted(runs)} at {si(runs.horizon, 's')}."), None
+    if not far:
+        return Finding(f"On {where} no ranked method runs as long as the reference is valid.", table), None
+    if len(far) == 1:
+        return Finding(f"On {where}{until} only {firsts[0]} has a rank, {si(best, 'm')} from the reference.", table), None
+    budget = f", {at}," if ends[-1] < math.inf else ""
+    head = (f"On {where}{until}{budget} {some(firsts, everyone)} {verb(len(firsts), 'stay')} nearest to the reference "
+            f"({si(best, 'm')})")
+    ratio = f", {times(most / best)} times as far" if lasts and best > 2 * runs.doubt else ""
+    goes = f"; {some(lasts, everyone, 1)} {verb(len(lasts), 'are')} {si(most, 'm')} away" if lasts else ""
+    made = Finding(fits(f"{head}{goes}{ratio}.", f"{head}{goes}.", f"{head}."), table)
+    if not lasts or best <= 2 * runs.doubt or budgets == [math.inf]:
+        return made, None
+    return made, Headline("", far, "m", "largest distance from the reference", ends=final_states(pd.DataFrame(last.values())))
 
 
-def headline(context, others, runs, where):
-    """The methods at the dearest budget that is named."""
-    known = ranking.eligible(context, others[others[FAR].notna()])
-    budgets = marks(known, COST, FAR) if len(known) else []
-    if not budgets:
-        return None
-    cells = within(known, COST, FAR, budgets[-1])
-    reached = {m: float(cell[FAR]) for m, cell in cells.items()}
-    firsts, best, lasts, most = nearest(reached, runs.doubt)
-    if not lasts or best <= 2 * runs.doubt:
-        return None
-    return Headline(f"On {where}, within {budgets[-1]:,.0f} {cost_title(context, others)}, "
-                    f"{does(firsts, 'stay', list(reached))} nearest to the converged reference, {si(best, 'm')} at the most; "
-                    f"{some(lasts, list(reached))} {verb(len(lasts), 'go')} {times(most / best)} times as far.",
-                    reached, "m",
-                    "largest distance from the reference", ends=final_states(pd.DataFrame(cells.values())))
+def _parted(runs):
+    return ("the reference and its own runs part" if runs.itself[runs.horizon] > APART else "the reference and another solver "
+                                                                                            "part")
 
 
 def _chart(context, others, runs, own, where):
@@ -236,25 +240,25 @@ def _chart(context, others, runs, own, where):
     _against_cost(context, axes[0][1], others, looks, runs)
     handles = [Line2D([], [], label=called[m], **looks(m)) for m in labels]
     handles += [Line2D([], [], color="#777777", ls=":", lw=2, label="its own runs beside it"),
-                Line2D([], [], color="#777777", ls="-.", lw=1.5, label="unlike solver")]
+                Line2D([], [], color="#777777", ls="-.", lw=1.5, label="another solver")]
     legend_right(figure, handles, width)
+    about, entry = found(context, others, runs, where)
     at = over_steps.setting_of(shown, setting).strip().removeprefix("at ")
     return Chart(identifier(f"{others['sweep'].iloc[0]} against {where}"), SECTION, f"Against the reference: {where}",
-                 finding(context, others, runs, where), others["sweep"].iloc[0], figure, _table(context, others, runs, setting),
+                 about, others["sweep"].iloc[0], figure, _table(context, others, runs, setting),
                  holes(pd.concat([own, others]), list(dict.fromkeys(["method", *([setting] if setting else []), "dt"]))),
-                 f"Left the largest distance of a body from its place in the reference{f', each at {at}' if at else ''}; the "
-                 f"reference takes steps of {si(runs.dt, 's')}. Dotted is how far its own runs are from it, at half that step "
-                 f"and started {si(runs.beside, 'm')} beside it, dash-dotted how far {listing(sorted(runs.unlike))} is, with "
-                 f"steps as short or shorter: where one is farther away than {si(APART, 'm')}, a tenth of the slop that most "
-                 "methods leave, it serves no more, and nothing is compared; two methods whose distances differ by no more than "
-                 "twice that are not told apart. Right the largest of these distances against what it cost: methods compare at "
-                 "equal cost." +
+                 f"{agreement(runs)} Left: the largest distance of a body from its place in the reference"
+                 f"{f', at {at}' if at else ''}; the reference takes steps of {si(runs.dt, 's')}. Dotted: its own runs, at half "
+                 f"that step and started {si(runs.beside, 'm')} beside it. Dash-dotted: {listing(sorted(runs.unlike))}, with "
+                 f"steps as short or shorter. The reference is valid until one of them is farther than {si(APART, 'm')} from it, "
+                 "a tenth of the slop of most methods. Two methods tie whose distances differ by at most twice the largest of "
+                 "these distances until then. Right: each method's largest distance against its cost." +
                  caption_of_lines([("Left", shared)]),
-                 headline=headline(context, others, runs, where))
+                 headline=entry)
 
 
 def _drawn_at(shown, setting):
-    """At which of several steps, or values of a setting, the runs over time are: those at the right are all."""
+    """The step or setting of the runs drawn over time; the right panel has all values."""
     values = sorted(shown[setting].dropna().unique()) if setting else []
     if not values:
         return ""
@@ -309,7 +313,7 @@ def _against_cost(context, ax, others, looks, runs):
 
 
 def _table(context, others, runs, setting):
-    """At each budget what each method reaches; those that have no count, or do not come to the end, once."""
+    """Each method's distance at each budget. Methods without a count, or that end early, have one row."""
     known, rows = others[others[FAR].notna()], []
     for budget in marks(known, COST, FAR):
         rows += [(budget, cell) for cell in within(known, COST, FAR, budget).values()]
@@ -323,6 +327,6 @@ def _table(context, others, runs, setting):
     table["outcome"] = [cell["outcome"] for cell in cells]
     for title, name in (("largest distance of a body from the reference", FAR), ("median over bodies", MIDDLE)):
         table |= quantity(title, "m", [cell[name] for cell in cells])
-    table |= quantity("the reference serves until", "s", [runs.horizon or runs.end for _ in cells])
-    table |= quantity("its own runs and the unlike solver are beside it by", "m", [runs.doubt for _ in cells])
+    table |= quantity("the reference is valid until", "s", [runs.horizon or runs.end for _ in cells])
+    table |= quantity("largest distance of its own runs and the other solver", "m", [runs.doubt for _ in cells])
     return pd.DataFrame(table)

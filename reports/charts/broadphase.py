@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Boxes: the time of broadphases over the number of bodies, and what their parameters change of it."""
+"""Boxes: time of broadphases over the number of bodies, and the effect of their parameters on it."""
 
 import math
 
@@ -11,17 +11,18 @@ import measured
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
+from finding import TIE, Finding, cut, fits
 from load import family, one_machine, split, varying
-from sentences import clauses, does, listing
+from sentences import listing, plural, some, verb
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same,
                    times)
 from table import quantity
 
-SECTION = "Which broadphase for how many bodies?"
+SECTION = "Which broadphase is fastest, and from how many bodies on?"
 TIME, TESTS = "ns_per_frame_median", "box_tests_mean"
-ASKED = {"heritage_broadphase": "region_tree"}  # by sweep: the tree of figure 7.3 of the 2009 report
+ASKED = {"heritage_broadphase": "region_tree"}  # by sweep, a method with a row of its own: the tree of figure 7.3 of 2009
 UNTIMED = "not timed beside it"
-WHY_UNTIMED = "the first ten frames are warm-up; the sweep has no more, or is not timed"
+WHY_UNTIMED = "the sweep has only the ten frames of warm-up, or is not timed"
 
 
 @of_sweeps("broadphase", 10, SECTION,
@@ -31,7 +32,7 @@ def broadphase(context, cells):
     cells, refused = one_machine(context.store, cells)
     if "distribution" not in cells:
         cells["distribution"] = "boxes"
-    others = varying(context.store, cells, ("dimension", "distribution", "n"))  # unequal cells never meet in one chart
+    others = varying(context.store, cells, ("dimension", "distribution", "n"))  # unequal cells are never in one chart
     made = []
     for dimension in sorted(set(dimension_of(cells))):
         for part in split(cells[dimension_of(cells) == dimension], others, sort=True):
@@ -48,7 +49,7 @@ def curve(cells, method, metric):
 
 
 def baseline_of(context, cells):
-    """What the sweep names; else the method that is slowest at the largest size."""
+    """The sweep's baseline; else the slowest method at the largest size."""
     named = context.baseline(cells)
     if named in set(cells["method"]):
         return named
@@ -58,8 +59,8 @@ def baseline_of(context, cells):
 
 
 def crossings(cells, base, least=1.0):
-    """Per distribution and method: where it starts to beat the baseline for good. Where the times of the two at the largest size
-    are not told apart (noise.tells, with the floor `least`), there is no crossing."""
+    """Per distribution and method: the size from which it is faster than the baseline. There is no crossing where the two times
+    at the largest size differ by no more than noise (noise.tells, with the floor `least`)."""
     rows = []
     for distribution, part in cells.groupby("distribution", sort=True):
         methods = sorted(part["method"].unique())
@@ -82,7 +83,7 @@ def crossings(cells, base, least=1.0):
             ends = [part[(part["method"] == name) & (part["n"] == shared[last])].iloc[0] for name in (base, method)]
             word = noise.said(*ends, TIME, least)
             if word in noise.IN_WORDS:
-                kind, cross = f"as fast as it at the largest size, {noise.IN_WORDS[word]}", None
+                kind, cross = f"{TIE} at the largest size, {noise.IN_WORDS[word]}", None
             sizes = shared[both]
             between = _bracket(part, base, method, sizes, cross, least) if cross else (math.nan, math.nan)
             rows.append((distribution, method, kind, cross or math.nan, *between, shared[last], a[last] / b[last]))
@@ -90,21 +91,16 @@ def crossings(cells, base, least=1.0):
 
 
 def _bracket(part, base, method, sizes, cross, least):
-    """The nearest sizes on both sides of a crossing that tell the two apart; where none does, the last that was measured."""
+    """The nearest sizes on both sides of a crossing at which the two differ beyond noise; else the first or last size."""
     at = {n: [part[(part["method"] == name) & (part["n"] == n)].iloc[0] for name in (base, method)] for n in sizes}
     apart = [n for n in sizes if noise.tells(*at[n], TIME, least)]
     return (max([n for n in apart if n <= cross], default=sizes.min()),
             min([n for n in apart if n > cross], default=sizes.max()))
 
 
-def overtakes(row, base):
-    """Where one method overtakes the baseline: between two sizes that were measured."""
-    return f"overtakes {base} at about {row.n:,.0f} (between {row.below:,.0f} and {row.above:,.0f})"
-
-
 def leaders(cells, base, least):
-    """Per distribution (size, methods, ratios of the baseline's time to theirs) at the largest size: the fastest and all that
-    are within the noise of it, the fastest first. None where they are not told from the baseline."""
+    """{distribution: (size, methods, ratios of the baseline's time to theirs)} at the largest size: the fastest and all methods
+    within the noise of it, the fastest first. Without the distributions in which the baseline is among them."""
     found = {}
     for distribution, part in cells.groupby("distribution", sort=True):
         part = part[(part["outcome"] == "ok") & (part["n"] == part["n"].max()) & np.isfinite(metrics.column(part, TIME))]
@@ -120,67 +116,67 @@ def speeds(ratios):
 
 
 def crossing_methods(cross):
-    """Per distribution the one that the chart marks: of those that cross the baseline, the fastest at the largest size."""
+    """Per distribution the method that the chart marks: the fastest at the largest size of those that cross the baseline."""
     rows = cross[cross["kind"] == "crosses"].dropna(subset=["ratio"])
     return rows.loc[rows.groupby("distribution")["ratio"].idxmax()] if len(rows) else rows
 
 
-def hindmost(cross, first):
-    """The two that gain least, of four and more: whom these boxes were made against is among them."""
-    part = cross[cross["distribution"] == first.distribution].dropna(subset=["ratio"]).nsmallest(2, "ratio")
-    if (cross["distribution"] == first.distribution).sum() < 4:
-        return ""
-    return ", the least have " + listing(f"{row['method']} ({times(row['ratio'])} times)" for _, row in part.iterrows())
-
-
-def of_report(cross, base, asked):
-    """Where the method of a report's own figure overtakes the baseline, on boxes where another one has been named."""
-    rows = cross[(cross["method"] == asked) & ~cross.index.isin(crossing_methods(cross).index)]
-    return [f"on {row.distribution} boxes {asked} {overtakes(row, base)}" if row.kind == "crosses" else
-            f"on {row.distribution} boxes {asked} is {row.kind.replace('faster', f'faster than {base}')}" for row in
-            rows.itertuples() if row.kind not in ("unknown", UNTIMED) and
-            row.distribution in set(crossing_methods(cross)["distribution"])]
-
-
-def finding(cross, base, dimension, ahead, least, asked=""):
-    if not len(cross):
-        return f"In {dimension}D {base} was not measured beside another method, so no crossing can be told."
-    said = [f"on {row.distribution} boxes {row.method} {overtakes(row, base)} and has {times(row.ratio)} times its speed at "
-            f"{row.largest:,.0f}{hindmost(cross, row)}" for row in crossing_methods(cross).itertuples()]
-    said += of_report(cross, base, asked)
-    crossed = set(crossing_methods(cross)["distribution"])
+def found(cells, cross, base, dimension, ahead, least, asked=""):
+    """(finding, entry of the first screen or None): a row per distribution, and one for the method `asked`."""
+    rows, marked, alike = [], crossing_methods(cross), f" ({noise.IN_WORDS[noise.silence(least)]})"
     for distribution, part in cross.groupby("distribution", sort=True):
-        if distribution in crossed:
-            continue
-        if (part["kind"] == UNTIMED).all():
-            said.append(f"on {distribution} boxes no time was taken ({WHY_UNTIMED})")
-            continue
-        kinds = [f"{does(rows['method'], 'are')} {kind}" if kind != "unknown" else
-                 f"{listing(rows['method'])} and {base} have no size in common that both finished"
-                 for kind, rows in part.groupby("kind", sort=True)]
-        said.append(f"on {distribution} boxes nothing crosses {base}: {listing(kinds)}")
-    alike = f", alike {noise.IN_WORDS[noise.silence(least)]},"
-    fastest = [f"{listing(names)}{alike if len(names) > 1 else ''} on {distribution} ({speeds(ratios)} times the "
-               f"speed of {base} at {n:,.0f})" for distribution, (n, names, ratios) in ahead.items()]
-    return f"In {dimension}D " + "; ".join(said) + (f"; fastest at the largest size: {listing(fastest)}." if fastest else ".")
-
-
-def headline(cells, cross, base, dimension, ahead, least):
-    """Where the fastest leaves the baseline farthest behind, at the largest size."""
+        hit = marked[marked["distribution"] == distribution]
+        shown = [*hit.itertuples(), *(row for row in part[part["method"] == asked].itertuples()
+                                      if row.Index not in hit.index and row.kind not in ("unknown", UNTIMED))]
+        rows += [_row(row, base) for row in shown] or [_without(distribution, part, base)]
+        n, names, ratios = ahead.get(distribution, (part["largest"].max(), [], []))
+        known = part.dropna(subset=["ratio"])
+        last = known.nsmallest(2, "ratio") if len(part) >= 4 else known[:0]
+        rows[-max(1, len(shown))] |= {
+            "bodies [1]": n, "fastest there": listing(names) + alike * (len(names) > 1) if names else "",
+            f"speed, over {base}": speeds(ratios) + " times" if names else f"{TIE} with {base}, or slower" if len(known) else "",
+            "slowest there": listing(f"{row['method']} ({times(row['ratio'])} times)" for _, row in last.iterrows())
+            if len(last) else ""}
+    table = cut(pd.DataFrame(rows))
+    head = f"In {dimension}D"
+    if not len(cross):
+        return Finding(f"{head} {base} was not measured beside another method, so no crossing is known."), None
+    if (cross["kind"] == UNTIMED).all():
+        return Finding(f"{head} no time was taken: {WHY_UNTIMED}.", table), None
     if not ahead:
-        return None
+        return Finding(f"{head} no broadphase is faster than {base} beyond the noise at the largest size.", table), None
     distribution, (n, names, ratios) = max(ahead.items(), key=lambda item: item[1][2][0])
     part = cells[(cells["distribution"] == distribution) & (cells["n"] == n) & (cells["outcome"] == "ok")]
     crossed = cross[(cross["distribution"] == distribution) & (cross["method"] == names[0]) & (cross["kind"] == "crosses")]
-    since = "".join(f"; {names[0]} {overtakes(row, base)}" for row in crossed.itertuples())
-    find = "finds the pairs" if len(names) == 1 else f"alike {noise.IN_WORDS[noise.silence(least)]}, find the pairs"
-    return Headline(f"Among {n:,.0f} {distribution} boxes in {dimension}D {listing(names)}{',' if len(names) > 1 else ''} {find} "
-                    f"{speeds(ratios)} times as fast as {base}{since}.",
-                    dict(zip(part["method"], metrics.column(part, TIME))), "ns", "time per frame")
+    alike *= len(names) > 1
+    text = (f"Among {n:,.0f} {distribution} boxes in {dimension}D {some(names)}{alike} {verb(len(names), 'are')} "
+            f"{speeds(ratios)} "
+            f"times as fast as {base}")
+    since = "".join(f"; {row.method} is faster from about {row.n:,.0f} bodies on" for row in crossed.itertuples())
+    text = fits(f"{text}{since}.", f"{text}.")
+    return Finding(text, table), Headline("", dict(zip(part["method"], metrics.column(part, TIME))), "ns", "time per frame")
+
+
+def _row(row, base):
+    """The table's row of a method on one distribution."""
+    made = {"boxes": row.distribution, f"method against {base}": row.method, "result": row.kind}
+    if row.kind == "crosses":
+        made |= {"result": "faster from", "about [1]": row.n, "between": f"{row.below:,.0f} and {row.above:,.0f} bodies"}
+    return made
+
+
+def _without(distribution, part, base):
+    """The table's row of a distribution on which no method crosses the baseline."""
+    kinds = {kind: listing(rows["method"]) for kind, rows in part.groupby("kind", sort=True)}
+    if list(kinds) == [UNTIMED]:
+        return {"boxes": distribution, f"method against {base}": "all", "result": "no time was taken"}
+    words = {"unknown": f"no size that {base} also finished"}
+    return {"boxes": distribution, f"method against {base}": "; ".join(f"{names}: {words.get(kind, kind)}"
+                                                                      for kind, names in kinds.items()), "result": "no crossing"}
 
 
 def untimed(cells):
-    """A sentence where runs finished without a time."""
+    """A sentence about finished runs without a time."""
     none = sorted(cells[(cells["outcome"] == "ok").to_numpy() & ~np.isfinite(metrics.column(cells, TIME))]["method"].unique())
     return [f"no time of {listing(none)}: {WHY_UNTIMED}"] if none else []
 
@@ -232,7 +228,7 @@ def _broadphase_chart(context, cells, dimension, where, refused):
                 at, winner = hit["n"].iloc[0], hit["method"].iloc[0]
                 ax.axvline(at, color="#444444", lw=1, ls=":")
                 right = n_share(part, at) > 0.6
-                ax.annotate(f"{winner}\novertakes {base}\nat about {at:,.0f}\n({hit['below'].iloc[0]:,.0f} to "
+                ax.annotate(f"{winner}\nfaster than {base}\nfrom about {at:,.0f}\n({hit['below'].iloc[0]:,.0f} to "
                             f"{hit['above'].iloc[0]:,.0f})", (at, 0 if right else 1), xycoords=("data", "axes fraction"),
                             xytext=(-5, 5) if right else (5, -5), textcoords="offset points",  # curves rise to the right
                             ha="right" if right else "left", va="bottom" if right else "top", size=8.5)
@@ -250,6 +246,7 @@ def _broadphase_chart(context, cells, dimension, where, refused):
     handles += [Line2D([], [], ls="none", marker=letter(o), color="#555555", ms=7, label=o)
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
+    about, entry = found(cells, cross, base, dimension, ahead, least, ASKED.get(cells["sweep"].iloc[0], ""))
     table = cells.sort_values(["distribution", "method", "n"])
     numbers = {}
     for name in context.metrics("boxes", "cost", "error", "detail"):
@@ -257,20 +254,19 @@ def _broadphase_chart(context, cells, dimension, where, refused):
     table = table[["distribution", "method", "n", "outcome"]].assign(**numbers)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {dimension}d {where}"), SECTION, f"Time and box tests over body count, "
                  f"{dimension}D" + (f", {where}" if where else ""),
-                 finding(cross, base, dimension, ahead, least, ASKED.get(cells["sweep"].iloc[0], "")),
-                 cells["sweep"].iloc[0], figure, table,
+                 about, cells["sweep"].iloc[0], figure, table,
                  refused + untimed(cells) + holes(cells, ["distribution", "method", "n"]),
-                 "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
-                 f"frames. The dotted line is where the named method overtakes {base} for good, interpolated between the two "
-                 f"sizes measured; others may be faster there. Whiskers hold the median of the repeats. {noise.rule(least)}"
-                 + caption_of_lines(lines),
-                 headline=headline(cells, cross, base, dimension, ahead, least))
+                 "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over frames. The dotted line is where "
+                 "the "
+                 f"named method becomes faster than {base}, interpolated between two measured sizes; other methods may be faster "
+                 f"there. Whiskers hold the median of the repeats. {noise.rule(least)}" + caption_of_lines(lines),
+                 headline=entry)
 
 
 @of_sweeps("parameters", 11, SECTION,
-           Needs("boxes", methods=(2, math.inf), metrics=(TIME,), also="`report` that names it, and methods with their defaults"),
-           "What hangs on parameters",
-           "No timed sweep that asks for this chart is in this store; experiments/run heritage makes one.",
+           Needs("boxes", methods=(2, math.inf), metrics=(TIME,), also="`report` that lists it, and methods with their defaults"),
+           "Effect of parameters",
+           "No timed sweep that lists this chart is in this store; experiments/run heritage makes one.",
            "broadphase_parameters")
 def parameters(context, cells):
     if "parameters" not in context.store.sweep(cells["sweep"].iloc[0]).report:
@@ -282,7 +278,8 @@ def parameters(context, cells):
 
 
 def against_default(cells, least):
-    """One row per panel and method that is not plain: its time over that with the defaults, and whether that is told."""
+    """One row per panel and method with a changed parameter: its time over that with the defaults, and whether the ratio is
+    beyond noise (`told`)."""
     rows = []
     for panel, part in cells.groupby("panel", sort=False):
         plain = {cell["method"]: cell for _, cell in part.iterrows()
@@ -297,30 +294,43 @@ def against_default(cells, least):
     return rows
 
 
-def finding_of_parameters(rows, panels):
-    said = []
+def found_parameters(rows, panels, n, least):
+    """The finding: per family the parameter that gains most and the one that loses most."""
+    lines = []
     for name in sorted({row["family"] for row in rows}):
         told = sorted((row for row in rows if row["family"] == name and row["told"]), key=lambda row: row["ratio"])
+        line = {"family": name}
         if not told:
-            said.append(f"no parameter of {name} changes its time beyond the noise")
+            lines.append(line | {"fastest": f"all {noise.IN_WORDS[noise.silence(least)]}"})
             continue
-        (least, *_), most = told, max(told, key=lambda row: row["ratio"])
-        ways = clauses(
-            least["ratio"] < 1 and f"gains most by {least['method']} ({times(least['ratio'])} times the time of its defaults on "
-                                   f"{least['panel']}{_not_told(rows, least, -1)})",
-            most["ratio"] > 1 and f"loses most by {most['method']} ({times(most['ratio'])} times on {most['panel']}"
-                                  f"{_not_told(rows, most, 1)})", between=" and ")
-        gains = [row["method"] for row in rows if row["family"] == name and row["told"] and row["ratio"] < 1]
-        both = [m for m in dict.fromkeys(row["method"] for row in rows) if gains.count(m) == panels]
-        said.append(clauses(f"{name} {ways}", both and f"{does(both, 'gain')} everywhere"))
-    return "; ".join(said) + "."
+        first, last = told[0], told[-1]
+        gains = [row["method"] for row in told if row["ratio"] < 1]
+        both = [m for m in dict.fromkeys(gains) if gains.count(m) == panels]
+        if first["ratio"] < 1:
+            line |= {"fastest": first["method"], "times the defaults [1]": first["ratio"], "on": first["panel"]}
+        if last["ratio"] > 1:
+            line |= {"slowest": last["method"], "times the defaults, slowest [1]": last["ratio"], "slowest on": last["panel"]}
+        line |= {"faster on all boxes": listing(both) if both else "",
+                 "farther off, but noise": listing(sorted(set(_noise(rows, first, -1) + _noise(rows, last, 1)))) if
+                 _noise(rows, first, -1) + _noise(rows, last, 1) else ""}
+        lines.append(line)
+    table = pd.DataFrame(lines)
+    table = cut(table.drop(columns=[c for c in table if table[c].isin(["", None]).all()]))
+    told = [row for row in rows if row["told"]]
+    if not told:
+        why = noise.silence(least)
+        return Finding(f"Of {n} no parameter changes the time of {plural(len(lines), 'broadphase')} beyond the noise." if
+                       why == noise.NOISE else f"Of {n} there are too few repeats to measure the effect of a parameter.", table)
+    worst = max(told, key=lambda row: abs(math.log(row["ratio"])))
+    return Finding(f"On {worst['panel']} {worst['method']} takes {times(worst['ratio'])} times the time of {worst['family']} "
+                   f"with its "
+                   "defaults, the largest effect of a parameter.", table)
 
 
-def _not_told(rows, named, sign):
-    """Who goes farther in the same panel by the medians alone, which a reader of the picture sees."""
-    farther = [row["method"] for row in rows if row["family"] == named["family"] and row["panel"] == named["panel"] and
-               not row["told"] and sign * row["ratio"] > sign * named["ratio"]]
-    return f"; the median of {listing(farther)} is farther off, but within the noise" if farther else ""
+def _noise(rows, named, sign):
+    """Methods whose median is farther off in the same panel, by no more than noise: a reader sees them in the picture."""
+    return [row["method"] for row in rows if row["family"] == named["family"] and row["panel"] == named["panel"] and
+            not row["told"] and sign * row["ratio"] > sign * named["ratio"] and sign * (named["ratio"] - 1) > 0]
 
 
 def _parameters_chart(context, cells, refused):
@@ -358,16 +368,14 @@ def _parameters_chart(context, cells, refused):
     head = None
     if worst:
         pair = cells[(cells["panel"] == worst["panel"]) & cells["method"].isin([worst["method"], worst["family"]])]
-        head = Headline(f"On {worst['panel']} {worst['method']} takes {times(worst['ratio'])} times the time of "
-                        f"{worst['family']} with its defaults.", dict(zip(pair["method"], metrics.column(pair, TIME))), "ns",
-                        "time per frame")
+        head = Headline("", dict(zip(pair["method"], metrics.column(pair, TIME))), "ns", "time per frame")
     ratios = {(row["panel"], row["method"]): row["ratio"] for row in rows}
     table = {"boxes": cells["panel"], "method": cells["method"], "outcome": cells["outcome"],
              **quantity(context.title(TIME), context.unit(TIME), metrics.column(cells, TIME)),
              "over its defaults [1]": [ratios.get(key, math.nan) for key in zip(cells["panel"], cells["method"])]}
     n = f"{cells['n'].iloc[0]:,.0f} boxes" if "n" in cells and cells["n"].nunique() == 1 else "boxes"
-    return Chart(f"{sweep}_parameters", SECTION, f"What hangs on parameters: {n}",
-                 f"Of {n}, {finding_of_parameters(rows, len(panels))}", sweep, figure, pd.DataFrame(table),
+    return Chart(f"{sweep}_parameters", SECTION, f"Effect of parameters: {n}",
+                 found_parameters(rows, len(panels), n, least), sweep, figure, pd.DataFrame(table),
                  refused + holes(cells, ["panel", "method"]),
-                 "Filled marks and dotted lines are the defaults, hollow marks have one parameter changed; whiskers hold the "
+                 "Filled marks and dotted lines are the defaults. Hollow marks have one changed parameter. Whiskers hold the "
                  f"median of the repeats. {noise.rule(least)}", headline=head)

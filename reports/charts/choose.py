@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""What to take for a given scene: every stage's methods in whole steps of it, the cheapest of those that are right, and all
-that is taken as one pipeline."""
+"""The pipeline to take for a given scene: of each stage the fastest method among those that err least, and all of them run
+together."""
 
 import math
 import re
@@ -12,58 +12,79 @@ from matplotlib.lines import Line2D
 import measured
 import noise
 from chart import Chart, Headline, holes, identifier, of_asked
+from finding import Finding, fits
 from choice import ALONE, AS_RIGHT, COST, JITTER, advices, pipeline_of, ratio, short, span, tie, zeros
-from sentences import clauses, does, listing, plural
+from sentences import listing, plural, some
 from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
 
-SECTION = "What should one take for this scene?"
+SECTION = "Which pipeline is best for this scene?"
 WORDS = 2.75  # inches for the verdicts
 
 
 @of_asked("choose", 5, SECTION,
-          "What to take", "No sweep that chooses is in this store; experiments/run choose makes one.", "choose")
+          "Best pipeline", "No sweep that chooses is in this store; experiments/run choose makes one.", "choose")
 def what_to_take(context):
-    """One chart per scene, of all sweeps that name this chart."""
+    """One chart per scene, from all sweeps that list this chart."""
     return [_chart(context, advice) for advice in advices(context)]
 
 
-def _sentence(choice):
+def _found(context, advice):
+    taken = [f"{choice.question} {choice.take.name}" for choice in advice.choices if choice.take is not None]
+    lacking = [choice.question for choice in advice.choices if choice.take is None]
+    head = f"For {advice.where} take {listing(taken)}" if taken else f"For {advice.where} no method can be taken"
+    tail = f"; no method finished with a time for {listing(lacking)}" if lacking else ""
+    rows = [_row(context, advice, choice) for choice in advice.choices]
+    if advice.run is not None:
+        whole = {"stage": "as a whole", "take": "all of the above", "time [s]": float(advice.run[COST]) / 1e3,
+                 "median and interval": span(measured.runs(advice.run, COST) or [advice.run[COST]], "ms")}
+        if advice.given is not None:
+            why, found = tie(advice.run, advice.given, COST, _floor(advice)), noise.ratio(advice.given, advice.run, COST)
+            against = f"tie: {why}" if why else f"{ratio(found)} times" if math.isfinite(found) else advice.given["outcome"]
+            whole["against the pipeline of the sweeps"] = against
+            if not why and math.isfinite(found) and not tail:
+                tail = (f": {si(float(advice.run[COST]), 'ms')} a step, {ratio(found)} times the time of the pipeline of the "
+                        "sweeps")
+        rows.append(whole | _errors(context, advice, advice.run))
+    table = pd.DataFrame(rows).dropna(axis="columns", how="all")
+    table = table.drop(columns=[name for name in table if table[name].isin(["", None]).all()])
+    return Finding(fits(f"{head}{tail}.", f"{head}.", f"For {advice.where} take the methods of this table."), table)
+
+
+def _row(context, advice, choice):
+    """The table's row of one stage."""
     take, judged, ties = choice.take, {}, {}
-    if take is None:
-        return f"{choice.question}: none of ours finished with a time"
     for v in choice.verdicts:
         judged.setdefault(v.word, []).append(v)
     for v in judged.get("tie", ()):
         ties.setdefault(v.reason, []).append(v.name)
-    slower, out = judged.get("slower"), [v.name for v in judged.get("errs more", ())]
-    failed = [f"{v.name} {v.word}" for v in choice.verdicts if v.role == "competitor" and v.cell["outcome"] != "ok"]
-    excused = [f"{v.name} ({v.reason})" for v in judged.get("not ranked", ())]
+    slower = judged.get("slower", ())
     peers = [v for v in judged.get("", ()) if v.role != "competitor"]
-    return clauses(f"{choice.question} {take.name} ({si(float(take.cell[choice.cost]), 'ms')} "
-                   f"{'of its stage alone' if choice.cost == ALONE else 'a step'}",
-                   *(f"as fast: {listing(names)}, {why}" for why, names in ties.items()),
-                   choice.why and f"of these it {choice.why}", slower and f"next {slower[0].name}, {slower[0].reason}",
-                   out and f"{does(out, 'err')} more", failed and listing(failed),
-                   excused and f"not ranked {listing(excused)}",
-                   peers and f"of other libraries {peers[0].name}, {_short_word(peers[0])}") + ")"
+    row = {"stage": choice.question, "take": take.name if take else "none finished with a time",
+           "time [s]": float(take.cell[choice.cost]) / 1e3 if take else math.nan}
+    row["time of"] = "the stage alone" if choice.cost == ALONE else "a step"
+    row["ties"] = "; ".join(f"{listing(names)} ({why})" for why, names in ties.items())
+    row["taken of the ties"] = f"it {choice.why}" if choice.why else ""
+    row["next"] = f"{slower[0].name}: {slower[0].reason}" if slower else ""
+    row["err more"] = listing(v.name for v in judged["errs more"]) if "errs more" in judged else ""
+    row["failed"] = ", ".join(f"{v.name} ({v.word})" for v in choice.verdicts
+                              if v.role == "competitor" and v.cell["outcome"] != "ok")
+    row["not ranked"] = ", ".join(f"{v.name} ({v.reason})" for v in judged.get("not ranked", ()))
+    row["fastest other library"] = f"{peers[0].name}: {_short_word(peers[0])}" if peers else ""
+    return row | (_errors(context, advice, take.cell) if take else {})
 
 
-def _together(context, advice):
+def _errors(context, advice, cell):
+    """{column: error} of one cell, the median over its seeds."""
+    return {name: value[0] for error in advice.errors
+            for name, value in quantity(context.title(error), context.unit(error), [_values(cell, error)[2]]).items()}
+
+
+def _pasted(context, advice):
     if not advice.pipeline:
         return ""
     pasted = f"--pipeline '{short(advice.pipeline, context.store.algorithms)}'"
-    if advice.run is None:
-        return f" Not yet run as a whole: {pasted}."
-    text = f" As a whole this takes {span(measured.runs(advice.run, COST) or [advice.run[COST]], 'ms')} a step"
-    if advice.given is not None:
-        why, given = tie(advice.run, advice.given, COST, _floor(advice)), "what every stage was judged with, timed before it"
-        found = noise.ratio(advice.given, advice.run, COST)
-        text += f", as fast as {given}, {why}" if why else f", {ratio(found)} times the time of {given}" * math.isfinite(found)
-    for error in advice.errors:
-        text += f"; {context.title(error)} {span(measured.of_seeds(advice.run, error), context.unit(error))}"
-    seeds = len(advice.run["seeds"])
-    return text + f" (times over repeats, errors over {plural(seeds, 'seed')}). To paste: {pasted}."
+    return f" {'Not yet run as a whole' if advice.run is None else 'To paste'}: {pasted}."
 
 
 def _floor(advice):
@@ -71,14 +92,14 @@ def _floor(advice):
 
 
 def _rows(context, advice):
-    """[(heading, cost, [(label, cell, role, verdict, cost)])] from the top of the picture down."""
+    """[(heading, cost, [(label, cell, role, verdict, cost)])], the top of the picture first."""
     groups = []
     for choice in advice.choices:
         groups.append((choice.question, choice.cost,
                        [(_label(v.name, v.role), v.cell, v.role, _short_word(v), v.cost) for v in choice.verdicts]))
     if advice.whole:
         chosen = None if advice.run is None else advice.run["key"]
-        groups.append(("as a whole", COST, [(f"{name}: {'all that is taken' if cell['key'] == chosen else 'judged with'}"
+        groups.append(("as a whole", COST, [(f"{name}: {'all stages' if cell['key'] == chosen else 'of the sweeps'}"
                                              if name in ("taken", "given") else name, cell, "competitor",
                                              "take" if cell["key"] == chosen else _beside(advice, cell), COST)
                                             for name, cell in advice.whole]))
@@ -86,7 +107,7 @@ def _rows(context, advice):
 
 
 def _beside(advice, cell):
-    """How a whole pipeline stands to that of all that is taken."""
+    """A whole pipeline against the one that combines all taken methods."""
     if cell["outcome"] != "ok":
         return cell["outcome"]
     if advice.run is None:
@@ -99,7 +120,7 @@ def _label(name, role):
 
 
 def _short_word(verdict):
-    """For the picture; the table has the whole reason."""
+    """A verdict for the picture; the table has the full reason."""
     if verdict.word == "not ranked":
         return f"not ranked: {verdict.reason}"
     if verdict.word in ("take", "errs more") or verdict.cell["outcome"] != "ok":
@@ -108,7 +129,7 @@ def _short_word(verdict):
     more = ", errs more" if "; " in verdict.reason or "above" in first else ""
     first = re.sub(r" times as long as \S+", " times the fastest", first)
     if " times " in first:
-        return first.replace(" (whole steps: it makes other work)", " (whole steps)") + more
+        return first.replace(" (whole steps: it causes other work)", " (whole steps)") + more
     return "tie: " * (verdict.role == "competitor") + first + more
 
 
@@ -132,7 +153,7 @@ def _chart(context, advice):
                 ax.text(-0.04, y, heading, transform=ax.get_yaxis_transform(), fontsize=9, ha="right", va="center",
                         fontweight="bold")
             if column == len(errors) and cost == ALONE:
-                ax.text(1.04, y, "by its stage alone: equal runs", transform=ax.get_yaxis_transform(), va="center", fontsize=8.5,
+                ax.text(1.04, y, "time of the stage alone", transform=ax.get_yaxis_transform(), va="center", fontsize=8.5,
                         style="italic", color="#555555")
             y += 1
             for label, cell, role, word, by in rows:
@@ -154,38 +175,36 @@ def _chart(context, advice):
                            Line2D([], [], ls="none", marker="o", mfc="white", color="#555555", label="other libraries'")],
                   loc="lower left", bbox_to_anchor=(left / figure.get_figwidth(), 0.0), ncol=5, borderaxespad=0.3,
                   columnspacing=1.5)
-    said = "; ".join(_sentence(choice) for choice in advice.choices)
     missing = [] if not advice.pipeline or advice.run is not None else [
-        "the pipeline of all that is taken has not run as a whole; experiments/run choose does it, by "
+        "The combined pipeline has not run yet; experiments/run choose runs it with "
         "lpc sweep choose_together --with \"taken=$(lpc report STORE --taken)\""]
     bad = [hole for choice in advice.choices for hole in holes(pd.DataFrame([v.cell for v in choice.verdicts]), ["method"])]
     known = [f"{100 * (c.floor - 1):.2g} % ({c.question})" for c in advice.choices if c.floor != noise.UNMEASURED]
-    rules = [f"The same method against itself differs by up to {listing(known)}: no more than that is noise."] if known else []
+    rules = [f"The same method against itself differs by up to {listing(known)}: smaller differences are noise."] if known else []
     rules += [noise.rule(noise.UNMEASURED)] if len(known) < len(advice.choices) else []
     seeds = max(len(cell["seeds"]) for cell in cells)
-    return Chart(identifier(f"choose {advice.where}"), SECTION, f"What to take: {advice.where}",
-                 f"For {advice.where} take {said}.{_together(context, advice)}", advice.choices[0].sweep, figure,
-                 _table(context, advice), advice.refused + missing + bad,
-                 f"Taken is the fastest of our methods that finished and err at most {AS_RIGHT:g} times as much as the least "
-                 f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}). What counts as none: "
-                 f"{none_of(context, advice)}. What errs more does so beyond doubt over the seeds, and what is slower is so "
-                 "beyond doubt and beyond the noise; the others tie, and of these the one is taken that errs least beyond doubt, "
-                 "else what the other stages were judged with. "
-                 f"{' '.join(rules)} The table has the reason of every verdict.", telling=True, headline=_headline(advice),
+    return Chart(identifier(f"choose {advice.where}"), SECTION, f"Best pipeline: {advice.where}", _found(context, advice),
+                 advice.choices[0].sweep, figure, _table(context, advice), advice.refused + missing + bad,
+                 f"A stage takes its fastest method among those that finished and err at most {AS_RIGHT:g} times the least error "
+                 f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}; {none_of(context, advice)}). "
+                 "“Errs more” and “slower” are significant over the seeds, “slower” also beyond the noise; else methods tie. "
+                 "Of "
+                 "methods that tie the one with the significantly least error is taken, else that of the sweeps' common pipeline. "
+                 f"{' '.join(rules)}{_pasted(context, advice)}", telling=True, headline=_headline(advice),
                  others=tuple(dict.fromkeys([choice.sweep for choice in advice.choices[1:]] +
                                             [cell["sweep"] for _, cell in advice.whole])))
 
 
 def none_of(context, advice):
-    """Up to where errors are none, for the note."""
+    """The errors that count as 0, for the note."""
     cells = [v.cell for choice in advice.choices for v in choice.verdicts if v.role == "competitor"]
     least = zeros(context, cells, advice.errors)
     said = {}
     for error, zero in least.items():
         if zero > context.floor(error):
-            why = "at rest" if error == JITTER else "the slop that is kept on purpose"
+            why = "which is rest" if error == JITTER else "the slop that methods keep on purpose"
             said.setdefault(f"{si(zero, context.unit(error))}, {why}", []).append(context.title(error))
-    return "; ".join(f"{listing(titles)} up to {text}" for text, titles in said.items()) or "nothing"
+    return "; ".join(f"{listing(titles)} counts as 0 up to {text}" for text, titles in said.items()) or "no error counts as 0"
 
 
 def _values(cell, measure):
@@ -211,16 +230,11 @@ def _mark(ax, scale, y, cell, measure, role):
 
 
 def _headline(advice):
-    """What to take, where as a whole it differs beyond the noise from what every stage was judged with; else the stage where
-    the choice weighs most."""
+    """The finding, where the combined pipeline differs beyond the noise from the sweeps' common pipeline; else the stage with the
+    largest difference between methods of equal error."""
     run, given = advice.run, advice.given
     if run is not None and given is not None and given["outcome"] == "ok" and not tie(run, given, COST, _floor(advice)):
-        named = [f"{choice.question} {choice.take.name}" for choice in advice.choices]
-        times_of = {"taken": float(run[COST]), "judged with": float(given[COST])}
-        part = ratio(times_of["taken"] / times_of["judged with"])
-        whole = si(times_of["taken"], "ms")
-        return Headline(f"For {advice.where} take {listing(named)}: as a whole {whole} a step, {part} times "
-                        "the time of what every stage was judged with, timed before it.", times_of, "ms")
+        return Headline("", {"taken": float(run[COST]), "pipeline of the sweeps": float(given[COST])}, "ms", "time per step")
     made = []
     for choice in advice.choices:
         slower = [v for v in choice.verdicts if v.word == "slower" and v.cost == choice.cost]
@@ -229,10 +243,10 @@ def _headline(advice):
                     if v.word in ("take", "tie", "slower") and v.cost == choice.cost}
             what = "in its stage" if choice.cost == ALONE else "a step"
             ties = [v.name for v in choice.verdicts if v.word == "tie"]
-            named = listing([choice.take.name, *ties]) + (" (a tie)" if ties else "")
-            made.append(Headline(f"For {advice.where} take {choice.question} {named}: of our methods that err as little "
-                                 f"{slower[-1].name} takes {ratio(mine[slower[-1].name] / mine[choice.take.name])} times as long "
-                                 f"{what}.", mine, "ms"))
+            named = some([choice.take.name, *ties]) + (" (a tie)" if ties else "")
+            made.append(Headline(f"For {advice.where} take {choice.question} {named}; {slower[-1].name} errs as little and takes "
+                                 f"{ratio(mine[slower[-1].name] / mine[choice.take.name])} times as long {what}.", mine, "ms",
+                                 "time of the stage" if choice.cost == ALONE else "time per step"))
     return max(made, key=lambda headline: headline.effect, default=None)
 
 

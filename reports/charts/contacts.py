@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Contacts: what is thrown back that should not, and what rules of contacts cost."""
+"""Contacts: bounces without restitution, and the cost and benefit of contact rules."""
 
 import math
 
@@ -12,22 +12,23 @@ import metrics
 import noise
 import ranking
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
+from finding import NOISE, TIE, Finding, Line, cut, fits, ranked
 from load import one_machine, split, varying
-from sentences import does, listing, methods
+from sentences import listing, some, verb
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same,
                    si, times)
 from table import quantity
 
-BOUNCE = "Do contacts bounce that should not?"
-ROUNDING = 1e-6  # m: below it nothing is thrown back
-NEAR = 1.1  # times the speed before: what a line joins
-SUNK = 0.02  # m: four times the depth that most methods leave
+BOUNCE = "Which methods bounce without restitution?"
+ROUNDING = 1e-6  # m: a smaller rebound counts as 0
+NEAR = 1.1  # ratio of two neighbouring speeds up to which a line joins their points
+SUNK = 0.02  # m: four times the depth that most methods leave; the table shows bodies that are left deeper
 
 
 @of_sweeps("rebound", 32, BOUNCE,
-           Needs("world", varies=("height",), methods=(2, math.inf), series=("height",), also="`report` that names it"),
-           "What is thrown back after a fall",
-           "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_springs")
+           Needs("world", varies=("height",), methods=(2, math.inf), series=("height",), also="`report` that lists it"),
+           "Rebound after a fall",
+           "No sweep that lists this chart is in this store; experiments/run heritage makes one.", "heritage_springs")
 def rebound(context, cells):
     if "rebound" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
@@ -35,8 +36,8 @@ def rebound(context, cells):
 
 
 def thrown(heights):
-    """(fall, rebound) in m of a body's height per step: how far it fell until it rested, and how far it rose again after its
-    lowest place. Both are measured from where it is in the end."""
+    """(fall, rebound) in m of a body's height per step: its fall until it rests, and its rise after the lowest place. Both are
+    measured from its height at the end."""
     heights = np.asarray(heights, float)
     low = int(np.argmin(heights))
     return float(heights[0] - heights[-1]), max(0.0, float(np.max(heights[low:]) - heights[-1]))
@@ -52,14 +53,14 @@ def rows_of(context, cells):
         found.append({"method": cell["method"], "height": cell["height"], "fall": fall, "rebound": back,
                       "speed": math.nan if gravity is None else float(gravity)})
     found = pd.DataFrame(found)
-    # By the shallowest fall from that height: who sinks has not fallen faster.
+    # From the shallowest fall from that height: a body that sinks has not fallen faster.
     least = found.groupby("height")["fall"].transform("min")
     found["sunk"], found["speed"] = found["fall"] - least, np.sqrt(2 * found["speed"] * least.clip(lower=0))
     return found
 
 
 def joined(track):
-    """The line through these points, with a gap where the next speed is far: nothing was tried between."""
+    """The line through these points, with a gap where no speed was tried between two of them."""
     xs, ys = [], []
     for i, (x, y) in enumerate(track):
         if i and x > NEAR * track[i - 1][0]:
@@ -68,31 +69,42 @@ def joined(track):
     return xs, ys
 
 
-def finding_of_rebound(rows):
-    known = rows.dropna(subset=["rebound"])
-    if not len(known):
-        return "no fall that has a rank was finished."
-    up, still, said = [], [], []
-    for method, mine in known.groupby("method", sort=True):
-        worst, thrown_by = mine.loc[mine["rebound"].idxmax()], mine[mine["rebound"] > 0]["speed"]
-        (up if worst["rebound"] > 0 else still).append(
-            (method, worst, thrown_by.min() if len(thrown_by) else mine["speed"].max()))
-    for method, worst, least in sorted(up, key=lambda entry: -entry[1]["rebound"]):
-        said.append(f"{method} throws the body back by up to {si(worst['rebound'], 'm')} (at {si(worst['speed'], 'm/s')}), "
-                    f"at all from {si(least, 'm/s')} on")
-    if still:
-        said.append(f"{does((m for m, _, _ in still), 'throw')} it back by no more than "
-                    f"{si(ROUNDING, 'm')} at any speed up to {si(min(most for _, _, most in still), 'm/s')}")
-    deep = known[known["sunk"] > SUNK].groupby("method")["sunk"].max()
-    said += [f"{method} leaves it up to {si(most, 'm')} deeper than others do" for method, most in deep.items()]
-    return "; ".join(said) + "."
+def found_rebound(context, cells, rows, dimension):
+    """(finding, entry of the first screen or None)"""
+    why, lines = ranking.unranked(context, cells), []
+    for method, mine in rows.groupby("method", sort=True):
+        known = mine.dropna(subset=["rebound"])
+        if method in why or not len(known):
+            lines.append(Line(method, outcome=f"not ranked: {why[method]}" if method in why else "failed: every fall"))
+            continue
+        worst, up = known.loc[known["rebound"].idxmax()], known[known["rebound"] > 0]["speed"]
+        more = quantity("at a speed of", "m/s", [worst["speed"] if worst["rebound"] > 0 else math.nan])
+        more |= quantity("bounces from", "m/s", [up.min() if len(up) else math.nan]) | quantity(
+            "tried up to", "m/s", [known["speed"].max()])
+        deep = known["sunk"].max()
+        more |= quantity("left deeper than by others", "m", [deep if deep > SUNK else math.nan])
+        lines.append(Line(method, worst["rebound"], more={name: value[0] for name, value in more.items()}))
+    table = ranked(lines, "rebound, at most", "m")
+    back = {line.name: line.value for line in lines if not line.outcome}
+    if not back:
+        return Finding(f"In {dimension}D no ranked method finishes a fall.", table), None
+    top, speed = max(back, key=back.get), si(rows["speed"].max(), "m/s")
+    still = [m for m, value in back.items() if value == 0]
+    if not back[top]:
+        return Finding(f"In {dimension}D no method throws a body back by more than {si(ROUNDING, 'm')} at up to {speed}.",
+                       table), None
+    least = f"; {some(still)} {verb(len(still), 'do')} not" if still else ""
+    head = f"In {dimension}D {top} throws a body without restitution back by up to {si(back[top], 'm')}"
+    at = f" at {si(next(line.more['at a speed of [m/s]'] for line in lines if line.name == top), 'm/s')}"
+    made = Finding(fits(f"{head}{at}{least}.", f"{head}{least}.", f"{head}."), table)
+    entry = None if min(back.values()) == back[top] else Headline("", back, "m", "rebound")
+    return made, entry
 
 
 def _rebound_chart(context, cells):
     sweep, rows = cells["sweep"].iloc[0], rows_of(context, cells)
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     looks, methods, called = context.looks(cells), sorted(rows["method"].unique()), ranking.names(context, cells)
-    ranked = rows[rows["method"].isin(ranking.whole(context, cells)["method"])]
     room = legend_room(called.values(), 1.75)
     figure, panels = grid_of_axes(1, 1, 3.2, room, left=0.9)
     ax = panels[0][0]
@@ -106,35 +118,29 @@ def _rebound_chart(context, cells):
     for method in dict.fromkeys(firsts.values()):
         ax.plot(*joined([(x, scale.place(v)) for x, v in tracks[method]]), **looks(method))
     words = one_line(ax, firsts, listing)
-    ax.set_xlabel("speed at which the ground is hit")
-    ax.set_ylabel("thrown back")
+    ax.set_xlabel("speed of impact")
+    ax.set_ylabel("rebound")
     legend_right(figure, [Line2D([], [], label=called[m], **looks(m)) for m in methods], room)
     table = {"method": rows["method"], **quantity("fall", "m", rows["fall"]), **quantity("speed", "m/s", rows["speed"]),
-             **quantity("thrown back", "m", rows["rebound"]),
+             **quantity("rebound", "m", rows["rebound"]),
              "share of the energy [1]": rows["rebound"] / rows["fall"], **quantity("deeper than others", "m", rows["sunk"])}
-    back = ranked.dropna(subset=["rebound"]).groupby("method")["rebound"].max().to_dict()
-    most = max(back, key=back.get, default=None)
-    head = None if most is None or not back[most] or min(back.values()) == back[most] else Headline(
-        f"A box that hits the ground at up to {si(rows['speed'].max(), 'm/s')} and is not to bounce is thrown back by up to "
-        f"{si(back[most], 'm')} with {most}; with {listing(m for m in back if back[m] == min(back.values()))} by "
-        f"{si(min(back.values()), 'm')}.", back, "m", "thrown back")
-    return Chart(f"{sweep}_rebound_{dimension}d", BOUNCE, f"What is thrown back after a fall, {dimension}D",
-                 f"In {dimension}D, {finding_of_rebound(ranked)}{ranking.tail(context, cells)}", sweep, figure,
+    about, entry = found_rebound(context, cells, rows, dimension)
+    return Chart(f"{sweep}_rebound_{dimension}d", BOUNCE, f"Rebound after a fall, {dimension}D", about, sweep, figure,
                  pd.DataFrame(table), holes(cells, ["method", "height"]),
-                 "The highest place after the lowest, above that in the end, over the speed that the fall has without drag; what "
-                 f"is at most {si(ROUNDING, 'm')} is 0. "
-                 "Lines join speeds less than a tenth apart." + caption_of_lines([("Lines", words)]), headline=head)
+                 "The rebound is the largest height after the lowest place, above the height at the end. The speed is that of a "
+                 f"fall without drag. A rebound up to {si(ROUNDING, 'm')} is drawn at 0. Lines join speeds less than a tenth "
+                 "apart." + caption_of_lines([("Lines", words)]), headline=entry)
 
 
-RULES = "What do contacts cost, and what stands better for them?"
+RULES = "What do contact rules cost, and do stacks stand better?"
 TIME, POINTS = "ms_per_step_median", "contacts_end"
 BOUGHT = ("sag_end", "lateral_max", "jitter")
-TOLD = 1.1  # ratio of two results from which it is told, when it holds beyond doubt
+TOLD = 1.1  # smallest ratio of two results that the table gives, where the difference is significant
 
 
 @of_sweeps("contact_rules", 44, RULES,
-           Needs("world", metrics=(TIME,), also="contact generators as its methods, and what settles"),
-           "Rules of contacts", "No timed sweep of contact generators on stacks is in this store.", "reduction_in_a_stack")
+           Needs("world", metrics=(TIME,), also="contact generators as its methods, and a scene that settles"),
+           "Contact rules", "No timed sweep of contact generators on stacks is in this store.", "reduction_in_a_stack")
 def contact_rules(context, cells):
     if context.store.method_axes(cells["sweep"].iloc[0]) != ["contacts"] or not {POINTS, *BOUGHT} <= set(cells):
         return []
@@ -144,58 +150,48 @@ def contact_rules(context, cells):
     return [_rules_chart(context, part, describe(part.iloc[0], others), refused) for part in split(cells, others, sort=True)]
 
 
-def against(cells, base, name):
-    """({ratio: methods that are better than the baseline beyond doubt}, {...worse}), by `name`; ratios in words."""
-    rows = {row["method"]: row for _, row in cells.iterrows() if row["outcome"] == "ok"}
-    found = ({}, {})
+def against(rows, base, name):
+    """{method: (ratio, words)} by a result of the baseline; the ratio is NaN where it is not significant. `rows`: cells that
+    finished, by method."""
+    found = {}
     for method, row in rows.items():
-        if base not in rows or method == base:
-            continue
-        for side, (first, second) in enumerate(((row, rows[base]), (rows[base], row))):
-            a, b = float(first[name]), float(second[name])
-            if b >= TOLD * a and b > 0 and ranking.better(first, second, name, many=len(rows) - 1):
-                found[side].setdefault(times(a / b if side == 0 else b / a) if a > 0 else "0" if side == 0 else "beyond count",
-                                       []).append(method)
+        a, b = float(row[name]), float(rows[base][name])
+        better = b >= TOLD * a and b > 0 and ranking.better(row, rows[base], name, many=len(rows) - 1)
+        worse = a >= TOLD * b and a > 0 and ranking.better(rows[base], row, name, many=len(rows) - 1)
+        sure = better or worse
+        ratio = a / b if sure and b > 0 else math.inf if sure else math.nan
+        found[method] = ratio, (TIE if not sure else f"more than 0 ({si(a)})" if math.isinf(ratio) else f"{times(ratio)} times"
+                                if ratio else "0")
     return found
 
 
-def finding_of_rules(context, cells, base, where, least):
-    everyone, rows = sorted(cells["method"].unique()), {row["method"]: row for _, row in cells.iterrows()}
-    text = f"{where}, against {base}:"
-    fell = {}
-    for method, row in rows.items():
-        if row["outcome"] != "ok":
-            fell.setdefault(row["outcome"], []).append(method)
-    parts = [f"{outcome}: {methods(names, everyone)}" for outcome, names in sorted(fell.items())]
-    if base not in rows or rows[base]["outcome"] != "ok":
-        return f"{text} it has no result; {'; '.join(parts)}."
-    ratios = {m: noise.ratio(rows[base], row, TIME) for m, row in rows.items()
-              if m != base and row["outcome"] == "ok" and noise.tells(rows[base], row, TIME, least)}
-    alike = [m for m, row in rows.items() if m not in (base, *ratios) and row["outcome"] == "ok"]
-    told = [f"{m} {times(ratio)} times" for m, ratio in sorted(ratios.items(), key=lambda item: item[1])]
-    parts.append("time of a step: " + ", ".join([*told, *([f"not told apart {methods(alike, everyone)}"] if alike else [])]))
-    for name in BOUGHT:
-        better, worse = against(cells, base, name)
-        said = [f"{ratio} times with {methods(names, everyone)}" for side in (better, worse) for ratio, names in
-                sorted(side.items(), key=lambda item: item[1])]
-        parts.append(f"{context.title(name)}: {', '.join(said) if said else 'no method differs beyond doubt'}")
-    return f"{text} {'; '.join(parts)}."
-
-
-def headline(context, cells, base, where):
-    """The largest gain or loss of a result, beyond doubt."""
-    rows, found = {row["method"]: row for _, row in cells.iterrows() if row["outcome"] == "ok"}, []
-    for name in BOUGHT:
-        for side in against(cells, base, name):
-            for names in side.values():
-                found += [(abs(math.log(float(rows[m][name]) / float(rows[base][name]))), name, m) for m in names
-                          if min(float(rows[m][name]), float(rows[base][name])) > 0]
-    if not found:
-        return None
-    _, name, method = max(found)
-    ratio = float(rows[method][name]) / float(rows[base][name])
-    return Headline(f"{where}: {context.title(name)} with {method} is {times(ratio)} times that with {base}.",
-                    {m: float(row[name]) for m, row in rows.items()}, context.unit(name), context.title(name))
+def found_rules(context, cells, base, where, least):
+    """(finding, entry of the first screen or None): each method against the baseline."""
+    everything = {row["method"]: row for _, row in cells.iterrows()}
+    rows = {method: row for method, row in everything.items() if row["outcome"] == "ok"}
+    order = sorted(everything, key=lambda m: (m != base, m not in rows, m))
+    table = pd.DataFrame({"method": order, "outcome": [everything[m]["outcome"] for m in order]})
+    if base not in rows:
+        return Finding(f"{where}: the baseline {base} has no result.", cut(table)), None
+    words = {m: noise.said(rows[base], row, TIME, least) for m, row in rows.items()}
+    words = {m: {noise.NOISE: NOISE}.get(word, word) if word in (noise.NOISE, noise.FEW, noise.SAME_WORK) else
+             f"{times(noise.ratio(rows[base], rows[m], TIME))} times" for m, word in words.items()}
+    columns = {TIME: words} | {name: {m: said for m, (_, said) in against(rows, base, name).items()} for name in BOUGHT}
+    for name, said in columns.items():
+        own = f"{si(float(rows[base][name]), context.unit(name))} ({base})"
+        table[f"{context.title(name)}, against {base}"] = [own if m == base else said.get(m, "") for m in order]
+    sure = [(abs(math.log(ratio)) if 0 < ratio < math.inf else math.inf, name, m, said) for name in BOUGHT
+            for m, (ratio, said) in against(rows, base, name).items() if m != base and ratio == ratio]
+    if not sure:
+        return Finding(f"{where}: no contact rule changes a result of {base} significantly.", cut(table)), None
+    finite = [entry for entry in sure if math.isfinite(entry[0])]
+    _, name, method, said = max(finite or sure)
+    time = f"; a step takes {words[method]} the time" if words[method].endswith("times") else ""
+    head = f"{where}: {context.title(name)} with {method} is {said} that with {base}" if said.endswith("times") else (
+        f"{where}: {context.title(name)} with {method} is {said}, against {si(float(rows[base][name]), context.unit(name))} with "
+        f"{base}")
+    entry = Headline("", {m: float(row[name]) for m, row in rows.items()}, context.unit(name), context.title(name))
+    return Finding(fits(f"{head}{time}.", f"{head}."), cut(table)), entry if finite else None
 
 
 def _rules_chart(context, cells, where, refused):
@@ -212,18 +208,19 @@ def _rules_chart(context, cells, where, refused):
     if bad:
         figure.legend(handles=[Line2D([], [], ls="none", marker=letter(o), color="#555555", ms=7, label=o) for o in bad],
                       loc="lower left", bbox_to_anchor=(0.005, 0.0), ncol=len(bad))
+    about, entry = found_rules(context, cells, base, where, least)
     numbers = {}
     table = cells.sort_values("method")
     for name in shown:
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(table, name))
-    return Chart(identifier(f"{sweep} contact_rules {where}"), RULES, f"Rules of contacts: {where}",
-                 finding_of_rules(context, cells, base, where, least), sweep, figure,
-                 table[["method", "outcome"]].assign(**numbers), refused + holes(cells, ["method"]) + noise.idle_seeds(cells),
-                 f"Bars go from the least to the most of all seeds, of times over the repeats. A result is told when it "
-                 "differs by "
-                 f"{100 * (TOLD - 1):.0f} % and beyond doubt. "
+    return Chart(identifier(f"{sweep} contact_rules {where}"), RULES, f"Contact rules: {where}",
+                 about, sweep, figure, table[["method", "outcome"]].assign(**numbers),
+                 refused + holes(cells, ["method"]) + noise.idle_seeds(cells),
+                 "Bars are the range over all seeds, of times over the repeats. The table gives a result's ratio where it "
+                 "differs "
+                 f"significantly, by at least {100 * (TOLD - 1):.0f} %; else the two tie. "
                  f"{ranking.rule_of_pairs(max(map(len, cells['seeds'])), max(1, finished - 1))} {noise.rule(least)}",
-                 headline=headline(context, cells, base, where))
+                 headline=entry)
 
 
 def _panel(ax, context, cells, name, names, looks):

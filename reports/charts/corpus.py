@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""The corpus of published hard cases: each method on each case, as `lpc verify --cases FILE --store STORE` keeps it."""
+"""The corpus of published hard cases, each method on each case, and the failing pairs of a ledger. `lpc verify --cases FILE
+--store STORE` stores the corpus."""
 
 import io
 import json
@@ -9,13 +10,14 @@ import pandas as pd
 from matplotlib.patches import Rectangle
 
 from chart import Chart, Headline, of_store
-from sentences import clauses, listing, plural, sentence
+from finding import Finding, cut, fits
+from sentences import listing, plural, some
 from silhouette import of_case
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, grid_of_axes, plt, si
 from table import quantity
 
 SECTION = "Which method is right, and which fails where?"
-COLUMNS = 7  # at most
+COLUMNS = 7  # most pairs side by side
 SHADES = ("#0072B2", "#D55E00")  # A, B
 WRONG = {"wrong_distance": "wrong distance", "wrong_normal": "wrong normal", "wrong_side": "wrong side"}  # in the ledger's order
 
@@ -43,7 +45,7 @@ def _read(text):
 
 
 def _keep(pairs, case, what, order):
-    """The first in this order of each method; of pair queries alone, whose shapes can be drawn."""
+    """Keeps the first case of each method in this order. Only pair queries have shapes that can be drawn."""
     found = case.get("found", {})
     if found.get("stage") != "pair_query" or "shapeA" not in case:
         return
@@ -53,33 +55,39 @@ def _keep(pairs, case, what, order):
 
 
 def kinds(case):
-    """As the ledger calls them: `polytope-ellipsoid` of the pair's name."""
+    """The kinds of a pair as in the ledger: `polytope–ellipsoid`."""
     return "–".join({"convex": "polytope"}.get(case[s]["type"], case[s]["type"]) for s in ("shapeA", "shapeB"))
 
 
 def told(case):
-    """What is wrong, what the method said for what is true, and how far off that is, in short lines."""
+    """Short lines: what is wrong, the answer and the true value, the error."""
     found, truth = case["found"], case["expected"]["signed_distance"]
     lines = [kinds(case), case.get("note", "").replace("_", " "), WRONG.get(found["failure"], f"no answer: {found['failure']}"
                                                                            .replace("_", " "))]
-    if found.get("error") is None:  # the side alone, or nothing
+    if found.get("error") is None:  # the method answered only the side, or nothing
         return [*lines, f"true: {si(truth, 'm')}"]
-    if found["failure"] == "wrong_normal":  # of a distance that is right
+    if found["failure"] == "wrong_normal":  # the distance is right
         return [*lines, f"off by {found['error']:.1e} along it"]
     said, true = si(found["value"], "m"), si(truth, "m")
     return [*lines, f"{said} for {true}" if said != true else f"at {true}", f"off by {found['error']:.1e}"]
 
 
-def finding_of_pairs(pairs, dimension, precision):
+def found_pairs(pairs, dimension, precision):
+    """The worst answer of each method, the largest error first."""
     worst = {method: kept["worst"][1] for method, kept in pairs.items()}
-    ends = [case["found"]["failure"] for case in worst.values()]
-    counts = [f"{ends.count(end)} in {words.removeprefix('wrong ')}" for end, words in WRONG.items() if end in ends]
-    method = max(worst, key=lambda m: worst[m]["found"].get("error") or 0)
-    case = worst[method]
-    along = "along its normal alone" if case["found"]["failure"] == "wrong_normal" else "in distance or along its normal"
-    return (f"In {dimension}D, {precision}, the worst answers of {plural(len(pairs), 'method')} are wrong, {listing(counts)}; "
-            f"the worst of all is {method}'s on {kinds(case)} ({case.get('note', '').replace('_', ' ')}), a "
-            f"{WRONG[case['found']['failure']]}, off by {case['found'].get('error') or 0:.2g} of the size {along}.")
+    order = sorted(worst, key=lambda m: -(worst[m]["found"].get("error") or 0))
+    said = lambda case: (f"{kinds(case)} ({case['note'].replace('_', ' ')})" if case.get("note") else kinds(case))  # noqa: E731
+    ends = [worst[m]["found"]["failure"] for m in order]
+    table = pd.DataFrame({"method": order, "worst answer on": [said(worst[m]) for m in order],
+                          "failure": [WRONG.get(end, end.replace("_", " ")) for end in ends],
+                          "error / size [1]": [worst[m]["found"].get("error") for m in order],
+                          "error of": ["the normal" if end == "wrong_normal" else "the distance, or along the normal"
+                                       for end in ends]})
+    case, error = worst[order[0]], worst[order[0]]["found"].get("error") or 0
+    of = "along its normal alone" if ends[0] == "wrong_normal" else WRONG.get(ends[0], ends[0].replace("_", " "))
+    return Finding(f"In {dimension}D, {precision}, {order[0]} has the largest error of {plural(len(order), 'method')}, "
+                   f"{error:.2g} of "
+                   f"the size, on {said(case)}: {of}.", cut(table))
 
 
 def _pairs_chart(context, pairs, dimension, precision):
@@ -92,7 +100,7 @@ def _pairs_chart(context, pairs, dimension, precision):
     for index, (method, kept) in enumerate(pairs.items()):
         for below, what in enumerate(("simplest", "worst")):
             ax, case = axes[2 * (index // columns) + below][index % columns], kept[what][1]
-            missing += [f"{method}, {what}: no outline of {kind} is in the store, which an older program wrote"
+            missing += [f"{method}, {what}: the store, written by an older program, has no outline of {kind}"
                         for kind in _draw(ax, case)]
             if below == 0:
                 ax.set_title(context.name(method).replace("{", "\n{").replace(" (witness)", ""), fontsize=8)
@@ -110,18 +118,21 @@ def _pairs_chart(context, pairs, dimension, precision):
                             "input": numbers["input"]})
     return Chart(f"failing_pairs_{dimension}d_{precision}", SECTION,
                  f"The simplest and the worst failing pair of each method, {dimension}D, {precision}",
-                 finding_of_pairs(pairs, dimension, precision), "", figure, numbers, missing,
-                 "Above the pair with the fewest vertices on which the method fails, below the one with the largest error; "
-                 "beneath, the family, and what is wrong. A wrong distance is told for the true one, with the error over the "
-                 "size, of the distance or, where that is more, along the normal; a wrong normal belongs to a right distance, "
-                 "and the error is what the separation along it lacks; a wrong side is apart for overlapping, or the reverse. "
-                 "A is blue, B orange; in 3D their shadows from one side, in which shapes that are apart may overlap. The "
-                 "inputs are in the numbers, and in NAME.found/ beside the store NAME as files for lpc verify --cases.",
+                 found_pairs(pairs, dimension, precision), "", figure, numbers, missing,
+                 "Upper rows: the failing pair with the fewest vertices; lower rows: the one with the largest error. Under each "
+                 "pair "
+                 "stand its family and the failure. A wrong distance is given with the true one; its error is that of the "
+                 "distance "
+                 "or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is the "
+                 "missing "
+                 "separation along it. A wrong side is apart for overlapping, or the reverse. A is blue, B orange; in 3D shadows "
+                 "from one side, which may overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store "
+                 "NAME, for lpc verify --cases.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
 def _draw(ax, case):
-    """Draws both shapes; returns the kinds of those that have no outline."""
+    """Draws both shapes; returns the kinds of shapes without an outline."""
     ax.set_visible(True)
     without = []
     for side, colour in zip("AB", SHADES):
@@ -141,13 +152,13 @@ def _draw(ax, case):
     return without
 
 
-# How each case of the file ends for a method, with the colour of its cell and the words over its column. The last three are no
-# failures (failure.py): a method is asked only what it declares and there is, and may refuse the rest.
+# Ends of a case for a method, with the colour of the cell and the words over the column. The last three are no failures
+# (failure.py): a method is asked only what it declares and supports, and may refuse other questions.
 ENDS = {"ok": (RIGHT, "right"), "wrong": ("#D55E00", "wrong"), "failed": ("#661100", "failed"), "hang": ("#332288", "hang"),
         "undeclared": (REFUSED, "shape not\ndeclared"), "dimension": (NOT_ASKED, "other\ndimension"),
         "query": (NOT_ASKED, "other\nquery")}
 FAILURES = ("wrong", "failed", "hang")
-NOBODY, REFEREE = "-", "referee"  # methods of the table that are none: a query that nobody takes, and who judges
+NOT_A_METHOD, REFEREE = "-", "referee"  # entries of the table that are no method: a query without a method, and the referee
 UNDECLARED = "unsupported_shape"  # reason of a refusal
 MADE_BY = "verify --cases tests/regressions/hard_cases.json"
 
@@ -155,7 +166,7 @@ MADE_BY = "verify --cases tests/regressions/hard_cases.json"
 @of_store("corpus", 90, SECTION,
           "Published hard cases", "No corpus was run into this store.", made_by=MADE_BY)
 def corpus(context):
-    """A chart when the store has the table; `lpc verify` alone does not make it."""
+    """One chart, if the store has the table of the corpus; only `lpc verify --cases` writes it."""
     rows = read(context.store)
     if not len(rows):
         return []
@@ -163,8 +174,8 @@ def corpus(context):
 
 
 def read(store):
-    """One row per case and method: how it ended, and of which query the case is (what answers it). Who was not asked has a row,
-    too, so that each method has every case of the file."""
+    """One row per case and method: the query of the case and its end. Methods that were not asked have a row too, so that each
+    method has every case of the file."""
     if not store.meta.get("corpus"):
         return pd.DataFrame()
     rows = pd.read_csv(io.StringIO(store.meta["corpus"]), dtype=str, keep_default_na=False)
@@ -174,7 +185,7 @@ def read(store):
     of_case = {case: query(method) for case, method in zip(asked["id"], asked["method"])}
     ends = {(case, method): _end(verdict, reason) for case, method, verdict, reason in
             zip(asked["id"], asked["method"], asked["verdict"], asked["reason"])}
-    methods = sorted(set(asked["method"]) - {NOBODY})
+    methods = sorted(set(asked["method"]) - {NOT_A_METHOD})
     found = [{"id": case, "method": method, "role": store.role(method), "query": of_case[case],
               "end": ends.get((case, method), "dimension" if query(method) == of_case[case] else "query")}
              for method in methods for case in of_case]
@@ -182,39 +193,42 @@ def read(store):
 
 
 def _end(verdict, reason):
-    """A refusal of what a method declares is no answer."""
+    """The end of a case. A refusal of declared shapes is a failure."""
     return verdict if verdict != "refused" else "undeclared" if reason == UNDECLARED else "failed"
 
 
 def counts(rows):
-    """Cases by method and end, ours first: every method's add up to the cases of the file."""
+    """Cases by method and end, our methods first. Each row adds up to the cases of the file."""
     table = rows.groupby(["role", "method", "end"]).size().unstack(fill_value=0)
     return table.reindex(columns=list(ENDS), fill_value=0).reset_index()
 
 
-def finding(table, rows):
+def found(table, rows):
     bad = table[list(FAILURES)].sum(axis=1)
     declared = bad + table["ok"]
-    theirs = table[table["role"] == "witness"]
-    fails = lambda row: f"{table['method'][row]} fails on {bad[row]} of the {declared[row]} that it declares"  # noqa: E731
-    wrong = [fails(row) for row in table[table["role"] == "competitor"].index if bad[row]]
-    cases = rows[["id", "query"]].drop_duplicates()
-    nobodys = int((cases["query"] == NOBODY).sum())
-    unanswered = f", {nobodys} of which ask what no method answers," if nobodys else ""
-    said = [f"of {plural(len(cases), 'published case')}{unanswered} "
-            + (listing(wrong) if wrong else "our own methods are right on all that they declare")]
-    if len(theirs):
-        worst = bad[theirs.index].idxmax()
-        spared = [m for m, n in zip(theirs["method"], bad[theirs.index]) if not n]
-        said += [f"{fails(worst)}, the most of {plural(len(theirs), 'witness', 'witnesses')}", spared and
-                 f"{listing(spared)} on none"] if bad[worst] else ["no witness fails"]
-    return sentence(clauses(*said))
+    small = pd.DataFrame({"method": table["method"], "role": table["role"], "cases declared": declared, "failed": bad,
+                          **{{"failed": "no answer"}.get(end, end): table[end] for end in FAILURES if table[end].any()}})
+    small = small.sort_values(["failed", "role", "method"], ascending=[False, True, True], kind="stable").reset_index(drop=True)
+    ours, theirs = table["role"] == "competitor", table["role"] == "witness"
+    wrong = [table["method"][row] for row in table.index if ours[row] and bad[row]]
+    most = max(wrong, key=lambda name: bad[table["method"] == name].iloc[0], default=None)
+    at = table.index[table["method"] == most]
+    said = f"{most} fails on {bad[at[0]]} of the {declared[at[0]]} that it declares" if len(wrong) == 1 else (
+        f"{some(wrong)} fail, {most} on {bad[at[0]]} of {declared[at[0]]}" if wrong else "our methods fail on none that they "
+                                                                                         "declare")
+    worst = bad[theirs].idxmax() if theirs.any() and bad[theirs].max() else None
+    other = "" if not theirs.any() else "; no witness fails" if worst is None else (
+        f"; {table['method'][worst]} fails on {bad[worst]} of {declared[worst]}, the most of "
+        f"{plural(int(theirs.sum()), 'witness', 'witnesses')}")
+    head = f"Of {plural(rows['id'].nunique(), 'published case')} {said}"
+    kept = [i for i, name in enumerate(small["method"]) if name in wrong]
+    return Finding(fits(f"{head}{other}.", f"{head}."), cut(small, kept))
 
 
 def _corpus_chart(context, rows, file):
     table = counts(rows)
     methods = list(table["method"])
-    # Cases on which somebody fails, the most telling first.
+    # Cases on which a method fails, the case with the most failures first.
     failing = rows[rows["end"].isin(FAILURES)]
     cases = list(failing.groupby("id").size().sort_values(ascending=False, kind="stable").index)
     left, body, top, bottom = 0.35 + 0.075 * max(len(context.name(m)) for m in methods), 0.24 * len(methods), 0.5, 0.3
@@ -246,21 +260,20 @@ def _corpus_chart(context, rows, file):
         _plain(grid, len(cases), len(methods))
         grid.set_xlabel(f"the {plural(len(cases), 'case')} on which a method fails, one column each", fontsize=8.5)
     ends = rows.pivot(index="id", columns="method", values="end")[methods].reindex(cases + sorted(set(rows["id"]) - set(cases)))
-    return Chart("corpus", SECTION, "Published hard cases, method by method", finding(table, rows), "", figure,
+    return Chart("corpus", SECTION, "Published hard cases, method by method", found(table, rows), "", figure,
                  ends.reset_index(), [], _note(rows, file), made_by=MADE_BY,
-                 headline=Headline(finding(table, rows), dict(zip(methods, table[list(FAILURES)].sum(axis=1))),
-                                    quantity="cases that failed"))
+                 headline=Headline("", dict(zip(methods, table[list(FAILURES)].sum(axis=1))), quantity="cases that failed"))
 
 
 def _note(rows, file):
     cases = rows[["id", "query"]].drop_duplicates().groupby("query").size().sort_values(ascending=False, kind="stable")
     words = {"pair_query": "the distance of a pair", "contacts": "the contacts of a pair", "convex_hull": "a convex hull",
-             "mass_properties": "a mass", NOBODY: "what no method answers, such as a time of impact"}
+             "mass_properties": "a mass", NOT_A_METHOD: "a query without a method, such as a time of impact"}
     of = [f"{number} {words.get(query, query.replace('_', ' '))}" for query, number in cases.items()]
-    return (f"A row adds up to the {cases.sum()} cases of {file}, of which ask {listing(of)}. Failed is an exception, a crash, "
-            "a number that is not finite, or a refusal of what a method declares. The last three columns are no failures: "
-            "shapes that a method does not declare and refuses, cases of a dimension in which it does not exist, cases that "
-            "ask something else; such a case is grey at the right. All cases with their names are in the numbers.")
+    return (f"A row adds up to the {cases.sum()} cases of {file}, which ask for {listing(of)}. Failed: an exception, a crash, "
+            "a number that is not finite, or a refusal of declared shapes. The last three columns are no failures, and grey at "
+            "the "
+            "right: undeclared shapes, cases of another dimension, cases of another query. The numbers list all cases by name.")
 
 
 def _plain(ax, columns, rows):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""What a step costs against how wrong it is, method by method, on one scene; and whose error is smallest within a budget."""
+"""Cost of a step against the error of each method on one scene, and the method with the smallest error within each budget."""
 
-import itertools
 import math
 
 import numpy as np
@@ -15,15 +14,16 @@ import over_steps
 import ranking
 from budget import marks, within
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
+from finding import NOISE, Finding, Line, cut, fits, ranked
 from load import one_machine, split, varying
-from sentences import does, listing, methods, verb
+from sentences import listing, methods, some, verb
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of,
                    si, times)
 from table import quantity
 
-RIGHT_FOR_COST = "Which method is right for its cost?"
-# Which errors a scene can show, its trials say; features and precisions are compared by charts of their own.
-WHOSE = 6  # so many methods that failed are named in the legend
+RIGHT_FOR_COST = "Which method is most accurate for its cost?"
+# The trials say which errors a scene can show; other charts compare models and precisions.
+NAMED = 6  # most methods that failed and are named in the legend
 
 
 @of_sweeps("cost_against_error", 20, RIGHT_FOR_COST,
@@ -34,7 +34,7 @@ def cost_against_error(context, cells):
     groups = [c for c in ("scene", "dimension") if c in cells]
     made = []
     for part in split(cells, groups):
-        # Whatever else varies inside a scene (a mass ratio, an angle) makes a chart of its own: unequal cells never meet.
+        # Each value of another axis (a mass ratio, an angle) makes a separate chart: unequal cells are never compared.
         inner = varying(context.store, part, (*groups, *context.settings(part)[:1]))
         for equal in split(part, inner, sort=True):
             made.append(_cost_chart(context, equal, groups + inner, refused))
@@ -42,7 +42,7 @@ def cost_against_error(context, cells):
 
 
 def engine_notes(context, cells):
-    """What whole engines do otherwise whatever is set; it stands where they are ranked."""
+    """Fixed differences of whole engines from the asked settings, for charts that rank engines."""
     said = {}
     for method, key in zip(cells["method"], cells["key"]):
         if key is not None and context.store.role(method) == "engine":
@@ -53,8 +53,8 @@ def engine_notes(context, cells):
 
 
 def at_equal_cost(cells, cost_name, error_name):
-    """What each method reaches at equal cost (`at`: in which cell), and pays at equal error; the budgets are those that every
-    method meets."""
+    """Each method's least error at equal cost (`at`: the index of its cell) and least cost at equal error. The budgets are the
+    smallest that every finished method meets."""
     good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost_name)) &
                  np.isfinite(metrics.column(cells, error_name))]
     if not len(good):
@@ -73,124 +73,102 @@ def at_equal_cost(cells, cost_name, error_name):
     return cost_budget, error_budget, table
 
 
-def not_ok(cells):
-    """Which methods failed, in how many of their cells."""
-    failed, planned = cells[cells["outcome"] != "ok"], cells.groupby("method").size()
-    fails = [f"{method} {len(part)} of {planned[method]}" for method, part in failed.groupby("method", sort=True)]
-    return (f" Not ok ({listing(sorted(set(failed['outcome'])))}): {listing(fails)} {'cell' if planned.max() == 1 else 'cells'}."
-            if fails else " Every cell finished.")
+def per_step(context, cost, budget):
+    """A budget in words: "801 µs per step", "28,800 multiply-adds per step"."""
+    unit = context.unit(cost)
+    return f"{si(budget, unit)} {'per step' if unit != '1' else context.title(cost)}"
 
 
-def finding(context, cells, where, cost_name, error_name):
-    unit, floor, title = context.unit(error_name), context.floor(error_name), context.title(error_name)
-    tail = not_ok(cells) + ranking.tail(context, cells)
-    everyone, cells = sorted(cells["method"].unique()), ranking.eligible(context, cells)
-    result = at_equal_cost(cells, cost_name, error_name)
+def found(context, cells, where, cost, error):
+    """(finding, entry of the first screen or None): the errors that methods reach at equal cost."""
+    everyone, unit, floor = sorted(cells["method"].unique()), context.unit(error), context.floor(error)
+    eligible, setting = ranking.eligible(context, cells), next(iter(context.settings(cells)), None)
+    what, result = context.title(error).removeprefix("largest "), at_equal_cost(eligible, cost, error)
+    lines = _lines(context, cells, result, setting, cost, error)
+    ranks = lambda ties=(): ranked(lines, context.title(error), unit, ties, floor=floor,  # noqa: E731
+                                   keep=[context.baseline(cells)])
     if result is None:
-        return f"On {where} no method finished with a cost and an error.{tail}"
-    cost_budget, _, table = result
-    table["error"] = table["error"].where(~(table["error"] <= floor), 0.0)
-    shown = table.dropna(subset=["error"])
-    best, worst = shown.loc[shown["error"].idxmin()], shown.loc[shown["error"].idxmax()]
-    what, least, most = title.removeprefix("largest "), si(best["error"], unit), si(worst["error"], unit)
-    if len(shown) == 1:
-        return f"On {where} only {best['method']} finishes, with {title} {least}.{tail}"
-    within = f"within {si(cost_budget, context.unit(cost_name))} per step"
-    if worst["error"] == best["error"]:
-        return f"On {where} {methods(shown['method'], everyone)} have the same {what} ({least}) {within}.{tail}"
-    cell = {method: cells.loc[at] for method, at in zip(shown["method"], shown["at"])}
-    seeds, many = max(map(len, cells["seeds"])), ranking.comparisons(len(shown))
-    # Whom the best does not beat beyond doubt is as good.
-    firsts = [m for m in shown["method"] if not ranking.better(cell[best["method"]], cell[m], error_name, floor, many)]
-    if len(firsts) == len(shown):
-        return (f"On {where}, {within}, the order by {what} of {methods(shown['method'], everyone)} is not told from chance: "
-                f"a tie ({least} to {most} in the median of {seeds}).{tail}")
-    # What reads alike is one: no method is the worst of eight that err the same.
-    lasts = [m for m, e in zip(shown["method"], shown["error"]) if si(e, unit) == most and m not in firsts]
-    setting = next(iter(context.settings(cells)), None)
-    head = (f"On {where}, {within} (every method that finishes has a setting below it), {does(firsts, 'have', everyone)}"
-            f"{f', over {seeds} seeds,' if seeds > 1 else ''} the smallest {what} ({least}{at_setting(cell, firsts, setting)})")
-    tail = against_baseline(context, cells, cost_name, error_name) + tail
-    if not lasts:  # the smallest and the largest read alike
-        return f"{head}; the others {verb(len(shown) - 1, 'differ')} by less than three digits show.{tail}"
-    who = f"{methods(lasts, everyone)} the largest" if len(lasts) == 1 else (
-        f"{len(lasts)} of {len(shown)}, {methods(lasts, everyone)}, the same largest")
-    ratio = times(worst["error"] / best["error"]) if best["error"] > 0 else "1.0"
-    much = f", {ratio} times as much" if ratio != "1.0" else ""
-    return f"{head} and {who} ({most}{at_setting(cell, lasts, setting)}{much}).{tail}"
+        return Finding(f"On {where} no ranked method finished with a cost and an error.", ranks()), None
+    budget, _, table = result
+    errors = {m: 0.0 if e <= floor else e for m, e in zip(table["method"], table["error"])}
+    known, failed = {m: e for m, e in errors.items() if e == e}, [m for m, e in errors.items() if e != e]
+    cell = {m: eligible.loc[at] for m, at in zip(table["method"], table["at"]) if m in known}
+    best, worst = min(known, key=known.get), max(known, key=known.get)
+    least, most = si(known[best], unit), si(known[worst], unit)
+    many, head = ranking.comparisons(len(known)), f"On {where}, within {per_step(context, cost, budget)}, "
+    # A method that the best does not beat significantly ties with it.
+    firsts = [m for m in known if not ranking.better(cell[best], cell[m], error, floor, many)]
+    if len(known) == 1:
+        return Finding(f"On {where} only {best} finishes; its {what} is {least}.", ranks()), None
+    fail = f"; {some(failed, everyone)} {verb(len(failed), 'fail')}" if failed else ""
+    if len(firsts) == len(known):
+        alike = f"the same {what} ({least})" if known[best] == known[worst] else f"a tie for the smallest {what}"
+        verb_of = "have" if known[best] == known[worst] else "end in"
+        text = fits(f"{head}{some(known, everyone)} {verb_of} {alike}{fail}.", f"{head}{some(known, everyone)} {verb_of} "
+                                                                               f"{alike}.")
+    else:
+        # Values that read alike share the last place.
+        lasts = [m for m in known if si(known[m], unit) == most and m not in firsts]
+        ats = [_at_setting(cell, group, setting) for group in (firsts, lasts)]
+        first = lambda at="": (f"{head}{some(firsts, everyone)} {verb(len(firsts), 'have')} the smallest {what} "  # noqa: E731
+                               f"({least}{at})")
+        last = lambda at="": f", {some(lasts, everyone, 1)} the largest ({most}{at})" if lasts else ""  # noqa: E731
+        text = fits(*(f"{a}{b}{c}." for a, b, c in ((first(ats[0]), last(ats[1]), fail), (first(), last(), fail),
+                                                    (first(ats[0]), last(ats[1]), ""), (first(), last(), ""),
+                                                    (first(), "", fail), (first(), "", ""))))
+    table = ranks([m for m in firsts if m != best])
+    if not failed and not ranking.better(cell[best], cell[worst], error, floor, many):
+        return Finding(text, table), None
+    ends = final_states(eligible.loc[[row.name for row in cell.values()]])
+    return Finding(text, table), Headline("", errors, unit, context.title(error), ends=ends)
 
 
-def at_setting(cell, named, setting):
-    """At which values of the setting these methods reach what is told: at equal cost they need not be the same."""
+def _at_setting(cell, named, setting):
+    """The values of the setting at which these methods reach their errors: at equal cost the values may differ."""
     values = sorted({cell[m][setting] for m in named if cell[m][setting] == cell[m][setting]}) if setting else []
     return f" at {setting}={listing(f'{v:g}' for v in values)}" if values else ""
 
 
-def headline(context, cells, where, cost_name, error_name):
-    """The errors that methods reach at equal cost."""
-    cells = ranking.eligible(context, cells)
-    result = at_equal_cost(cells, cost_name, error_name)
-    if result is None:
-        return None
-    cost_budget, _, table = result
-    floor, unit = context.floor(error_name), context.unit(error_name)
-    errors = {m: 0.0 if e <= floor else e for m, e in zip(table["method"], table["error"])}
-    known = {m: e for m, e in errors.items() if e == e}
-    if len(known) < 2:
-        return None
-    least, most = si(min(known.values()), unit), si(max(known.values()), unit)
-    best, worst = ([m for m in known if si(known[m], unit) == text] for text in (least, most))  # what reads alike is a tie
-    failed = [m for m in errors if m not in known]
-    ends = [cells.loc[table.set_index("method")["at"][group[0]]] for group in (best, worst)]
-    # A tie, or one between seeds.
-    if not failed and (best == worst or not ranking.better(*ends, error_name, floor, ranking.comparisons(len(known)))):
-        return None
-    what, setting = context.title(error_name).removeprefix("largest "), next(iter(context.settings(cells)), None)
-    cell = {method: cells.loc[at] for method, at in zip(table["method"], table["at"]) if method in known}
-    ats = [at_setting(cell, group, setting) for group in (best, worst)]
-    ats = ats if ats[0] != ats[1] else ["", ""]  # like with like needs no word
-    return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, "
-                    f"{does(best, 'have', list(errors))} the smallest {what}, {least}{ats[0]}"
-                    + (f"; {does(worst, 'have', list(errors))} {most}{ats[1]}" if worst != best
-                       else "")
-                    + (f"; {does(failed, 'fail', list(errors))}." if failed else "."),
-                    errors, unit, context.title(error_name),
-                    ends=final_states(cells.loc[[at for at in table["at"] if at is not None and at == at]]))
+def _lines(context, cells, result, setting, cost, error):
+    """One line per method: its error at equal cost, or why it has none."""
+    why, (title, against) = ranking.unranked(context, cells), _against_baseline(context, cells, setting, cost)
+    at = {} if result is None else dict(zip(result[2]["method"], result[2]["at"]))
+    made, any_failed = [], (cells["outcome"] != "ok").any()
+    for method, part in cells.groupby("method", sort=True):
+        bad, more = part[part["outcome"] != "ok"], {}
+        index = at.get(method)
+        cell = None if index is None or index != index else cells.loc[index]
+        if setting:
+            more[setting] = None if cell is None or cell[setting] != cell[setting] else cell[setting]
+        if any_failed:
+            more["failed cells"] = f"{len(bad)} of {len(part)}{f' ({listing(sorted(set(bad.outcome)))})' if len(bad) else ''}"
+        if title:
+            more[title] = against.get(method, "")
+        outcome = f"not ranked: {why[method]}" if cell is None and method in why else "" if cell is not None else (
+            f"failed: {bad['outcome'].iloc[0]}" if len(bad) else f"no {context.title(cost)}")
+        low, high = (math.nan, math.nan) if cell is None else noise.interval(measured.seeds(cell, error))
+        made.append(Line(method, math.nan if cell is None else float(cell[error]), low, high, outcome, more))
+    return made
 
 
-def against_baseline(context, cells, cost_name, error_name):
-    """The best of the others against what the sweep compares with, at the largest setting of both."""
-    setting, base, everything = next(iter(context.settings(cells)), None), context.baseline(cells), cells
-    cells = ranking.eligible(context, cells)
-    if setting:
-        cells = cells[(cells[setting] == cells[setting].max()) | cells[setting].isna()]
-    named = cells[cells["method"] == base]
-    others = cells[(cells["method"] != base) & (cells["outcome"] == "ok")]
-    if not len(named) or not np.isfinite(metrics.column(others, error_name)).any():
-        return ""
-    row, best = named.iloc[0], others.iloc[int(np.nanargmin(metrics.column(others, error_name)))]
-    most = cells[setting].max() if setting else math.nan
-    at = f"At {setting} = {most:g} " if best.get(setting) == most else (
-        f"Beside {base} at {setting} = {most:g}, and without {setting}, " if most == most else "Here ")
-    named = f'"{base}"' if " " in base else base  # a label may be words, which would run on in a sentence
-    if row["outcome"] != "ok":
-        step = "" if row["step"] != row["step"] else f" at step {int(row['step'])}"
-        return f" {at}{best['method']} stands where {named} fails ({row['outcome']}{step})."
-    costs, errors = (best[cost_name], row[cost_name]), (best[error_name], row[error_name])
-    if not all(map(math.isfinite, costs + errors)) or not costs[1] or max(errors) <= context.floor(error_name):
-        return ""
-    ratio = errors[0] / errors[1] if errors[1] > 0 else math.inf
-    how = "with the same error" if abs(ratio - 1) < 0.005 else f"with {times(ratio)} times its error"
-    how = f"with an error where {named} has none" if math.isinf(ratio) else how if ratio else "without error"
-    if not context.store.is_time(cost_name):
-        return f" {at}{best['method']} takes {times(costs[0] / costs[1])} times the {context.title(cost_name)} of {named} {how}."
-    text = noise.said(row, best, cost_name, noise.floor_of(context, everything["sweep"].iloc[0], cost_name))
-    time = f"takes {times(costs[0] / costs[1])} times the time of {named}"
-    if text == noise.SAME_WORK:
-        time = f"does the same work as {named}, by all counts,"
-    elif text in noise.IN_WORDS:
-        time = f"takes the time of {named}, {noise.IN_WORDS[text]},"
-    return f" {at}{best['method']} {time} {how}."
+def _against_baseline(context, cells, setting, cost):
+    """(title, {method: its cost over that of the sweep's baseline, or why there is no ratio}), both at the largest setting."""
+    base, eligible = context.baseline(cells), ranking.eligible(context, cells)
+    most = eligible[setting].max() if setting else math.nan
+    last = eligible[(eligible[setting] == most) | eligible[setting].isna()] if setting else eligible
+    rows = {row["method"]: row for _, row in last[last["outcome"] == "ok"].iterrows() if math.isfinite(float(row[cost]))}
+    if base not in rows:
+        return "", {}
+    least, said = noise.floor_of(context, cells["sweep"].iloc[0], cost), {}
+    for method, row in rows.items():
+        ratio = noise.ratio(rows[base], row, cost)
+        text = noise.said(rows[base], row, cost, least) if context.store.is_time(cost) else ""
+        said[method] = "" if method == base else {noise.NOISE: NOISE}.get(text, text) if text in (
+            noise.NOISE, noise.FEW, noise.SAME_WORK) else f"{times(ratio)} times" if math.isfinite(ratio) else ""
+        if setting and row[setting] != row[setting] and said[method]:
+            said[method] += f" (no {setting})"
+    at = f", {setting}={most:g}" if most == most else ""
+    return f"{context.title(cost)} against {base}{at}", said
 
 
 def _cost_chart(context, cells, groups, refused):
@@ -244,29 +222,30 @@ def _cost_chart(context, cells, groups, refused):
                            one_line(ax, same(curves), lambda group: methods(group, labels))))
     handles = [Line2D([], [], label=names[m], **looks(m)) for m in labels]
     handles.append(Line2D([], [], color="#222222", lw=2.6, alpha=0.35, label="Pareto front"))
-    handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o + _whose(cells, o))
+    handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o + _failed(cells, o))
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
     table = _table(context, cells, setting, costs, errors)
     reached = at_equal_cost(ranking.eligible(context, cells), costs[0], errors[0])
     compared = 0 if reached is None else int(reached[2]["error"].notna().sum())
-    order = f"Along a line {setting} grows with the marker. " if setting else ""
+    order = f"Larger markers have a larger {setting}. " if setting else ""
+    what, entry = found(context, cells, where, costs[0], errors[0])
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), RIGHT_FOR_COST, f"Cost against error: {where}",
-                 finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
-                 refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
-                 order + "A letter in the top band is a run that failed. The front joins the ranked runs that no other "
-                 "beats in both. Whiskers hold the median of repeats and seeds. " +
+                 what, cells["sweep"].iloc[0], figure, table, refused + noise.idle_seeds(cells) +
+                 holes(cells, ["method", setting] if setting else ["method"]),
+                 order + "A letter in the top band marks a failed run. The Pareto front joins the ranked runs that no other run "
+                 "beats in both cost and error. Whiskers hold the median of repeats and seeds. " +
                  ranking.rule(max(map(len, cells["seeds"])), compared) +
                  ranking.raw(context, errors[0]) + " "
                  + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], "ms_per_step_median"))
                  + engine_notes(context, cells) + caption_of_lines(shared),
-                 telling=True, headline=headline(context, cells, where, costs[0], errors[0]))
+                 telling=True, headline=entry)
 
 
-def _whose(cells, outcome):
-    """Whose letters stand in the top band, where letters that would lie on one another are one with a number."""
+def _failed(cells, outcome):
+    """The methods behind a letter of the top band: letters at one place are drawn as one letter with their number."""
     found = cells[cells["outcome"] == outcome].groupby("method", sort=True).size()
-    return ":" + "".join(f"\n{method} {count}" for method, count in found.items()) if len(found) <= WHOSE else ""
+    return ":" + "".join(f"\n{method} {count}" for method, count in found.items()) if len(found) <= NAMED else ""
 
 
 def whiskers(ax, cell, cost_name, error_name, across, up, colour):
@@ -311,7 +290,7 @@ def _table(context, cells, setting, costs, errors):
     return pd.DataFrame(columns).sort_values(list(columns)[:2] if setting else ["method"])
 
 
-WITHIN_BUDGET = "Which method is right within a budget?"
+WITHIN_BUDGET = "Which method is most accurate within a budget?"
 TIME = "ms_per_step_median"
 
 
@@ -336,32 +315,46 @@ def error_within_budgets(context, cells):
 
 
 def least_of(context, cells, cost):
-    """The noise of a cost: counts have none."""
+    """The noise floor of a cost: 1 for counts, which have no noise."""
     return noise.floor_of(context, cells["sweep"].iloc[0], cost) if context.store.is_time(cost) else 1.0
 
 
 def compared(context, cells, cost, error):
-    """How many methods have a rank at each budget."""
+    """The number of ranked methods at each budget."""
     cells, least = ranking.eligible(context, cells), least_of(context, cells, cost)
     return [len(within(cells, cost, error, budget, least)) for budget in marks(cells, cost, error)]
 
 
-def finding_of_budgets(context, cells, cost, error):
-    """Whose error is smallest within each budget: `within 1 ms and 2 ms per step that of a (4 mm), within 4 ms that of ...`."""
-    unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
+def found_within(context, cells, where, costs, error):
+    """The finding: per budget the methods with the smallest error."""
+    unit, everyone, rows = context.unit(error), sorted(cells["method"].unique()), []
+    what, why = context.title(error).removeprefix("largest "), ranking.unranked(context, cells)
     cells = ranking.eligible(context, cells)
-    for budget in marks(cells, cost, error):
-        reached = within(cells, cost, error, budget, least_of(context, cells, cost))
-        best, many = min(reached.values(), key=lambda cell: cell[error]), ranking.comparisons(len(reached))
-        equals = [m for m, cell in reached.items() if not ranking.better(best, cell, error, context.floor(error), many)]
-        value = best[error] if best[error] > context.floor(error) else 0.0
-        unit_of_cost = context.unit(cost)
-        text = f"{budget:,.0f}" if unit_of_cost == "1" and budget >= 100 else si(budget, unit_of_cost)
-        said.append((text, f"that of {methods(equals, everyone)} ({si(value, unit)})"))
-    # Budgets one after another with one answer are told together: they are lines drawn beforehand, not where ranks change.
-    told = [(listing(budget for budget, _ in group), text) for text, group in itertools.groupby(said, lambda one: one[1])]
-    of = "per step" if context.unit(cost) != "1" else context.title(cost)
-    return ", ".join(f"within {budgets} {of + ' ' if i == 0 else ''}{text}" for i, (budgets, text) in enumerate(told))
+    for cost in costs:
+        for budget in marks(cells, cost, error):
+            reached = within(cells, cost, error, budget, least_of(context, cells, cost))
+            best, many = min(reached.values(), key=lambda cell: cell[error]), ranking.comparisons(len(reached))
+            firsts = [m for m, cell in reached.items() if not ranking.better(best, cell, error, context.floor(error), many)]
+            value = best[error] if best[error] > context.floor(error) else 0.0
+            rows.append((cost, per_step(context, cost, budget), firsts, value))
+    columns = {"within": [text for _, text, _, _ in rows] + [f"not ranked: {reason}" for reason in why.values()],
+               "best": [methods(firsts, everyone) for _, _, firsts, _ in rows] + list(why),
+               "ties": [len(firsts) if len(firsts) > 1 else None for _, _, firsts, _ in rows] + [None] * len(why),
+               **quantity(f"smallest {what}", unit, [value for *_, value in rows] + [math.nan] * len(why))}
+    table = cut(pd.DataFrame(columns), range(len(rows)))
+    mine = [(text, firsts) for cost, text, firsts, _ in rows if cost == costs[0]]
+    if not mine:
+        return Finding(f"On {where} fewer than two ranked methods have a cost and an error.", table)
+    always = sorted(set.intersection(*(set(firsts) for _, firsts in mine)))
+    (low, first), (high, last) = mine[0], mine[-1]
+    if always:
+        tie = "ties for" if len(always) == 1 and any(len(firsts) > 1 for _, firsts in mine) else (
+            "tie for" if len(always) > 1 else "has")
+        at = f"at every budget from {low} to {high}" if high != low else f"within {low}"
+        return Finding(f"On {where} {some(always, everyone)} {tie} the smallest {what} {at}.", table)
+    return Finding(fits(f"On {where} {some(first, everyone)} {verb(len(first), 'have')} the smallest {what} within {low}, "
+                        f"{some(last, everyone)} within {high}; no method is best at every budget.",
+                        f"On {where} no method has the smallest {what} at every budget."), table)
 
 
 def _chart(context, cells, where, setting, refused):
@@ -396,13 +389,11 @@ def _chart(context, cells, where, setting, refused):
         ax.set_xlabel(context.title(cost))
         ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
     legend_right(figure, [Line2D([], [], label=names[m], **looks(m)) for m in labels], width)
-    said = [finding_of_budgets(context, cells, cost, error) for cost in costs]
     return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), WITHIN_BUDGET, f"Least error within a budget: {where}",
-                 f"On {where} the smallest {context.title(error).removeprefix('largest ')} is, " + "; ".join(said) + "."
-                 + ranking.tail(context, cells),
+                 found_within(context, cells, where, costs, error),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
-                 f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
-                 "are the budgets that the finding compares. What is not named at a budget errs more, or has no run that "
-                 "cheap: a time above the budget by no more than the noise is within it. "
+                 f"Each line is a method's least error over its values of {setting} that cost at most as much. Dotted lines are "
+                 f"the "
+                 "budgets of the table above. A time above a budget by no more than the noise is within it. "
                  + ranking.rule(max(map(len, cells["seeds"])), *ranked) + " " + noise.rule(
                      noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""The same scene many times, each started a little beside the others: how often a method fails, and how far its errors spread."""
+"""One scene run from many perturbed starts (seeds): how often a method fails, and how far its errors spread."""
 
 import math
 
@@ -12,12 +12,13 @@ import metrics
 import noise
 import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
+from finding import AGAINST, BEST, ROWS, TIE, Finding, cut, fits, ratio
 from load import split, varying
-from sentences import does, listing, methods
+from sentences import plural, some, verb
 from style import ZeroLog, grid_of_axes, legend_right, si
 from table import quantity
 
-SECTION = "Which ranks hold when a scene starts a little elsewhere?"
+SECTION = "Which ranks hold for slightly different starts?"
 ERRORS = 2  # panels
 
 
@@ -35,7 +36,7 @@ def ensembles(context, cells):
 
 
 def telling(cells, axes):
-    """Of these axes those that tell ensembles apart: air that goes with the perturbation says nothing beside it."""
+    """The axes that distinguish the ensembles. An axis that is fixed by another one, such as a gap by `perturb`, is left out."""
     kept = []
     for axis in sorted(axes, key=lambda axis: axis != "perturb"):
         if not kept or (cells.groupby(kept)[axis].nunique() > 1).any():
@@ -44,17 +45,17 @@ def telling(cells, axes):
 
 
 def candidates(part, error):
-    """The cells of one ensemble that may have a rank: most of their seeds finish."""
+    """The ranked cells of one ensemble: most of their seeds finish."""
     return part[np.isfinite([np.median(measured.of_seeds(cell, error)) for _, cell in part.iterrows()])]
 
 
 def ranks(part, error, zero):
-    """(the best by the median, those that it does not beat beyond doubt) among the cells of one ensemble."""
+    """(the cell with the least median, the methods that it does not beat significantly, itself among them) of one ensemble."""
     known = candidates(part, error)
     if not len(known):
         return None, []
     cells = [cell for _, cell in known.iterrows()]
-    # Where most seeds end alike medians are equal: then whoever errs less than the others under more seeds stands first.
+    # Where most seeds end alike medians are equal: then the method that errs less under more seeds is the first.
     wins = [sum((v > 0) - (v < 0) for other in cells for v in ranking.log_ratios(mine, other, error, zero)) for mine in cells]
     order = sorted(range(len(cells)), key=lambda i: (max(float(np.median(measured.of_seeds(cells[i], error))), zero), -wins[i]))
     best, many = cells[order[0]], ranking.comparisons(len(cells))
@@ -62,106 +63,106 @@ def ranks(part, error, zero):
 
 
 def against(best, other, error, zero):
-    """Under how many seeds another cell errs as much as the best of an ensemble, and ends in the same state."""
+    """(seeds with the same error, seeds with the same final state) of another cell and the best of an ensemble."""
     states = sum(a == b and a is not None for a, b in zip(best["hashes"], other["hashes"]))
     return sum(v == 0 for v in ranking.log_ratios(best, other, error, zero)), states
 
 
 def winners(part, error, zero):
-    """The methods that nobody beats beyond doubt, where they beat another."""
+    """The methods that no other beats significantly, where they beat at least one."""
     best, equals = ranks(part, error, zero)
     return [] if best is None or len(equals) == len(part) or ranking.overlapping(part) else equals
 
 
-def standing(part, best, equals, everyone, error, zero, what, value):
-    """Who errs least in one ensemble, and what is known of those whom it does not beat beyond doubt."""
-    rows, seeds = {cell["method"]: cell for _, cell in part.iterrows()}, len(best["seeds"])
-    if len(equals) == 1:
-        text = f"{best['method']} has the smallest {what} over {seeds} seeds (median {value})"
-    else:
-        text = f"{methods(equals, everyone)} tie for the smallest {what} over {seeds} seeds ({best['method']}: median {value})"
-    alike = {}  # (errs as much, ends in the same state) under so many seeds -> who
-    for method in equals:
-        if method != best["method"]:
-            alike.setdefault(against(best, rows[method], error, zero), []).append(method)
-    for (same, states), found in alike.items():
-        verb = "s" if len(found) == 1 else ""
-        if states:
-            text += (f"; {methods(found, everyone)} end{verb} in the same state as {best['method']} under {states} of {seeds} "
-                     "seeds")
-        if same > states:
-            text += f"; {methods(found, everyone)} err{verb} as much as {best['method']} under {same} of {seeds} seeds"
-    return text
+def found(context, where, groups, error, everyone):
+    """The finding: the winner of each ensemble, and a table with a row per ensemble and method."""
+    zero, what = context.floor(error), context.title(error).removeprefix("largest ")
+    won, rows = [], []
+    for place, part in groups:
+        eligible, deep = ranking.eligible(context, part), ranking.overlapping(part)
+        best, equals = ranks(eligible, error, zero)
+        won.append((place, [] if deep or best is None else equals, best, deep, len(candidates(eligible, error))))
+        rows.append(_rows(context, place, part, error, None if deep else best, [] if deep else equals, deep, len(groups) > 1))
+    table = pd.concat([cut(part, most=max(3, ROWS // len(rows))) for part in rows], ignore_index=True)
+    seeds = max(len(seeds) for _, part in groups for seeds in part["seeds"])
+    over = f"On {where}, over {seeds} seeds,"
+    of = lambda equals, most=2: f"{some(equals, everyone, most)} {verb(len(equals), 'tie for', 'has')}"  # noqa: E731
+    place, equals, best, deep, count = won[-1]
+    if deep:
+        return Finding(f"On {where} no method has a rank: bodies overlap by up to {si(deep, 'm')} at the start.", table)
+    if best is None:
+        return Finding(f"On {where} every ranked method fails under at least half of the {seeds} seeds.", table)
+    value = above(float(np.median(measured.of_seeds(best, error))), zero, context.unit(error))
+    if len({tuple(sorted(found)) for _, found, *_ in won}) == 1:
+        at = " at every perturbation" if len(won) > 1 and all("perturb=" in name for name, *_ in won) else (
+            f" in all {len(won)} ensembles" if len(won) > 1 else "")
+        all_tie = f"{over} all {count} ranked methods tie for the smallest {what}{at}."
+        text = fits(f"{over} {of(equals)} the smallest {what}{at} (median {value}).",
+                    f"{over} {of(equals)} the smallest {what}{at}.")
+        return Finding(all_tie if len(equals) == count > 2 else text, table)
+    first = won[0]
+    named = f"{of(first[1], 1)} the smallest {what} at {first[0]}" if first[1] else f"no method has a rank at {first[0]}"
+    return Finding(fits(f"{over} {named}; {of(equals, 1)} it at {place} (median {value}).", f"{over} {named}; {of(equals, 1)} it "
+                        f"at {place}.", f"{over} the smallest {what} depends on the perturbation."), table)
+
+
+def _rows(context, place, part, error, best, equals, deep, several):
+    """The table's rows of one ensemble, from the best to the worst."""
+    unit, zero, other = context.unit(error), context.floor(error), metrics.BEYOND_SLOP.get(error)
+    why, what, rows = ranking.unranked(context, part), context.title(error), []
+    firsts = ranks(ranking.eligible(context, part), other, context.floor(other))[1] if other in part and best is not None else []
+    idle = bool(noise.idle_seeds(part))
+    for _, cell in part.iterrows():
+        method, of_seeds, seeds = cell["method"], measured.of_seeds(cell, error), len(cell["seeds"])
+        median, failed = float(np.median(of_seeds)), cell["failed_seeds"]
+        word = (f"not ranked: {why[method]}" if method in why else "not ranked: overlap at the start" if deep else
+                "failed: most seeds" if not math.isfinite(median) else _word(best, cell, equals, error, zero, unit, median))
+        low, high = noise.wilson(failed, seeds)
+        row = {"ensemble": place} if several else {}
+        row |= {"method": method, f"{what}, median [{unit}]": 0.0 if median <= zero else finite(median),
+                f"{what}, worst [{unit}]": finite(max(of_seeds)), AGAINST: word, "failed seeds": f"{failed} of {seeds} "
+                                                                                                 f"({100 * low:.0f} to "
+                                                                                                 f"{100 * high:.0f} %)"}
+        if idle:
+            row["seeds"] = "change nothing"
+        if other in part:
+            value = float(np.median(measured.of_seeds(cell, other)))
+            row |= {f"{context.title(other)}, median [{context.unit(other)}]": finite(value) * (value > context.floor(other)),
+                    "beyond the slop": "best" if method in firsts and len(firsts) == 1 else "tie" if method in firsts else ""}
+        rows.append(((word.startswith(("not", "failed")), median), row))
+    return pd.DataFrame([row for _, row in sorted(rows, key=lambda pair: pair[0])])
+
+
+def finite(value):
+    return value if math.isfinite(value) else math.nan
+
+
+def _word(best, cell, equals, error, zero, unit, median):
+    """How a method stands to the best of its ensemble."""
+    if best is None:
+        return ""
+    method, same, states = cell["method"], *against(best, cell, error, zero)
+    if method == best["method"]:
+        return BEST if len(equals) < 2 else f"{BEST}, {TIE}"
+    if method not in equals:
+        return ratio(median, float(np.median(measured.of_seeds(best, error))), zero, unit)
+    alike = f"; same final state under {plural(states, 'seed')}" if states else ""
+    return TIE + alike + (f"; same error under {plural(same, 'seed')}" if same > states else "")
 
 
 def above(value, zero, unit):
-    """A value, or that it is below what tells methods apart."""
+    """A value in words; up to `zero` methods are not distinguished."""
     return si(value, unit) if value > zero or zero == 0 else f"below {si(zero, unit)}"
 
 
-def finding(context, where, groups, error, everyone):
-    unit, what, zero = context.unit(error), context.title(error).removeprefix("largest "), context.floor(error)
-    said = []
-    for place, part in groups:
-        seeds, ranked = max(map(len, part["seeds"])), ranking.eligible(context, part)
-        best, equals = ranks(ranked, error, zero)
-        if best is None:
-            said.append(f"{place}: every method fails under half of the {seeds} seeds or more")
-            continue
-        if deep := ranking.overlapping(part):
-            said.append(f"{place}: no method has a rank, since bodies overlap by up to {si(deep, 'm')} at the start")
-            continue
-        worst = max(measured.of_seeds(best, error))
-        value = (f"{above(float(np.median(measured.of_seeds(best, error))), zero, unit)}, worst "
-                 f"{above(worst, zero, unit) if math.isfinite(worst) else 'a failure'}")
-        text = f"{place}: {standing(ranked, best, equals, everyone, error, zero, what, value)}"
-        text += beyond(context, ranked, error, everyone)
-        fails = {}  # number of seeds -> who fails under so many
-        for _, cell in part[part["failed_seeds"] > 0].iterrows():
-            low, high = noise.wilson(cell["failed_seeds"], len(cell["seeds"]))
-            count = f"{cell['failed_seeds']} of {len(cell['seeds'])} seeds (of all, {100 * low:.0f} to {100 * high:.0f} %)"
-            fails.setdefault(count, []).append(cell["method"])
-        under = [f"{does(who, 'fail', everyone)} under {count}" for count, who in fails.items()]
-        said.append("; ".join([text, *under]) +
-                    ("; the seeds change nothing: each method ends in one state" if noise.idle_seeds(part) else ""))
-    return "; ".join(text.removeprefix(f"{where}: ") for text in said) + "."
-
-
-def beyond(context, part, error, everyone):
-    """Who stands first by what is deeper than the slop that each method keeps on purpose; empty where the error is no depth."""
-    other = metrics.BEYOND_SLOP.get(error)
-    if other is None or other not in part:
-        return ""
-    best, equals = ranks(part, other, context.floor(other))
-    if best is None:
-        return ""
-    value = float(np.median(measured.of_seeds(best, other)))
-    return (f"; beyond the slop that each keeps on purpose {does(equals, 'tie', everyone, one='is')} "
-            f"first ({si(value if value > context.floor(other) else 0.0, context.unit(other))})")
-
-
-def headline(context, where, groups, error, everyone):
-    """Who is best beyond doubt, in each ensemble: what holds where bodies start far apart need not hold where they start
-    close. The numbers are those of the widest ensemble; where it has no winner, or its seeds change nothing, there is none."""
-    zero, what = context.floor(error), context.title(error).removeprefix("largest ")
-    groups = [(place, ranking.eligible(context, part)) for place, part in groups]
-    won = [(place, winners(part, error, zero)) for place, part in groups]
-    part = groups[-1][1]
-    if not won[-1][1] or noise.idle_seeds(part):
+def entry(context, groups, error):
+    """The entry of the first screen: the medians of the last ensemble, which is the widest. None where it has no winner or its
+    seeds change nothing."""
+    part = ranking.eligible(context, groups[-1][1])
+    if not winners(part, error, context.floor(error)) or noise.idle_seeds(part):
         return None
     medians = {cell["method"]: float(np.median(measured.of_seeds(cell, error))) for _, cell in part.iterrows()}
-    places = {}  # who -> where; that nobody wins comes last
-    for place, found in sorted(won, key=lambda one: not one[1]):
-        places.setdefault(tuple(found), []).append(place)
-    (winner, at), *further = ((methods(found, everyone) if found else "no method", listing(at)) for found, at in places.items())
-    has = f"{winner} {'tie for' if len(next(iter(places))) > 1 else 'has'} the smallest {what}"
-    first = f"On {where}, started in {max(map(len, part['seeds']))} places"
-    if len(groups) == 1:
-        text = f"{first}, {has}."
-    else:
-        others = "".join(f", {name} at {there}" for name, there in further)
-        text = f"{first}, {has} at {at}{others} (the numbers: medians at {won[-1][0]})."
-    return Headline(text, {m: v if math.isfinite(v) else math.nan for m, v in medians.items()}, context.unit(error),
+    return Headline("", {m: v if math.isfinite(v) else math.nan for m, v in medians.items()}, context.unit(error),
                     f"{context.title(error)}, median of the seeds", ends=final_states(part))
 
 
@@ -213,15 +214,14 @@ def _chart(context, cells, where, inner):
     compared = [len(candidates(ranking.eligible(context, part), errors[0])) for _, part in groups]
     certain = noise.certainty(int(cells["seeds"].map(len).min()))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} ensemble {where}"), SECTION, f"Ensembles: {where}",
-                 f"On {where}, {finding(context, where, groups, errors[0], everyone)}"
-                 f"{ranking.tail(context, cells)}", cells["sweep"].iloc[0], figure,
+                 found(context, where, groups, errors[0], everyone), cells["sweep"].iloc[0], figure,
                  _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
-                 "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. "
-                 "The bar beside the share of failures is Wilson's interval: with 95 % it holds that of all places near the "
-                 "start, and it is no point where none failed. "
-                 f"The bar of an error holds its median with at least {certain} %, whatever the distribution. "
+                 "Each row is one method under all seeds; a failed seed is drawn at the edge. The bar beside the share of "
+                 "failures "
+                 "is Wilson's interval: with 95 % it holds the chance of a failure, also where none failed. "
+                 f"The bar of an error holds its median with at least {certain} %, for any distribution. "
                  f"{ranking.rule(int(cells['seeds'].map(len).max()), *compared)}{ranking.raw(context, errors[0])}",
-                 headline=headline(context, where, groups, errors[0], everyone))
+                 headline=entry(context, groups, errors[0]))
 
 
 def _table(context, cells, inner, errors):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Methods at equal cost, or at equal error: each at the setting that meets a budget, ranked at every budget."""
+"""Methods at equal cost or at equal error: each method at the setting that meets a budget, ranked at every budget."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -13,15 +12,15 @@ import metrics
 import noise
 import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
+from finding import TIE, Finding, cut, fits
 from load import one_machine, split, varying
-from sentences import clauses, does, listing, methods, plural
+from sentences import listing, plural, some, verb
 from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
 from table import quantity
 
 SECTION = "Which method is best at equal cost, and which is cheapest at equal error?"
 PANELS = 3
-NAMED = 3  # so many between first and last are named in a sentence; of more the table tells
-SPARE = 0.5  # what spends less of the budget is told
+SPARE = 0.5  # the table marks methods that spend less than this share of the budget
 
 
 @of_sweeps("equal_cost", 15, SECTION,
@@ -40,7 +39,7 @@ def equal_cost(context, cells):
 
 
 def ranked_metrics(context, cells, about):
-    """What methods are ranked by: errors where the cost is equal, costs where the error is."""
+    """The metrics that rank: errors at equal cost, costs at equal error."""
     if about["equal"] == "cost":
         return metrics.errors_of(context, cells)[:PANELS]
     costs = context.metrics("world", "cost")
@@ -48,8 +47,8 @@ def ranked_metrics(context, cells, about):
 
 
 def other_cost(context, cells, about):
-    """The cost that was not made equal, where it was measured: a time beside counts, a count beside times. None where there is
-    none, or where it is what ranks."""
+    """The measured cost that was not made equal: a time beside counts, a count beside times. None at equal error, where costs
+    rank."""
     if about["equal"] != "cost":
         return None
     costs = [name for name in context.metrics("world", "cost") if name != about["metric"]]
@@ -68,15 +67,15 @@ def spread(part, name):
 
 
 def candidates(cells, name, excused=()):
-    """The methods that may have a rank: they finished at the budget, and did what their names say."""
+    """The methods that are ranked: they finished at the budget, and no other method did their work."""
     return [method for method, part in cells.groupby("method", sort=True)
             if method not in excused and not math.isnan(spread(part, name)[0])]
 
 
 def ranks(cells, name, floor=0.0, least=None, excused=()):
-    """Rows (rank, method, median, lowest, highest), the best first. A rank counts what is better beyond doubt (ranking.py; of a
-    time also beyond the noise, `least`); methods that no other beats share the first, a tie. What failed, met no budget or is
-    `excused` has no rank."""
+    """Rows (rank, method, median, lowest, highest), the best first. A method's rank is 1 plus the number of methods that are
+    significantly better (ranking.py) and, for a time, beyond the noise floor `least`. Methods that none beats tie for the first
+    rank. Methods that failed, met no budget or are `excused` have no rank."""
     parts = {method: part for method, part in cells.groupby("method", sort=True)}
     rows = [(method, *spread(part, name)) for method, part in parts.items()]
     known = candidates(cells, name, excused)
@@ -95,81 +94,91 @@ def ranked(context, here, name):
     return ranks(here, name, context.floor(name), least, ranking.unranked(context, here))
 
 
-def without(context, here, none):
-    """Why these methods have no rank: `direct_lcp costs more; naive fails; admm is not ranked (60 % Gauss-Seidel)`."""
-    why, found = ranking.excused(context, here), {}
-    for method in none:
-        part = here[here["method"] == method]
-        bad, excuse = part[part["outcome"] != "ok"], [why[index] for index in part.index if index in why]
-        reason = str(bad["reason"].iloc[0]) if len(bad) else ""
-        if len(bad) and set(bad["outcome"]) == {"unsupported"} and "the budget is" in reason and " ends in " not in reason:
-            found.setdefault("over", []).append(method)
-        elif len(bad):
-            found.setdefault("fails", []).append(method)
-        else:
-            found.setdefault(excuse[0] if excuse else "", []).append(method)
-    everyone = list(dict.fromkeys(here["method"]))
-    said = []
-    for key, group in found.items():
-        one = len(group) == 1
-        words = {"over": "needs more" if one else "need more", "fails": "fails" if one else "fail",
-                 "": "has no number" if one else "have no number"}.get(key, f"{'is' if one else 'are'} not ranked ({key})")
-        said.append(f"{methods(group, everyone)} {words}")
-    return said
+def without(context, here, method):
+    """Why this method has no rank: `needs more`, `failed: collapsed` or `not ranked: 60 % Gauss-Seidel`."""
+    part, why = here[here["method"] == method], ranking.excused(context, here)
+    bad, excuse = part[part["outcome"] != "ok"], [why[index] for index in part.index if index in why]
+    reason = str(bad["reason"].iloc[0]) if len(bad) else ""
+    if len(bad) and set(bad["outcome"]) == {"unsupported"} and "the budget is" in reason and " ends in " not in reason:
+        return "needs more"
+    if len(bad):
+        return f"failed: {listing(sorted(set(bad['outcome'])))}"
+    return f"not ranked: {excuse[0]}" if excuse else "no number"
 
 
-def spare(context, here, about, ranks_of):
-    """What has a rank and spends less than SPARE of the budget: it is not of equal cost."""
-    if about["equal"] != "cost":
-        return ""
-    low = [(method, found) for rank, method, *_ in ranks_of if rank is not None and
-           (found := spread(here[here["method"] == method], about["metric"])[0]) < SPARE * here["budget"].iloc[0]]
-    return f" ({listing(f'{method} spends {said_of(context, about, found)}' for method, found in low)})" if low else ""
-
-
-def finding(context, cells, about, where, name):
-    everyone, what = sorted(cells["method"].unique()), context.title(name).removeprefix("largest ")
-    said, firsts = [], []
+def found(context, cells, about, where, name, other):
+    """(finding, entry of the first screen or None). The entry shows the budget at which ranked methods differ most."""
+    everyone, unit, title = sorted(cells["method"].unique()), context.unit(name), context.title(name)
+    what, winners, apart, columns, order = title.removeprefix("largest "), [], [], {"method": everyone}, {}
+    most = farthest(context, cells, about, other)
     for budget, here in cells.groupby("budget", sort=True):
-        table = ranked(context, here, name)
-        firsts.append({row[1] for row in table if row[0] == 1})
-        none = sorted(row[1] for row in table if row[0] is None)
-        said += [f"At {said_of(context, about, budget)}{spare(context, here, about, table)} "
-                 f"{_order([row for row in table if row[0] is not None], everyone, context.unit(name))}",
-                 none and f"Without a rank: {'; '.join(without(context, here, none))}"]
-    always = sorted(set.intersection(*firsts))
-    if len(firsts) > 1:
-        said.append(f"First at every budget: {listing(always)}" if always else "No method is first at every budget")
-    return (f"On {where} methods are ranked by {what} at equal {about['equal']} ({context.title(about['metric'])}). "
-            f"{clauses(*said, between='. ')}.")
+        rows = {row[1]: row for row in ranked(context, here, name)}
+        firsts, at = sorted(m for m, row in rows.items() if row[0] == 1), said_of(context, about, budget)
+        placed = [row for row in rows.values() if row[0] is not None]
+        ties = [rank for rank in {row[0] for row in placed} if sum(row[0] == rank for row in placed) > 1]
+        marks = _marks(context, here, about)
+        columns |= quantity(f"{what} at {at}", unit, [rows[m][2] if m in rows and rows[m][0] else math.nan for m in everyone])
+        columns[f"rank at {at}"] = [
+            "not run" if m not in rows else without(context, here, m) if rows[m][0] is None else
+            ", ".join([str(rows[m][0]), *[TIE] * (rows[m][0] in ties), *marks.get(m, ())]) for m in everyone]
+        if other and most and most[1] == budget:
+            by = {m: spread(part, other)[0] for m, part in here.groupby("method")}
+            columns |= quantity(f"{context.title(other)} at {at}", context.unit(other), [by.get(m, math.nan) for m in everyone])
+        order = {m: (rows.get(m, (None,))[0] or math.inf, rows[m][2] if m in rows and rows[m][0] else order.get(m, (0, 0))[1])
+                 for m in everyone}
+        if firsts:
+            winners.append((at, firsts, rows[min(firsts, key=lambda m: rows[m][2])][2]))
+        if firsts and placed[-1][0] != 1:
+            best = rows[min(firsts, key=lambda m: rows[m][2])][2]
+            values = {m: row[2] if row[0] else math.nan for m, row in rows.items()}
+            apart.append((placed[-1][2] / best if best > 0 else math.inf, Headline(
+                fits(*(f"On {where}, within {at} ({context.title(about['metric'])}), {some(firsts, rows)} "
+                       f"{verb(len(firsts), 'tie for', 'has')} the smallest {what}, {si(best, unit)}{last}."
+                       for last in (f"; {placed[-1][1]} has {si(placed[-1][2], unit)}", ""))),
+                values, unit, title, ends=final_states(here))))
+    table = pd.DataFrame(columns).iloc[sorted(range(len(everyone)), key=lambda i: order[everyone[i]])]
+    entry = max(apart, key=lambda pair: pair[0], default=(0, None))[1]
+    return Finding(_sentence(context, about, where, what, winners, everyone, cells["budget"].nunique()), cut(table)), entry
 
 
-def _order(placed, everyone, unit):
-    """Those that have a rank: the first, a few between, the last."""
-    best = [row for row in placed if row[0] == 1]
-    if len(placed) == 1:
-        return f"only {placed[0][1]} has a rank ({si(placed[0][2], unit)})"
-    if not best:
-        return "no method has a rank"
-    first = f"{does([row[1] for row in best], 'tie', everyone, one='is')} first ({si(best[0][2], unit)})"
-    last, between = placed[-1], [row for row in placed[:-1] if row[0] != 1]
-    if last[0] == 1:
-        return first
-    then = [f"then {_tied([row for row in between if row[0] == place], unit)}" for place in sorted({row[0] for row in between})]
-    return clauses(first, *(then if len(between) <= NAMED else ()), f"{last[1]} last ({si(last[2], unit)})", between=", ")
+def _marks(context, here, about):
+    """{method: what the table says beside its rank}: a budget that is not spent, or the largest setting that is searched."""
+    marks = {}
+    for method, part in here.groupby("method"):
+        spent = spread(part, about["metric"])[0] if about["equal"] == "cost" else math.nan
+        if spent < SPARE * here["budget"].iloc[0]:
+            marks.setdefault(method, []).append(f"spends {said_of(context, about, spent)}")
+    for method in stopped(here, about)["method"]:
+        marks.setdefault(method, []).append(f"at the largest {about['setting']}, {about['most']:,}")
+    return {method: list(dict.fromkeys(said)) for method, said in marks.items()}
 
 
-def _tied(rows, unit):
-    """Those of one rank, and the median of the first."""
-    return f"{listing(row[1] for row in rows)}{', tied' if len(rows) > 1 else ''} ({si(rows[0][2], unit)})"
+def _sentence(context, about, where, what, winners, everyone, budgets):
+    equal = f"equal {context.title(about['metric'])}"
+    if not winners:
+        return f"On {where} no method has a rank at {equal}."
+    always, metric = sorted(set.intersection(*(set(firsts) for _, firsts, _ in winners))), context.title(about["metric"])
+    if always:
+        tie = verb(len(always), "tie for", "has" if all(len(firsts) == 1 for _, firsts, _ in winners) else "ties for")
+        at = (f"at {winners[0][0]} ({metric})" if len(winners) == 1 else "at every budget") + (
+            "; at the other budgets no method has a rank" if len(winners) < budgets else "")
+        return fits(f"On {where}, at {equal}, {some(always, everyone)} {tie} the smallest {what} {at}.",
+                    f"On {where} {some(always, everyone)} {tie} the smallest {what} {at}.",
+                    f"On {where} {some(always, everyone, 1)} {tie} the smallest {what} {at}.")
+    (low, first, _), (high, last, _) = winners[0], winners[-1]
+    ends = (f"{some(first, everyone, 1)} {verb(len(first), 'have')} the smallest {what} at {low}, {some(last, everyone, 1)} at "
+            f"{high}")
+    return fits(f"On {where}, at {equal}, {ends}; no method is first at every budget.",
+                f"On {where} {ends}; no method is first at every budget.", f"On {where}, at {equal}, {ends}.",
+                f"On {where} {ends}.", f"On {where} no method is first at every budget of {equal}.")
 
 
-def beside(context, cells, about, other):
-    """What equal budgets of one cost hide of the other: the budget at which two methods are farthest apart in it."""
+def farthest(context, cells, about, other):
+    """(ratio, budget, dearest cell, cheapest cell) where two methods differ most in the other cost; None where they do not."""
     if other is None:
-        return ""
-    unit, what = context.unit(other), context.title(other)
-    least, found = noise.floor_of(context, cells["sweep"].iloc[0], other) if context.store.is_time(other) else 1.0, []
+        return None
+    least = noise.floor_of(context, cells["sweep"].iloc[0], other) if context.store.is_time(other) else 1.0
+    found = []
     for budget, here in cells.groupby("budget", sort=True):
         here = ranking.eligible(context, here)
         good = here[(here["outcome"] == "ok").to_numpy() & (metrics.column(here, other) > 0)]
@@ -177,16 +186,24 @@ def beside(context, cells, about, other):
             high, low = good.loc[good[other].idxmax()], good.loc[good[other].idxmin()]
             if noise.tells(low, high, other, least):
                 found.append((noise.ratio(low, high, other), budget, high, low))
-    if not found:
-        return f" By {what} the methods are alike, {noise.IN_WORDS[noise.silence(least)]}." if least > 1 else ""
-    ratio, budget, high, low = max(found, key=lambda row: row[0])
-    return (f" What is equal by {context.title(about['metric'])} is not so by {what}: at {said_of(context, about, budget)} "
-            f"{high['method']} has {times(ratio)} times that of {low['method']} ({si(high[other], unit)} against "
-            f"{si(low[other], unit)}).")
+    return max(found, key=lambda row: row[0], default=None)
+
+
+def beside(context, cells, about, other):
+    """A sentence of the note: methods of equal cost differ in the other cost."""
+    if other is None:
+        return ""
+    most, what = farthest(context, cells, about, other), context.title(other)
+    if most is None:
+        return f" The {what} of the methods differs by no more than noise." if context.store.is_time(other) else ""
+    ratio, budget, high, low = most
+    return (f" Equal {context.title(about['metric'])} can have different {what}: at {said_of(context, about, budget)} "
+            f"{high['method']} has {times(ratio)} times that of {low['method']} ({si(high[other], context.unit(other))} against "
+            f"{si(low[other], context.unit(other))}).")
 
 
 def stopped(cells, about):
-    """Cells whose method had the largest setting that is searched and still budget left."""
+    """Cells at the largest setting that is searched, with budget left."""
     if about["equal"] != "cost" or "most" not in about:
         return cells.iloc[:0]
     spent = metrics.column(cells, about["metric"])
@@ -194,41 +211,9 @@ def stopped(cells, about):
 
 
 def at_start(cells):
-    """A warning where seeds put one body into another: what is ranked may be that."""
+    """A warning where seeds make bodies overlap at the start: the ranked error may be that overlap."""
     deep = ranking.overlapping(cells)
-    return f" Bodies overlap by up to {si(deep, 'm')} at the start, which no method has made." if deep else ""
-
-
-def not_used(context, cells, about):
-    """What could not spend the budget, and what was spent."""
-    said = [f"{row['method']} at {said_of(context, about, row['budget'])} ({said_of(context, about, row[about['metric']])} spent)"
-            for _, row in stopped(cells, about).drop_duplicates(["budget", "method"]).iterrows()]
-    return (f" Stopped by the largest value of {about['setting']} that is searched, {about['most']:,}, with budget left: "
-            f"{listing(said)}." if said else "")
-
-
-def headline(context, cells, about, where, name):
-    """The budget at which those that have a rank are farthest apart."""
-    unit, found, firsts = context.unit(name), [], []
-    for budget, here in cells.groupby("budget", sort=True):
-        table = ranked(context, here, name)
-        best, placed = [row[1] for row in table if row[0] == 1], [row for row in table if row[0] is not None]
-        firsts += [set(best)] if best else []
-        if best and placed[-1][0] != 1:
-            none = without(context, here, [row[1] for row in table if row[0] is None])
-            fail = f"; {', '.join(none)}" if none else ""
-            apart = placed[-1][2] / placed[0][2] if placed[0][2] > 0 else math.inf
-            found.append((apart, Headline(
-                f"On {where}, within {said_of(context, about, budget)} ({context.title(about['metric'])})"
-                f"{spare(context, here, about, table)}, "
-                f"{does(best, 'tie for', [row[1] for row in table], one='has')} the smallest "
-                f"{context.title(name).removeprefix('largest ')}, {si(placed[0][2], unit)}; {placed[-1][1]} has "
-                f"{si(placed[-1][2], unit)}{fail}.", {row[1]: row[2] if row[0] else math.nan for row in table}, unit,
-                context.title(name), ends=final_states(here))))
-    most = max(found, key=lambda pair: pair[0], default=(0, None))[1]
-    if most and not set.intersection(*firsts):  # the sentence stands for one budget
-        most = dataclasses.replace(most, text=f"{most.text[:-1]}; no method is first at every budget.")
-    return most
+    return [f"Bodies overlap by up to {si(deep, 'm')} at the start, before any method acts."] if deep else []
 
 
 def _chart(context, cells, about, axes, refused):
@@ -240,7 +225,7 @@ def _chart(context, cells, about, axes, refused):
     legend_width = legend_room(called.values(), 2.0)
     columns = 2 if len(shown) == 4 else len(shown)
     figure, panels = grid_of_axes(-(-len(shown) // columns), columns, 2.7, legend_width, left=0.95, gap_x=0.95)
-    # Methods stand side by side at a budget, or equal values would hide one another.
+    # Methods are drawn side by side at a budget, or equal values would hide one another.
     gap = min([math.log(b / a) for a, b in zip(budgets, budgets[1:])] or [1.0])
     beside_at = {label: math.exp(0.2 * gap * ((i + 0.5) / len(labels) - 0.5)) for i, label in enumerate(labels)}
     for ax, name in zip(panels.flat, shown):
@@ -272,31 +257,30 @@ def _chart(context, cells, about, axes, refused):
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
     setting = about["setting"]
-    found = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than that"
+    meets = "the largest within the budget" if about["equal"] == "cost" else "the smallest that errs no more than the budget"
     seeds = len({seed for of_cell in cells["seeds"] for seed in of_cell})
+    about_it, entry = found(context, cells, about, where, names[0], other)
     compared = [len(candidates(here, names[0], ranking.unranked(context, here))) for _, here in cells.groupby("budget")]
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"At equal {about['equal']}: {where}",
-                 finding(context, cells, about, where, names[0]) + beside(context, cells, about, other)
-                 + not_used(context, cells, about) + at_start(cells), cells["sweep"].iloc[0], figure,
-                 _table(context, cells, about, shown), refused + holes(cells, ["method", "budget"]),
-                 f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
-                 f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside_at.values()) - 1:.0%} "
-                 "beside it, so that each is seen; bars are the range over seeds and repeats. A letter in the top band failed or "
-                 f"met no budget; C×3 are three. {ranking.rule(seeds, *compared)}{ranking.raw(context, names[0])}"
-                 + counted(context, cells, about, other, full),
-                 telling=True,
-                 headline=headline(context, cells, about, where, names[0]))
+                 about_it, cells["sweep"].iloc[0], figure, _table(context, cells, about, shown),
+                 refused + at_start(cells) + holes(cells, ["method", "budget"]),
+                 f"Each method runs with its own value of {setting}, {meets} ({plural(seeds, 'seed')}). Methods are drawn up to "
+                 f"{max(beside_at.values()) - 1:.0%} beside their budget. Bars are the range over seeds and repeats. A letter in "
+                 f"the top band failed or met no budget; C×3 are three. "
+                 f"{ranking.rule(seeds, *compared)}{ranking.raw(context, names[0])}"
+                 + beside(context, cells, about, other) + counted(context, cells, about, other, full),
+                 telling=True, headline=entry)
 
 
 def counted(context, cells, about, other, full):
-    """What the cost that was made equal leaves out, for the note."""
-    text = " A ring is a method at the largest setting that is searched, with budget left." if len(full) else ""
+    """Sentences of the note: work that the equal cost does not count."""
+    text = " A ring marks a method at the largest setting that is searched, with budget left." if len(full) else ""
     if about["metric"].startswith("work_"):
-        text += (f" What is counted ({context.title(about['metric'])}) leaves out what a method does beside: contacts found, "
-                 "rows prepared, the next row sought.")
+        text += (f" {context.title(about['metric'])[0].upper()}{context.title(about['metric'])[1:]} do not count other work of a "
+                 "method: finding contacts, preparing rows, choosing the next row.")
     if other is not None and context.store.is_time(other):
         least = noise.floor_of(context, cells["sweep"].iloc[0], other)
-        text += f" The {context.title(other)} has it all. {noise.rule(least)}"
+        text += f" The {context.title(other)} includes it. {noise.rule(least)}"
     return text
 
 
@@ -324,7 +308,7 @@ def _table(context, cells, about, names):
 
 
 def _over_best(context, here, name, table, row):
-    """(median, low, high) of the ratio to the first in the table, seed by seed; unknown without a rank."""
+    """(median, low, high) of the ratio to the best method, seed by seed; NaN without a rank."""
     placed = [found[1] for found in table if found[0] is not None]
     if row[1] not in placed:
         return math.nan, math.nan, math.nan
@@ -333,6 +317,6 @@ def _over_best(context, here, name, table, row):
 
 
 def _settings(values):
-    """What was found; over seeds, from the smallest to the largest."""
+    """The setting, or over seeds its range, in words."""
     found = sorted(values.dropna().unique())
     return " to ".join(f"{value:g}" for value in dict.fromkeys((found[0], found[-1]))) if found else ""

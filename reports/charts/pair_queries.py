@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Pair queries alone on random pairs of shapes: time against error, and how often they fail."""
+"""Pair queries on random pairs of shapes: time, error and rate of failures, and the comparison with packaged libraries."""
 
 import math
 
@@ -13,35 +13,34 @@ import measured
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
+from finding import Finding, cut, told
 from load import one_machine, varying
-from sentences import clauses, listing, plural, sentence, verb
+from sentences import listing, plural, some, verb
 from style import (NOT_ASKED, OUTCOMES, RIGHT, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si,
                    times)
 from table import quantity
 
 SECTION = "Which pair query is fast and right?"
-FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
-TIME = "ns_single"  # libraries are asked one by one: a time in batches, of lanes, has no rank beside theirs
+FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: counts as exact
+TIME = "ns_single"  # libraries answer one query at a time: times of batches, which use SIMD lanes, have no rank beside theirs
 BATCH = "ns_per_query"
 ERRORS = ("median_error", "p99_error", "max_error")
-SINGLE = ("A time is that of a query by itself, between two readings of the clock, which are in it; the numbers have that in "
-          "batches, too, which wide registers make shorter.")
 
 
 @of_sweeps("pair_queries", 70, SECTION,
            Needs("pairs", metrics=(TIME, *ERRORS)),
-           "Time against error", "No timed sweep of pair queries is in this store.", "pair_queries")
+           "Time against error", "This store has no timed sweep of pair queries.", "pair_queries")
 def pair_queries(context, cells):
     if "wrong" not in cells:
         return [Chart(f"{cells['sweep'].iloc[0]}_uncounted", SECTION, "Time against error",
-                      "These trials of pairs do not count wrong answers: they are older than the definition of a failure. The "
-                      "sweep runs them again.", cells["sweep"].iloc[0])]
+                      "The trials of this sweep do not count wrong answers, because an older program ran them.",
+                      cells["sweep"].iloc[0], holes=["Run the sweep again to count them."])]
     cells, refused = one_machine(context.store, cells)
     if "precision" in cells and cells["precision"].nunique() > 1:
         cells["method"] = cells["method"] + " " + cells["precision"].map({"f64": "", "f32": "f32"}).fillna("")
         cells["method"] = cells["method"].str.strip()
     cells["pair"] = ["–".join(sorted((str(a), str(b)))) for a, b in zip(cells["kind_a"], cells["kind_b"])]
-    if "arithmetic" in cells:  # else none is finished
+    if "arithmetic" in cells:  # missing where no trial finished
         cells["judged"] = [context.store.judged(m, p) for m, (_, p) in zip(cells["method"], cells["arithmetic"])]
     made, least = [], noise.floor_of(context, cells["sweep"].iloc[0], TIME)
     for dimension in sorted(set(dimension_of(cells))):
@@ -52,7 +51,7 @@ def pair_queries(context, cells):
 
 
 def _present(cells, dimension):
-    """Methods that exist in this dimension; the others are named once, not drawn in every panel."""
+    """Drops methods that do not exist in this dimension; returns the cells and a sentence that names the dropped methods."""
     supported = cells.groupby("method")["outcome"].apply(lambda o: (o != "unsupported").any())
     absent = sorted(supported[~supported].index)
     if len(absent) == len(supported):
@@ -66,24 +65,14 @@ def _usable(cells):
 
 
 def _holes(cells):
-    """Who has no number; wrong answers are counted in the chart."""
+    """Cells without a number. Wrong answers are not holes: the chart counts them."""
     return holes(cells[~_usable(cells)].assign(step=math.nan), ["pair", "method"])
 
 
 def answered(cells):
-    """The cells that have a time, and which of them failed nowhere."""
+    """The cells that have a time, and which of them have no failure."""
     good = cells[_usable(cells) & np.isfinite(metrics.column(cells, TIME))]
     return good, failure.in_pairs(good) == 0
-
-
-def questions(cells):
-    """Who was asked how many queries of each pair of shapes: a share of 96 is not known as one of 600 is."""
-    part = cells[_usable(cells) & np.isfinite(metrics.column(cells, "asked"))]
-    numbers = part.groupby("method")["asked"].agg(lambda n: " to ".join(dict.fromkeys(f"{x:,.0f}" for x in (n.min(), n.max()))))
-    groups = sorted(((list(of.index), number) for number, of in numbers.groupby(numbers)), key=lambda group: len(group[0]))
-    many = "methods" if len(groups) == 1 else "others"
-    said = [f"{number} to {listing(names) if len(names) < 5 else f'{len(names)} {many}'}" for names, number in groups]
-    return f"queries of each pair of shapes: {', '.join(said)}" if said else "no query was answered"
 
 
 def share_of(failed, asked):
@@ -91,43 +80,65 @@ def share_of(failed, asked):
     return f"{failed:,.0f} of {asked:,.0f} ({failure.share(failed / asked)})"
 
 
-def finding(cells, dimension, least):
-    good, passed = answered(cells)
-    if not len(good):
-        return f"In {dimension}D no pair query has both a time and an error."
-    if not passed.any():
-        return f"In {dimension}D every pair query that was timed fails somewhere."
-    parts = [part for _, part in good[passed].groupby("pair", sort=True)]
-    only = [part["method"].iloc[0] for part in parts if len(part) == 1]
-    first = [tuple(sorted(cell["method"] for cell in noise.leaders(part, TIME, least))) for part in parts if len(part) > 1]
-    wins = sorted(set(first), key=lambda names: (-first.count(names), names))
-    alone, shared = ([f"{' or '.join(names)} on {first.count(names)}" for names in wins if (len(names) > 1) == several]
-                     for several in (False, True))
-    told = clauses(alone and f"the fastest without a failure is {listing(alone)}",
-                   shared and f"{_alike(least)}, {listing(shared)}",
-                   only and f"without a rival, {listing(f'{m} on {only.count(m)}' for m in sorted(set(only)))}")
-    text = f"In {dimension}D, of {plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {told}"
-    errors, failed, at = metrics.column(good, "max_error"), sorted(set(good["method"][~passed])), judged_at(good)
-    worst = good.iloc[int(np.nanargmax(errors))] if np.isfinite(errors).any() else None
-    off = f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']})" if worst is not None else "unknown"
-    if not failed:
-        return f"{text}. No method fails {at}, and no error is above {off}."
-    who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
-    return f"{text}. " + sentence(f"{at}, {who} {verb(len(failed), 'fail')} somewhere; the worst error is {off}")
+def tolerances(cells):
+    """"1e-12 of the size": the tolerance that decides what is a failure. Ranks can change with it."""
+    known = sorted({precision for _, precision in cells.get("arithmetic", []) if precision in failure.TOLERANCE}, reverse=True)
+    said = [failure.tolerance(p) + (f" in {p}" if len(known) > 1 else "") for p in known]
+    return listing(said) if said else "the referee's tolerance"
 
 
 def judged_at(cells):
-    """The tolerance that decides who fails: ranks turn round at another. Methods that are judged by another are named."""
-    asked = np.array([precision for _, precision in cells.get("arithmetic", [])])
-    known = sorted({precision for precision in asked if precision in failure.TOLERANCE}, reverse=True)
-    coarser = {p: sorted(set(cells["method"][(asked == p) & (cells["judged"] != p).to_numpy()])) for p in known}
-    return "at " + (listing([failure.tolerance(p, coarser[p]) + (f" in {p}" if len(known) > 1 else "") for p in known]) if known
-                    else "the referee's tolerance")
+    """{method: its tolerance}: methods that compute in single precision are judged by that of f32."""
+    if "judged" not in cells:
+        return {}
+    return {method: " and ".join(failure.tolerance(p) for p in sorted(set(part["judged"]), reverse=True)
+                                 if p in failure.TOLERANCE)
+            for method, part in cells.groupby("method")}
+
+
+def finding(cells, dimension, least):
+    good, passed = answered(cells)
+    if not len(good):
+        return Finding(f"In {dimension}D no pair query has both a time and an error.")
+    rows = found_by_method(good, passed, least)
+    clean, count = [row["method"] for row in rows if row["outcome"] == "never fails"], good["method"].nunique()
+    if not passed.any():
+        head = f"In {dimension}D every timed pair query fails somewhere, judged at {tolerances(good)}."
+    else:
+        most = max((row["fastest on"] + row["ties for fastest on"] for row in rows), default=0)
+        first = [row["method"] for row in rows if row["fastest on"] + row["ties for fastest on"] == most]
+        pairs = good[passed].groupby("pair")["method"].nunique()
+        rivals = int((pairs > 1).sum())
+        head = (f"In {dimension}D {len(clean)} of {count} methods never fail at {tolerances(good)}" +
+                (f"; without failures, {some(first)} {verb(len(first), 'are')} fastest or tied on {most} of "
+                 f"{plural(rivals, 'pair of shapes', 'pairs of shapes')}." if rivals else "; no two on one pair of shapes."))
+    table = pd.DataFrame(rows)
+    return Finding(head, cut(table if table["only method on"].any() else table.drop(columns="only method on")))
+
+
+def found_by_method(good, passed, least):
+    """A row per method: on how many pairs of shapes it is the fastest among the methods without a failure there."""
+    count = {method: [0, 0, 0] for method in good["method"]}  # fastest, tied, only one
+    for _, part in good[passed].groupby("pair", sort=True):
+        first = [cell["method"] for cell in noise.leaders(part, TIME, least)]
+        for method in first:
+            count[method][2 if len(part) == 1 else 0 if len(first) == 1 else 1] += 1
+    judged, rows = judged_at(good), []
+    for method, part in good.groupby("method", sort=True):
+        failing = int((failure.in_pairs(part) > 0).sum())
+        errors = metrics.column(part, "max_error")
+        rows.append({"method": method, "outcome": f"fails on {failing} of {plural(len(part), 'pair')}" if failing else
+                     "never fails", "fastest on": count[method][0], "ties for fastest on": count[method][1],
+                     "only method on": count[method][2],
+                     "worst error over the size [1]": np.nanmax(errors) if np.isfinite(errors).any() else math.nan,
+                     "judged at": judged.get(method, "")})
+    return sorted(rows, key=lambda row: (row["outcome"] != "never fails", -row["fastest on"] - row["ties for fastest on"],
+                                         -row["only method on"], row["method"]))
 
 
 def headline(cells, dimension, least):
-    """Where somebody fails: of those pairs of kinds the one that most methods answer. Where nobody does: the one on which the
-    times of the fastest and the slowest differ most, if by more than the noise."""
+    """Where methods fail: the failing pair of shapes that most methods answer. Where none fails: the pair on which the times of
+    the fastest and the slowest differ most, if by more than the noise."""
     good, passed = answered(cells)
     failing = set(good["pair"][~passed])
     pairs = sorted(((part["method"].nunique(), pair) for pair, part in good.groupby("pair") if pair in failing), reverse=True)
@@ -142,23 +153,15 @@ def _told_failing(cells, passed, pair, dimension, least):
     right, wrong = cells[passed].sort_values(TIME, kind="stable"), cells[~passed]
     share = sorted(failure.in_pairs(wrong) / metrics.column(wrong, "asked"))
     shares = " to ".join(dict.fromkeys(map(failure.share, (share[0], share[-1]))))
-    numbers = lambda part: listing([f"{n:,.0f}" for n in sorted(set(part["asked"]))])  # noqa: E731
-    names = listing([f"{m} ({si(ns, 'ns')} a query)" for m, ns in zip(right["method"], right[TIME])])
-    text = (f"On {pair} in {dimension}D, {judged_at(cells)}, {'only ' if len(wrong) > len(right) else ''}{names} never "
-            f"{verb(len(right), 'fail')}, in {numbers(right)} queries{' each' if len(right) > 1 else ''}; ")
-    quick = wrong.sort_values(TIME, kind="stable").iloc[0]
-    if len(wrong) == 1:
-        text += f"{quick['method']} ({si(quick[TIME], 'ns')}) fails on {share_of(failure.in_pairs(wrong)[0], quick['asked'])}"
-    else:
-        text += f"the {len(wrong)} others fail on {shares} of {numbers(wrong)}"
-        if quick[TIME] < right[TIME].iloc[0] and noise.tells(right.iloc[0], quick, TIME, least):
-            text += f", the fastest, {quick['method']}, in {si(quick[TIME], 'ns')}"
-    return Headline(text + ".", {**dict(zip(right["method"], right[TIME])), **dict.fromkeys(wrong["method"], math.nan)}, "ns",
+    first = [cell["method"] for cell in noise.leaders(right, TIME, least)]
+    text = (f"On {pair} in {dimension}D {len(wrong)} of {len(cells)} methods fail, on {shares} of the queries; fastest without a "
+            f"failure {verb(len(first), 'are')} {some(first)} ({si(right[TIME].iloc[0], 'ns')}).")
+    return Headline(text, {**dict(zip(right["method"], right[TIME])), **dict.fromkeys(wrong["method"], math.nan)}, "ns",
                     "time per query")
 
 
 def _told_times(cells, dimension, least):
-    """Times differ though no method fails."""
+    """Of pairs of shapes on which times differ by more than the noise, the one with the largest ratio."""
     found = []
     for pair, part in cells.groupby("pair", sort=True):
         part = part.sort_values(TIME, kind="stable")
@@ -168,19 +171,10 @@ def _told_times(cells, dimension, least):
     if not found:
         return None
     ratio, pair, part = max(found, key=lambda told: told[:2])
-    first = noise.leaders(part, TIME, least)
-    names = " or ".join(cell["method"] for cell in first)
-    return Headline(f"In {dimension}D no method fails, in {np.nansum(metrics.column(cells, 'asked')):,.0f} queries; times differ "
-                    f"most on {pair}, where {part['method'].iloc[-1]} takes {times(ratio)} times the "
-                    f"{si(part[TIME].iloc[0], 'ns')} a query of "
-                    f"{names}{f', which are {_alike(least)}' if len(first) > 1 else ''}.",
-                    dict(zip(part["method"], part[TIME])), "ns", "time per query")
-
-
-def _alike(least):
-    """The words for methods with times that cannot be told apart: noise, or too few repeats."""
-    word = noise.silence(least)
-    return "within the noise of each other" if word == noise.NOISE else f"alike {noise.IN_WORDS[word]}"
+    first = [cell["method"] for cell in noise.leaders(part, TIME, least)]
+    return Headline(f"In {dimension}D no method fails; times differ most on {pair}, where {part['method'].iloc[-1]} takes "
+                    f"{times(ratio)} times the {si(part[TIME].iloc[0], 'ns')} of {some(first)}"
+                    f"{' (tie)' if len(first) > 1 else ''}.", dict(zip(part["method"], part[TIME])), "ns", "time per query")
 
 
 def _scatter(context, cells, dimension, refused, least):
@@ -194,7 +188,7 @@ def _scatter(context, cells, dimension, refused, least):
     errors = {name: np.where(usable, metrics.column(cells, name), math.nan) for name in ERRORS}
     time, failed = metrics.column(cells, TIME), failure.in_pairs(cells)
     all_errors = np.concatenate(list(errors.values()))
-    # What a method does not declare is no failure; the next chart has a cell for it.
+    # A pair that a method does not declare is not a failure; the next chart has a cell for it.
     declared = (cells["outcome"] != "unsupported").to_numpy()
     for index, ax in enumerate(axes.flat):
         if index >= len(pairs):
@@ -228,7 +222,7 @@ def _scatter(context, cells, dimension, refused, least):
         if index + columns >= len(pairs):
             ax.set_xlabel("time per query")
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in methods]
-    handles.append(Line2D([], [], color="#222222", lw=2.4, alpha=0.3, label="front, no failures"))
+    handles.append(Line2D([], [], color="#222222", lw=2.4, alpha=0.3, label="Pareto front, no failures"))
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
                 for o in sorted({o for o in cells["outcome"][declared] if o not in ("ok", "wrong")})]
     legend_right(figure, handles, legend_width)
@@ -239,11 +233,10 @@ def _scatter(context, cells, dimension, refused, least):
     return Chart(f"{cells['sweep'].iloc[0]}_error_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
                  finding(cells, dimension, least), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
                  refused + _holes(cells),
-                 "A mark is the error that 99 of 100 queries stay below; its bar goes from the median to the worst. "
-                 "Errors are over the size of the query: largest extent + distance + largest coordinate. "
-                 f"{SINGLE} Hollow marks are witnesses; a method that does not declare a pair has none. "
-                 f"{questions(cells).capitalize()}. "
-                 f"{noise.rule(least)} {failure.DEFINITION}", headline=headline(cells, dimension, least))
+                 "Lower left is better. A mark is the error of 99 of 100 queries over their size (largest extent + distance + "
+                 "largest coordinate); its bar spans the median to the worst. A time is that of a single query and two readings "
+                 f"of the clock. Hollow marks are witnesses. {noise.rule(least)} {failure.DEFINITION}",
+                 headline=headline(cells, dimension, least))
 
 
 def _failures(context, cells, dimension):
@@ -291,37 +284,52 @@ def _failures(context, cells, dimension):
     for side in ax.spines.values():
         side.set_visible(False)
     handles = [Patch(facecolor=RIGHT, label="0: never fails"), Patch(facecolor=plt.cm.Oranges(0.6), label="share that fails")]
-    handles += [Patch(facecolor=colour, label=f"{text}: {'does not declare it' if outcome == 'unsupported' else outcome}")
+    handles += [Patch(facecolor=colour, label=f"{text}: {'not declared' if outcome == 'unsupported' else outcome}")
                 for outcome, (colour, text) in sorted(outcomes.items())]
     blank = len(rows) < len(pairs) * len(methods)
-    handles += [Patch(facecolor=NOT_ASKED, label="blank: was not asked")] if blank else []
+    handles += [Patch(facecolor=NOT_ASKED, label="blank: not asked")] if blank else []
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(1, 0), ncol=len(handles), handlelength=1.2)
-    good = cells[_usable(cells)]
-    if bad:
-        _, method, pair, found, number = max(bad)
-        clean = [m for m in methods if m not in {b[1] for b in bad} and (good["method"] == m).any()]
-        text = (f"In {dimension}D, {judged_at(good)}, {method} fails most often, on {pair}: {share_of(found, number)}; "
-                f"without any failure: {listing(clean)} ({questions(cells)}).")
-    else:
-        text = (f"In {dimension}D no query of {np.nansum(metrics.column(good, 'asked')):,.0f} failed, {judged_at(good)} "
-                f"({questions(cells)}).")
-    # Without a failure in n draws a share of 3/n would have shown itself with 95 %.
-    clean = good[(failure.in_pairs(good) == 0) & (metrics.column(good, "asked") > 0)]
-    unseen = [f"{failure.share(3 / n)} at {n:,.0f}" for n in sorted(set(clean["asked"]))]
     return Chart(f"{cells['sweep'].iloc[0]}_failures_{dimension}d", SECTION, f"Rate of failures by pair of shapes, {dimension}D",
-                 text, cells["sweep"].iloc[0], figure, pd.DataFrame(rows), _holes(cells),
-                 "Failures over the queries asked, whose number per pair of shapes stands beside each name"
-                 + (f"; where none failed, a share of up to {listing(unseen)} queries may have stayed unseen (95 %)" if unseen
-                    else "")
-                 + f". {failure.DEFINITION}")
+                 finding_of_failures(cells[_usable(cells)], bad, dimension), cells["sweep"].iloc[0], figure, pd.DataFrame(rows),
+                 _holes(cells),
+                 "A cell is the share of the queries that fail; the number of queries of each pair of shapes stands beside each "
+                 f"name. “Unseen share, at most” bounds the failures of a method without any, with 95 %. {failure.DEFINITION}")
 
 
-WHAT = ("dimension", "pair", "vertices", "drawing")  # a row, besides what else differs in the sweep
+def finding_of_failures(good, bad, dimension):
+    """`bad`: (rate, method, pair, failures, queries) of each cell with a failure."""
+    asked = metrics.column(good, "asked")
+    good, worst, judged = good[asked > 0], {}, judged_at(good)
+    for one in sorted(bad):
+        worst[one[1]] = one
+    rows = []
+    for method, part in good.groupby("method", sort=True):
+        n, text = part["asked"], " to ".join(dict.fromkeys(f"{x:,.0f}" for x in (part["asked"].min(), part["asked"].max())))
+        rate, _, pair, found, number = worst.get(method, (0.0, method, "", 0, n.min()))
+        rows.append({"method": method, "worst share [1]": rate,
+                     "failures there": f"{found:,.0f} of {number:,.0f}" if found else "none", "on": pair,
+                     "unseen share, at most": "" if found else failure.share(3 / n.min()), "queries of a pair": text,
+                     "judged at": judged.get(method, "")})
+    rows.sort(key=lambda row: (row["worst share [1]"], row["method"]))
+    count, clean = len(rows), [row["method"] for row in rows if row["failures there"] == "none"]
+    if not rows:
+        head = f"In {dimension}D no query was answered."
+    elif not bad:
+        head = f"In {dimension}D no query of {np.nansum(asked):,.0f} fails, judged at {tolerances(good)}."
+    else:
+        _, method, pair, found, number = max(bad)
+        head = (f"In {dimension}D {len(clean)} of {count} methods never fail at {tolerances(good)}; {method} fails most often, "
+                f"on {pair}: {share_of(found, number)}.")
+    return Finding(head, cut(pd.DataFrame(rows)))
+
+
+WHAT = ("dimension", "pair", "vertices", "drawing")  # axes of a question; other axes that vary are added
 
 
 @of_sweeps("peers", 71, SECTION,
-           Needs("pairs", metrics=(TIME, "max_error"), also="ours and a witness on the same pairs of shapes"),
-           "Beside packaged libraries", "No timed sweep asks ours and witnesses about the same pairs.", "pair_queries")
+           Needs("pairs", metrics=(TIME, "max_error"), also="one of LPC's methods and a witness on the same pairs of shapes"),
+           "LPC and packaged libraries", "This store has no timed sweep of LPC's methods and witnesses on equal pairs of shapes.",
+           "pair_queries")
 def peers(context, cells):
     if "wrong" not in cells or "stream" in cells:
         return []
@@ -340,7 +348,7 @@ def peers(context, cells):
 
 
 def rows_of(cells, least, others=()):
-    """One entry per question that one of ours answers without a failure and a witness answers at all."""
+    """One entry per question that one of LPC's methods answers without a failure and that a witness answers at all."""
     what = [name for name in WHAT if name in cells] + list(others)
     found = []
     for key, part in cells.groupby(what, sort=True, dropna=False):
@@ -367,59 +375,59 @@ def _named(key):
 
 
 def right(row):
-    """The fastest of the row's peers that fails nowhere, or None."""
+    """The fastest of the row's libraries without a failure, or None."""
     return next((peer for peer in row["peers"] if peer["share"] == 0), None)
 
 
-def _silence(*cells):
-    """Why times are not told apart."""
-    return noise.FEW if any(0 < len(measured.runs(cell, TIME)) < noise.FEWEST for cell in cells) else noise.NOISE
+def _outcome(row):
+    """Of LPC's fastest against the fastest library without a failure; where every library fails, against the fastest."""
+    peer = right(row)
+    if peer is None:
+        quick = any(p["ratio"] < 1 and p["told"] for p in row["peers"])
+        return "every library fails, one is faster" if quick else "every library fails, none is faster"
+    if peer["told"]:
+        return "LPC faster" if peer["ratio"] > 1 else "LPC slower"
+    few = any(0 < len(measured.runs(cell, TIME)) < noise.FEWEST for cell in (row["ours"], peer["cell"]))
+    return told(noise.FEW if few else noise.NOISE)
 
 
 def finding_of_peers(rows):
-    told = [(row, peer) for row in rows if (peer := right(row))]
-    none = [row for row in rows if not right(row)]
-    said = [f"on {len(told)} a library fails nowhere, either: {_ahead_of(told)}" if told else ""]
-    if none:
-        quick = sum(any(peer["ratio"] < 1 and peer["told"] for peer in row["peers"]) for row in none)
-        said.append(f"on {len(none)} every library fails, and " +
-                    (f"on {quick} of these one is faster than ours" if quick else "none is faster than ours"))
-    return (f"Of {plural(len(rows), 'question that ours answer', 'questions that ours answer')} without a failure, "
-            f"{clauses(*said)}.")
-
-
-def _ahead_of(found):
-    """On how many questions ours is faster, slower or not told from the fastest library that fails nowhere."""
-    told = sorted((peer["ratio"], row["what"], peer["name"]) for row, peer in found if peer["told"])
-    ahead, behind = [one for one in told if one[0] > 1], [one for one in told if one[0] < 1]
-    faster, slower = f"ours is faster than the fastest such on {len(ahead)}", f"slower on {len(behind)}"
-    if ahead:
-        (least, *_), (most, what, name) = ahead[0], ahead[-1]
-        ends = f"{times(least)} to {times(most)} times, most" if len(ahead) > 1 else f"{times(most)} times,"
-        faster += f" ({ends} on {what} against {name})"
-    if behind:
-        slower += f" (most on {behind[0][1]}, where {behind[0][2]} takes {times(behind[0][0])} of our time)"
-    silent = [_silence(row["ours"], peer["cell"]) for row, peer in found if not peer["told"]]
-    return clauses(faster, slower, *(f"{noise.IN_WORDS[why]} on {silent.count(why)}" for why in (noise.NOISE, noise.FEW)
-                                     if why in silent), between=", ")
+    """A row per outcome, with the range of the ratios and the question where the ratio is farthest from 1."""
+    groups = {}
+    for row in rows:
+        peer = right(row) or min(row["peers"], key=lambda p: p["ratio"])
+        groups.setdefault(_outcome(row), []).append((peer["ratio"], row["what"], row["ours"]["method"], peer["name"]))
+    table = []
+    for outcome, found in sorted(groups.items()):
+        _, what, ours, name = max(found, key=lambda one: abs(math.log(one[0])))
+        ratios = [one[0] for one in found]
+        table.append({"outcome": outcome, "questions": len(found), "library over LPC, least [1]": min(ratios),
+                      "most [1]": max(ratios), "largest difference on": what, "LPC's method": ours, "library": name})
+    count = {outcome: len(found) for outcome, found in groups.items()}
+    failing = sum(n for outcome, n in count.items() if outcome.startswith("every"))
+    ties = sum(n for outcome, n in count.items() if outcome.startswith("tie"))
+    head = (f"Against the fastest library without failures LPC is faster on {count.get('LPC faster', 0)} of "
+            f"{plural(len(rows), 'question')}, slower on {count.get('LPC slower', 0)}, tied on {ties}" +
+            (f"; on {failing} every library fails." if failing else "."))
+    return Finding(head, pd.DataFrame(table))
 
 
 def headline_of_peers(rows):
-    """The question on which the fastest library that fails nowhere is farthest from ours, either way."""
+    """The question with the largest ratio, either way, between LPC's fastest and the fastest library without a failure."""
     told = [(row, right(row)) for row in rows if right(row) and right(row)["told"]]
     if not told:
         return None
     row, peer = max(told, key=lambda found: abs(math.log(found[1]["ratio"])))
     first, last = sorted((row["ours"], peer["cell"]), key=lambda cell: cell[TIME])
-    return Headline(f"On {row['what']}, {first['method']} takes 1/{times(float(last[TIME] / first[TIME]))} of the time of "
-                    f"{last['method']}; neither fails.", {first["method"]: first[TIME], last["method"]: last[TIME]}, "ns",
+    return Headline(f"On {row['what']}, {last['method']} takes {times(float(last[TIME] / first[TIME]))} times as long as "
+                    f"{first['method']}; neither fails.", {first["method"]: first[TIME], last["method"]: last[TIME]}, "ns",
                     "time per query")
 
 
 def _chart(context, cells, rows, refused):
     sweep = cells["sweep"].iloc[0]
     names = sorted({peer["name"] for row in rows for peer in row["peers"]})
-    legend_width = legend_room(list(map(context.name, names)) + ["hollow: fails somewhere"], 2.0)
+    legend_width = legend_room(list(map(context.name, names)) + ["hollow: fails"], 2.0)
     left = 0.25 + 0.075 * max(len(row["what"]) + len(row["ours"]["method"]) + 3 for row in rows)
     height = 0.75 + 0.24 * len(rows)
     figure, ax = plt.subplots(figsize=(WIDTH, height))
@@ -435,23 +443,23 @@ def _chart(context, cells, rows, refused):
     ax.set_yticks(range(len(rows)))
     ax.set_yticklabels([f"{row['what']} ({context.name(row['ours']['method'])})" for row in rows], fontsize=8)
     ax.set_ylim(len(rows) - 0.5, -0.5)
-    ax.set_xlabel("their time over that of our fastest that fails nowhere, which is named on the left")
+    ax.set_xlabel("time of the library over that of LPC's fastest method without failures (named on the left)")
     handles = [Line2D([], [], ls="none", marker=looks(n).get("marker", "o"), mec=looks(n)["color"], mfc=looks(n)["color"],
                       label=context.name(n)) for n in names]
-    handles.append(Line2D([], [], ls="none", marker="o", mec="#555555", mfc="none", label="hollow: fails somewhere"))
+    handles.append(Line2D([], [], ls="none", marker="o", mec="#555555", mfc="none", label="hollow: fails"))
     legend_right(figure, handles, legend_width)
-    return Chart(identifier(f"{sweep} peers"), SECTION, f"Beside packaged libraries: {sweep}", finding_of_peers(rows), sweep,
+    return Chart(identifier(f"{sweep} peers"), SECTION, f"LPC and packaged libraries: {sweep}", finding_of_peers(rows), sweep,
                  figure, _table(rows), refused,
-                 f"{failure.DEFINITION} Right of the line ours is faster. A library is asked in a process of its own, ours in "
-                 "that of the trial; of both a query is asked by itself, between two readings of the clock, which are in the "
-                 "time.",
+                 "Right of the line LPC is faster. Both answer one query at a time, between two readings of the clock, which are "
+                 f"in the time. A library runs in a separate process. {failure.DEFINITION}",
                  headline=headline_of_peers(rows))
 
 
 def _table(rows):
     pairs = [(row, peer) for row in rows for peer in row["peers"]]
-    return pd.DataFrame({"question": [row["what"] for row, _ in pairs], "ours": [row["ours"]["method"] for row, _ in pairs],
-                         **quantity("time of ours", "ns", [row["ours"][TIME] for row, _ in pairs]),
+    return pd.DataFrame({"question": [row["what"] for row, _ in pairs],
+                         "LPC's method": [row["ours"]["method"] for row, _ in pairs],
+                         **quantity("time of LPC", "ns", [row["ours"][TIME] for row, _ in pairs]),
                          "library": [peer["name"] for _, peer in pairs],
                          **quantity("time of the library", "ns", [peer["cell"][TIME] for _, peer in pairs]),
                          "ratio [1]": [peer["ratio"] for _, peer in pairs],

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Frozen velocity problems: what is left over multiply-adds and over time, performance profiles (Dolan and More 2002), and
-the rate of convergence that the matrix predicts beside the measured one."""
+"""Frozen velocity problems: residual over multiply-adds and over time, performance profiles (Dolan and More 2002), and the
+measured rate of convergence against the rate that the matrix predicts."""
 
 import math
 
@@ -12,25 +12,26 @@ import metrics
 import over_steps
 import ranking
 from chart import Chart, Needs, describe, holes, identifier, of_sweeps
+from finding import Finding, cut, ends
 from load import one_machine, split
-from sentences import clauses, does, listing, methods, span
+from sentences import plural, some, verb
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
 from table import quantity
 
-SOLVES = "Which method solves a step's problem?"
+SOLVES = "Which method solves the velocity problem of a step?"
 RESIDUAL, COST, TO = "problem_residual", "multiply_adds", "multiply_adds_to_thousandth"
 TIME = "ns_per_solve"
 RATE, PREDICTED = "rate", "predicted_rate"
-FLOOR = 1e-12  # of g dt: below it all is rounding
+FLOOR = 1e-12  # of g dt: smaller values are rounding
 ROWS, COLUMNS = 3, 3  # of panels
-FAR = 100.0  # the profiles end where a method takes so many times as much as the best
-SOLVED = 1e-3  # of g dt: what may be left, as in the metric TO
-ALIKE = 2.0  # times that were measured once, in less than such a ratio, are not told apart
+FAR = 100.0  # where the axis of the profiles ends, as a multiple of the best cost
+SOLVED = 1e-3  # of g dt: largest residual of a solved problem, as in the metric TO
+ALIKE = 2.0  # times are measured once, so times within this ratio tie
 
 
 @of_sweeps("problems", 36, SOLVES,
            Needs("problems", methods=(2, math.inf)),
-           "Residual over multiply-adds", "No sweep of frozen problems is in this store.", "problems")
+           "Residual over multiply-adds", "This store has no sweep of frozen problems.", "problems")
 def frozen_problems(context, cells):
     rates = _rates(context, cells)
     cells = cells[cells["outcome"] != "unsupported"]
@@ -40,8 +41,8 @@ def frozen_problems(context, cells):
 
 
 def problems(context, cells):
-    """[(words, cells)] of one problem each, all settings equal; those that most methods were given, since a problem of a few
-    would count for them and against no other."""
+    """[(name, cells)] of one problem each, with equal settings. Only problems that were given to the most methods: any other
+    would count for some methods and against none."""
     names = [name for name in ("problems", "problem", "start", "friction", "order", "dimension")
              if name in cells and (name == "problems" or cells[name].nunique(dropna=False) > 1)]
     parts = [part.drop_duplicates("method") for part in split(cells, names)]
@@ -53,7 +54,7 @@ def problems(context, cells):
 
 def profile(costs):
     """{method: (ratios, share of problems solved within that many times the best cost)}. `costs`: method -> its cost of each
-    problem, infinite where it did not solve it. A problem that no method solves counts for all, or one could choose easy ones."""
+    problem, infinite where it did not solve it. Problems that no method solves count, too: else easy problems could be chosen."""
     table = np.array([costs[method] for method in costs], dtype=float)
     best = np.where(np.isfinite(table), table, math.inf).min(axis=0)
     found = {}
@@ -85,8 +86,8 @@ def _start(cells):
 
 
 def _drawn(context, parts, key, cost):
-    """(figure of what each method leaves of each problem over a series of costs, {trial: (costs, residuals)} of all that have
-    it). `key`: the column of the trials."""
+    """(figure of the residual of each method and problem over a series of costs, {trial: (costs, residuals)}). `key`: the column
+    of the trials."""
     everyone = pd.concat([part for _, part in parts])
     looks, called = context.looks(everyone), dict(sorted(ranking.names(context, everyone).items()))
     shown = parts[:ROWS * COLUMNS]
@@ -109,19 +110,19 @@ def _drawn(context, parts, key, cost):
                 continue
             x, y = tracks[trial]
             good = (x > 0) & np.isfinite(y)
-            point = len(set(x[good])) == 1  # of a method that is done at once, or has no number of iterations
+            point = len(set(x[good])) == 1  # a direct method, or one without a number of iterations
             look = looks(method) if point else {**looks(method), "marker": None}
             ax.plot(x[good], [scale.place(v) for v in y[good]], **look)
         ax.set_title(where, size=9)
         ax.set_xlabel(described.title)
     for row in axes:
-        row[0].set_ylabel("natural map / (g dt)")
+        row[0].set_ylabel("residual / (g dt)")
     legend_right(figure, _handles(called, looks), width)
     return figure, tracks
 
 
 def _holes(parts, cells):
-    return [f"{where}: not drawn, there is room for {ROWS * COLUMNS}" for where, _ in parts[ROWS * COLUMNS:]] + holes(
+    return [f"{where}: not drawn; the figure has {ROWS * COLUMNS} panels" for where, _ in parts[ROWS * COLUMNS:]] + holes(
         cells, ["problems", "problem", "method"])
 
 
@@ -132,19 +133,37 @@ def _table(cells, numbers):
 
 
 def _not_ranked(context, parts):
-    """On how many problems a method has no rank, and why."""
+    """{method: on how many problems it has no rank, and why}."""
     unranked = [ranking.unranked(context, part) for _, part in parts]
-    return ranking.told({f"{method} on {sum(method in why for why in unranked)} of {len(parts)}":
-                         ranking.largest(why[method] for why in unranked if method in why)
-                         for method in sorted({method for why in unranked for method in why})})
+    return {method: f"not ranked on {sum(method in why for why in unranked)} of {len(parts)}: "
+            f"{ranking.largest(why[method] for why in unranked if method in why)}"
+            for method in sorted({method for why in unranked for method in why})}
 
 
-def _counted(of_problems):
-    """["a on 3", "b on 1"]: on how many problems a method is named; most first."""
+def _ranks(context, parts, best_of, values_of, title, unit, label):
+    """A row per method: on how many problems it is best or ties with the best, and the median and range of its values. Methods
+    without a rank stand last, with the reason. `best_of`: methods of each problem; `values_of`: {method: values}."""
+    why, rows = _not_ranked(context, parts), []
+    for method, values in values_of.items():
+        known = np.array([value for value in values if math.isfinite(value)])
+        missing = f"no result on {len(values) - len(known)} of {len(values)}" if len(known) < len(values) else ""
+        outcome = why.get(method, "") or missing
+        rows.append((method in why, -sum(method in found for found in best_of), method, known, outcome))
+    rows.sort(key=lambda row: row[:3])
+    middle = [float(np.median(known)) if len(known) else math.nan for *_, known, _ in rows]
+    return cut(pd.DataFrame({"method": [row[2] for row in rows], f"{label} [1]": [-row[1] for row in rows],
+                             **quantity(f"median {title}", unit, middle),
+                             "range": [ends(min(known), max(known), unit) if len(known) else "" for *_, known, _ in rows],
+                             "outcome": [outcome for *_, outcome in rows]}))
+
+
+def _most(best_of):
+    """(methods that are best on the most problems, that number)."""
     count = {}
-    for method in (method for found in of_problems for method in found):
+    for method in (method for found in best_of for method in found):
         count[method] = count.get(method, 0) + 1
-    return [f"{method} on {n}" for method, n in sorted(count.items(), key=lambda item: (-item[1], item[0]))]
+    most = max(count.values(), default=0)
+    return sorted(method for method in count if count[method] == most), most
 
 
 def _over_cost(context, cells):
@@ -156,29 +175,33 @@ def _over_cost(context, cells):
         part = part[(part["outcome"] == "ok") & np.isfinite(metrics.column(part, RESIDUAL))]
         values = part[RESIDUAL].astype(float)
         least.append(list(part[values <= max(values.min(), FLOOR)]["method"]) if len(part) else [])
-    said, numbers = _counted(least), {}
+    numbers, (first, most) = {}, _most(least)
+    everyone = pd.concat([part for _, part in parts])
+    values = {method: list(mine[RESIDUAL].astype(float).where(mine["outcome"] == "ok"))
+              for method, mine in everyone.groupby("method", sort=True)}
     for name in (name for name in context.metrics("problems", "cost", "error") if name in cells):
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} curves"), SOLVES,
-                 f"What is left over multiply-adds, {_start(cells)} start",
-                 (f"Of {len(parts)} problems, with all iterations, the least is left by {listing(said)}." if said else
-                  "No problem was solved.") + _not_ranked(context, parts),
+                 f"Residual over multiply-adds, {_start(cells)} start",
+                 Finding(f"After all iterations {some(first)} {verb(len(first), 'have')} the smallest residual on {most} of "
+                         f"{plural(len(parts), 'problem')}." if first else "No ranked method finished a problem.",
+                         _ranks(context, parts, least, values, "residual", "1", "smallest or tied on")),
                  cells["sweep"].iloc[0], figure, _table(cells, numbers), _holes(parts, cells),
-                 "Each method solves the same problem with 1, 2, 3, ... iterations. The natural map is the largest error of a "
-                 "row by Coulomb's law with De Saxcé's correction; 1 is what gravity gives in a step. Methods that leave less "
-                 f"than {FLOOR:g} of it leave alike.")
+                 "Lower left is better. Each method solves the same problem with 1, 2, 3, ... iterations. The residual (natural "
+                 "map) is the largest error of a row by Coulomb's law with De Saxcé's correction, over the speed g dt of one "
+                 f"step of gravity. Residuals below {FLOOR:g} tie.")
 
 
 def time_to(residual, nanoseconds, residuals):
-    """The time of the first number of iterations from which on no more than `residual` is left; infinite where there is none.
-    What cannot run with no iterations has no time for them, only for one."""
+    """The time of the least number of iterations from which on the residual stays at most `residual`; infinite where there is
+    none. Methods that cannot run without iterations have no time for 0 iterations."""
     above = [i for i, left in enumerate(residuals) if not left <= residual]
     rest = nanoseconds[above[-1] + 1 if above else 0:]
     return next((float(time) for time in rest if math.isfinite(time)), math.inf)
 
 
 def _over_time(context, cells):
-    """None where nothing was timed."""
+    """The chart of residuals over time; None where no trial is timed."""
     if TIME not in cells:
         return None
     cells, said = one_machine(context.store, cells)
@@ -194,18 +217,22 @@ def _over_time(context, cells):
         mine = {method: took.get(trial, math.inf) for method, trial in zip(part["method"], part["key_timed"])}
         best = min(mine.values(), default=math.inf)
         quickest.append([method for method, time in mine.items() if math.isfinite(best) and time < ALIKE * best])
-    counted, title = _counted(quickest), f"{context.title(TIME)}, to {SOLVED:g} g dt"
+    (first, most), title = _most(quickest), f"{context.title(TIME)}, to {SOLVED:g} g dt"
+    times_of = {method: [took.get(trial, math.inf) for trial in mine["key_timed"]]
+                for method, mine in pd.concat([part for _, part in parts]).groupby("method", sort=True)}
     numbers = quantity(context.title(TIME), context.unit(TIME), metrics.column(cells, TIME)) | quantity(
         title, context.unit(TIME), [took.get(trial, math.nan) for trial in cells["key_timed"]])
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} times"), SOLVES,
-                 f"What is left over time, {_start(cells)} start",
-                 (f"Of {len(parts)} problems, less than {SOLVED:g} g dt is left in less than {ALIKE:g} times the time of the "
-                  f"first by {listing(counted)}." if counted else f"No method leaves less than {SOLVED:g} g dt of a problem.")
-                 + _not_ranked(context, parts),
+                 f"Residual over time, {_start(cells)} start",
+                 Finding(f"{some(first)} {verb(len(first), 'solve')} {most} of {plural(len(parts), 'problem')} to "
+                         f"{SOLVED:g} g dt within {ALIKE:g} times the fastest method's time." if first else
+                         f"No method solves a problem to {SOLVED:g} g dt.",
+                         _ranks(context, parts, quickest, times_of, "time to solve", "ns", "fastest or tied on")),
                  cells["sweep"].iloc[0], figure, _table(cells, numbers), said + _holes(parts, cells),
-                 "The same curves over the processor time of a solve with so many iterations, which begins each time from the "
-                 "start; the median of ten. Where a line goes back, more iterations took less time. A witness's time is that of "
-                 "the library in its own process and of what is prepared for it here.")
+                 "Lower left is better. A time is the processor time of a solve with that number of iterations, each from the "
+                 "same start; the median of ten. A line that goes back means that more iterations took less time. Methods within "
+                 f"{ALIKE:g} times the fastest tie, because each time is measured once. A witness's time includes preparing the "
+                 "problem for its library.")
 
 
 def _profile(context, cells):
@@ -223,7 +250,7 @@ def _profile(context, cells):
         x, y = solved[solved <= FAR], share[solved <= FAR]
         if not len(x):
             continue
-        # Up from nothing where it first solves one; level to the end, where what takes longer must not be counted.
+        # The step rises from 0 at the first solved problem; the last part is level, because problems beyond FAR are not drawn.
         ax.step(np.concatenate([x[:1], x, [FAR]]), np.concatenate([[0.0], y, y[-1:]]), where="post",
                 **{**looks(method), "marker": None})
         most = max(most, min(FAR, solved[-1]))
@@ -237,23 +264,25 @@ def _profile(context, cells):
             for method, mine in costs.items()}
     most_wins = max(wins.values())
     firsts, surest = [m for m in wins if wins[m] == most_wins], [m for m in shares if shares[m] == max(shares.values())]
-    count = len(next(iter(costs.values())))
-    table = pd.DataFrame([{"method": m, "share solved": shares[m], "share cheapest": wins[m],
-                           "median multiple": float(np.median(found[m][0])) if len(found[m][0]) else math.nan} for m in costs])
+    count, why = len(next(iter(costs.values()))), _not_ranked(context, problems(context, cells))
+    order = sorted(costs, key=lambda m: (m in why, -shares[m], -wins[m], m))
+    table = pd.DataFrame([{"method": m, "share solved": shares[m], "share cheapest": wins[m], "median multiple": float(
+        np.median(found[m][0])) if len(found[m][0]) else math.nan, "outcome": why.get(m, "")} for m in order])
     return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SOLVES, "Performance profile of multiply-adds",
-                 f"Of {count} problems {does(surest, 'solve')} most, "
-                 f"{si(100 * max(shares.values()))} %. {does(firsts, 'are each', one='is')} the cheapest "
-                 f"for {si(100 * most_wins)} %." + _not_ranked(context, problems(context, cells)),
+                 Finding(f"{some(surest)} {verb(len(surest), 'solve')} the largest share of {plural(count, 'problem')} "
+                         f"({si(100 * max(shares.values()))} %)"
+                         f"{' and' if firsts == surest else '; ' + some(firsts)} {verb(len(firsts), 'are')} cheapest most often "
+                         f"({si(100 * most_wins)} %).", cut(table)),
                  cells["sweep"].iloc[0], figure, table,
                  [f"{method}: {text}, not drawn" for method, text in _beyond(found, count).items()],
-                 "Dolan and Moré: how many problems a method solves within so many times the multiply-adds of the best. Solved "
-                 "is a natural map that stays below 0.001 g dt; what left rows to Gauss-Seidel has not solved it. What a line "
-                 "does not reach takes more iterations than were run, "
-                 f"or is named below: at more than {FAR:g} times.")
+                 "Upper left is better. A performance profile (Dolan and Moré) shows the share of problems that a method solves "
+                 "within a multiple of the best method's multiply-adds. A problem is solved when its residual stays below "
+                 f"{SOLVED:g} g dt and no row was left to Gauss-Seidel. Methods that need more than {FAR:g} times the best are "
+                 "listed below.")
 
 
 def _beyond(found, count):
-    """{method: how many more problems it solves than are drawn}."""
+    """{method: how many problems it solves at a cost beyond the axis}."""
     more = {method: solved[solved > FAR] for method, (solved, _) in found.items()}
     return {method: f"{len(far)} more of {count} problems at {times(far.min())} times the best"
             f"{f' to {times(far.max())}' if len(far) > 1 else ''}" for method, far in more.items() if len(far)}
@@ -278,8 +307,8 @@ def _rates(context, cells):
     ax.set_xlabel("predicted: spectral radius")
     ax.set_ylabel("measured, per iteration")
     legend_right(figure, _handles({m: context.name(m) for m in methods}, looks), width)
-    # What counts is how far from 1 it is: that many iterations more or fewer are needed.
-    plain = good[good["method"] == "catto"]  # which is Gauss-Seidel; the others are held against it
+    # The distance of a rate from 1 matters: it is inverse to the number of iterations.
+    plain = good[good["method"] == "catto"]  # Gauss-Seidel; the spectral radius predicts its rate
     if not len(plain):
         return None
     need = (1 - plain[PREDICTED].astype(float)) / (1 - plain[RATE].astype(float))
@@ -287,11 +316,24 @@ def _rates(context, cells):
     table = good[["problems", "method"]].assign(**{name: good[name] for name in ("problem", "order") if name in good},
                                                 predicted=good[PREDICTED].astype(float), measured=good[RATE].astype(float))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} rates"), SOLVES, "Predicted and measured convergence",
-                 f"On {len(plain)} frictionless cells the matrix tells catto's number of iterations to within "
-                 f"{times(off)} times.",
+                 Finding(f"On {plural(len(plain), 'frictionless cell')} the spectral radius predicts catto's number of "
+                         f"iterations to within {times(off)} times.", _rate_table(good)),
                  cells["sweep"].iloc[0], figure, table, [],
-                 "The spectral radius of the Gauss-Seidel iteration, catto's, on the rows that push in the converged "
-                 "answer, in the order in which they are solved; hollow: coloured order. Only without friction and joints.")
+                 "On the dotted line the prediction is exact. The prediction is the spectral radius of the Gauss-Seidel "
+                 "iteration (catto's) on the active rows of the converged solution, in the order in which they are solved; "
+                 "hollow marks: coloured order. Only problems without friction and joints.")
+
+
+def _rate_table(good):
+    rows = []
+    for (method, order), part in good.assign(order=good["order"] if "order" in good else "recorded").groupby(
+            ["method", "order"], sort=True):
+        predicted, measured = part[PREDICTED].astype(float), part[RATE].astype(float)
+        need = (1 - predicted) / (1 - measured)
+        rows.append({"method": method, "order of rows": order, "cells [1]": len(part), "predicted rate": ends(
+            predicted.min(), predicted.max(), "1"), "measured rate": ends(measured.min(), measured.max(), "1"),
+            "iterations, measured over predicted": ends(need.min(), need.max(), "1")})
+    return cut(pd.DataFrame(rows))
 
 
 MORE_ITERATIONS = "Do more iterations solve the contacts?"
@@ -301,10 +343,10 @@ SERIES, NORMALISED = "residual", "residual_median"
 @of_sweeps("residual", 35, MORE_ITERATIONS,
            Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
                  also="one seed, contacts and several values of a setting"),
-           "Residual", "No sweep of several methods with residuals is in this store.", "resolvers")
+           "Residual", "This store has no sweep of several methods with residuals.", "resolvers")
 def residual(context, cells):
     if NORMALISED not in context.store.metrics or (cells["seeds"].map(len) > 1).any():
-        return []  # a store of an earlier program; an ensemble, of which one run says little
+        return []  # an older store; or an ensemble, where one run says little
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         if nothing(part):
@@ -316,13 +358,12 @@ def residual(context, cells):
 
 
 def slopes(cells, setting):
-    """Per method: its residual at the least and at the most of the setting that most methods finished both at, so that all are
-    compared over the same span; nothing where there is no such span."""
+    """Per method: its residual at both ends of one span of the setting, the same for all methods. Of the spans with the most
+    methods finished at both ends it is the widest. Empty where there is none."""
     good = cells[(cells["outcome"] == "ok") & np.isfinite(metrics.column(cells, NORMALISED))].drop_duplicates(["method", setting])
     table = good.pivot(index="method", columns=setting, values=NORMALISED).sort_index(axis=1)
     values = list(table.columns)
     spans = [(least, most) for i, least in enumerate(values) for most in values[i + 1:]]
-    # Of spans that as many methods have, the widest.
     least, most = max(spans, key=lambda span: (len(table[list(span)].dropna()), span[1] / span[0] if span[0] > 0 else math.inf),
                       default=(None, None))
     rows = [] if least is None else [(method, least, row[least], most, row[most])
@@ -331,38 +372,52 @@ def slopes(cells, setting):
 
 
 def nothing(cells):
-    """Whether no run of these has a residual above 0: a scene without contacts has none."""
+    """Whether every residual is 0, as in a scene without contacts."""
     return not (metrics.column(cells, NORMALISED) > 0).any()
 
 
-def finding(where, cells, setting):
+def found(where, cells, setting):
+    """The row of one scene: the methods with the largest fall of the residual over the span of the setting. Values up to FLOOR
+    are rounding. All methods that reach it are named: their factors would depend on the start only."""
     table, values = slopes(cells, setting), cells[setting].dropna().unique()
     if nothing(cells):
-        return f"on {where} every residual is 0"
+        return {"scene": where, "outcome": "every residual is 0"}
     if len(values) == 1:
-        return f"on {where} only {setting}={values[0]:g} was run"
+        return {"scene": where, "outcome": f"only {setting}={values[0]:g} was run"}
     if not len(table):
-        return f"on {where} no method finished at two values of {setting}"
-    over = f"from {table['least'].iloc[0]:g} to {table['most'].iloc[0]:g} {setting}"
+        return {"scene": where, "outcome": f"no method finished at two values of {setting}"}
+    row = {"scene": where, setting: f"{table['least'].iloc[0]:g} to {table['most'].iloc[0]:g}"}
     before, after = (table[name].where(table[name] > FLOOR, 0.0) for name in ("before", "after"))
     falls = table.assign(before=before, after=after)[after < before]
     if not (before.any() or after.any()):
-        return f"on {where} every residual is below {si(FLOOR)}, which is rounding, {over}"
+        return {**row, "outcome": f"every residual is below {si(FLOOR)} (rounding)"}
     if not len(falls):
-        return f"on {where} no residual falls {over}"
-    idle, small = int(((before > 0) & (after >= before)).sum()), int(((before == 0) & (after == 0)).sum())
-    everyone, solved = sorted(cells["method"].unique()), falls[falls["after"] == 0]
-    if len(solved):  # all of them: beyond that the one that falls most would be the one that starts worst
-        starts = [si(v) for v in sorted(solved["before"])]
-        told = (f"{methods(sorted(solved['method']), everyone)} falls {over} below {si(FLOOR)}, from "
-                f"{span(starts[0], starts[-1])}")
+        return {**row, "outcome": "no residual falls"}
+    solved = falls[falls["after"] == 0]
+    best = falls.loc[(falls["before"] / falls["after"]).idxmax()]
+    best = solved if len(solved) else falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]
+    return {**row, "methods": sorted(best["method"]), "residual before": ends(best["before"].min(), best["before"].max(), "1"),
+            "residual after": f"<{si(FLOOR)}" if len(solved) else si(float(best["after"].iloc[0])),
+            "does not fall": f"{int(((before > 0) & (after >= before)).sum())} of {len(table)}",
+            f"below {si(FLOOR)} throughout": f"{int(((before == 0) & (after == 0)).sum())} of {len(table)}",
+            "outcome": "solved to rounding" if len(solved) else "falls most"}
+
+
+def finding_of_residual(rows, setting, dimension, everyone, unranked):
+    """`rows`: found() of each scene; `unranked`: {method: why it has no rank}."""
+    falling = [row for row in rows if "methods" in row]
+    table = [{**row, **({"methods": some(row["methods"], everyone)} if "methods" in row else {})} for row in rows]
+    table += [{"scene": "all", "methods": method, "outcome": f"not ranked: {why}"} for method, why in unranked.items()]
+    if not falling:
+        head = f"In {dimension}D no residual falls with more {setting}."
     else:
-        best = falls.loc[(falls["before"] / falls["after"]).idxmax()]
-        equals = sorted(falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]["method"])
-        most = f" most of {len(table)} methods" if len(table) > len(equals) else ""
-        told = f"{methods(equals, everyone)} falls{most} {over}, from {si(best['before'])} to {si(best['after'])}"
-    return clauses(f"on {where} the residual of {told}", idle and f"that of {idle} of {len(table)} methods does not fall",
-                   small and f"that of {small} of {len(table)} methods is below {si(FLOOR)} from the first")
+        solved = next((row for row in falling if row["outcome"].startswith("solved")), falling[0])
+        to = f"below {si(FLOOR)}" if solved["residual after"].startswith("<") else f"most, to {solved['residual after']}"
+        scenes = f"; it falls on {len(falling)} of {len(rows)} scenes" if len(rows) > 1 else ""
+        head = (f"In {dimension}D on {solved['scene']}, from {solved[setting]} {setting}, the residual of "
+                f"{some(solved['methods'], everyone)} falls {to}{scenes}.")
+    columns = dict.fromkeys(key for row in sorted(table, key=len, reverse=True) for key in row)
+    return Finding(head, cut(pd.DataFrame(table, columns=list(columns))))
 
 
 def _chart(context, cells, shown, left_out, setting):
@@ -384,8 +439,11 @@ def _chart(context, cells, shown, left_out, setting):
         values = [v for track in tracks.values() if track is not None for v in over_steps.stretches(track)[1] if math.isfinite(v)]
         scale = ZeroLog(below, "y", values, failures=False, floor=FLOOR)
         over_steps.lines(context, below, middle, lambda cell, tracks=tracks: tracks[cell["key"]], scale.place)
-        ranked = ranking.eligible(context, part)
-        said.append(finding(where, ranked, setting) if len(ranked) else f"on {where} no method has a rank")
+        ranked_cells = ranking.eligible(context, part)
+        said.append(found(where, ranked_cells, setting) if len(ranked_cells) else
+                    {"scene": where, "outcome": "no method is ranked"})
+    unranked = {method + (f" on {where}" if len(shown) > 1 else ""): why for where, part in shown
+                for method, why in ranking.unranked(context, part).items()}
     axes[0][0].set_ylabel("residual, median of steps")
     axes[1][0].set_ylabel("residual")
     over_steps.legend(context, figure, cells, width)
@@ -395,10 +453,9 @@ def _chart(context, cells, shown, left_out, setting):
                           **quantity(context.title(NORMALISED), "1", metrics.column(drawn, NORMALISED))})
     return Chart(f"{cells['sweep'].iloc[0]}_residual_{dimension}d", MORE_ITERATIONS,
                  f"Residual over {setting} and over steps, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + "." + ranking.tail_of(context, shown),
+                 finding_of_residual(said, setting, dimension, sorted(cells["method"].unique()), unranked),
                  cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method", setting]),
-                 "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, "
-                 f"over m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks "
-                 "where a run failed. Engines that tell no contacts have none. Falls are compared over one span: the widest "
-                 "whose two ends the most methods finished at.")
+                 "Lower is better. The residual is the largest product of a contact's normal impulse and closing speed (one of "
+                 "which should be 0), over m (g dt)² of all bodies. Below: medians of stretches of the run at the middle value "
+                 f"of {setting}; a letter marks a failure. Engines that do not report contacts have no residual.")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""What sleeping saves against what it costs: how far bodies end from where they do when nobody sleeps, and how late those wake
-whom a script wakes. The 2009 report (9.4.3) tells a gain of 20 % "without harming verisimilitude", and no more."""
+"""What sleeping saves and what it costs: how far bodies end from their places in a run without sleeping, and how late bodies
+wake that a script wakes. The 2009 report (9.4.3) names only a gain of 20 % "without harming verisimilitude"."""
 
 import math
 import re
@@ -15,24 +15,24 @@ import noise
 import sleep_scenes
 import twins
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
+from finding import TIE, Finding, cut, ends, fits, told
 from load import one_machine, split, varying
-from sentences import clauses, does, listing, plural
+from sentences import some, verb
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si, times
 from table import quantity
 
 SECTION = "What does sleeping save, and what does it cost?"
 COST, WAVE = "work_multiply_adds", "wake_steps"
-TOLD = ("awake_mean", "woken", WAVE)  # by trials; not in stores that are older
+TOLD = ("awake_mean", "woken", WAVE)  # metrics of trials; older stores lack them
 SAVED, FAR, MIDDLE = "multiply-adds saved", "largest distance", "median distance"  # columns of cells
 TIME, TIME_RUNS = "time saved", "time saved by repeats"
 FLOOR = 1e-12  # m
-COUNTED = ", with the range of its repeats; the table has the multiply-adds, a count without noise"
 
 
 @of_sweeps("sleeping", 38, SECTION,
            Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(COST,),
-                 also="sleep policies that differ, and a baseline that keeps everybody awake"),
-           "Sleeping", "No sweep of sleep policies with one that keeps everybody awake is in this store.", "sleeping")
+                 also="sleep policies that differ, and a baseline that keeps all bodies awake"),
+           "Sleeping", "This store has no sweep of sleep policies with a baseline that keeps all bodies awake.", "sleeping")
 def sleeping(context, cells):
     if not set(TOLD) <= set(cells) or len({_policy(context, key) for key in cells["key"]} - {None}) < 2:
         return []
@@ -42,7 +42,7 @@ def sleeping(context, cells):
         inner = varying(context.store, part, groups)
         for equal in split(part, inner, sort=True):
             awake = equal[(equal["method"] == name) & equal["outcome"].eq("ok")]
-            # A baseline that lets somebody sleep shows no cost of sleeping.
+            # A baseline that lets bodies sleep would hide the cost of sleeping.
             if len(awake) == 1 and awake[COST].iloc[0] > 0 and _sleeps_least(equal, awake):
                 made.append(_sleeping_chart(context, equal.drop_duplicates("method").copy(), awake.iloc[0],
                                             describe(equal.iloc[0], groups + inner)))
@@ -59,14 +59,14 @@ def _sleeps_least(cells, awake):
 
 
 def at_the_end(context, key, dimension):
-    """{slot: position} after the last step whose poses were kept; the step."""
+    """{slot: position} after the last step with stored poses, and that step."""
     poses = context.store.poses(key, dimension)
     last = max(poses)
     return {row[0]: row[1:1 + dimension] for row in poses[last]}, last
 
 
 def distances(mine, other):
-    """(largest, median) over all bodies, m; NaN where one lacks a body."""
+    """(largest, median) distance over all bodies, in m; NaN where the runs have different bodies."""
     if set(mine) != set(other):
         return math.nan, math.nan
     far = [float(np.linalg.norm(mine[slot] - other[slot])) for slot in mine]
@@ -74,15 +74,15 @@ def distances(mine, other):
 
 
 def seconds(context, cell):
-    """Seconds of a step, mean over the run, of each timed repeat that stored them: of a run half of which sleeps the median step
-    would tell one half alone."""
+    """Mean time of a step (s) of each timed repeat that stored times. The median would show one half only of a run that sleeps in
+    the other."""
     found = [context.store.series(key, "seconds") for key in cell["keys_timed"]]
     return [float(np.mean(values)) for values in found if values is not None and len(values)]
 
 
 def with_time(context, cells, awake):
-    """The cells with TIME, the median, and TIME_RUNS, each repeat against the baseline's median; None where one that finished
-    was not timed."""
+    """The cells with TIME (median) and TIME_RUNS (each repeat), as savings against the baseline's median; None where a finished
+    cell has no times."""
     base, runs = seconds(context, awake), [seconds(context, cell) if cell["outcome"] == "ok" else [] for _, cell in
                                            cells.iterrows()]
     if not base or not all(found for found, outcome in zip(runs, cells["outcome"]) if outcome == "ok"):
@@ -93,7 +93,7 @@ def with_time(context, cells, awake):
 
 
 def measured(context, cells, awake):
-    """The cells with SAVED, FAR and MIDDLE; what did not finish has none."""
+    """The cells with SAVED, FAR and MIDDLE; NaN where a run did not finish."""
     dimension = int(metrics.Trial(context.store, awake["key"]).parameter("dimension"))
     reference, last = at_the_end(context, awake["key"], dimension)
     found = []
@@ -108,39 +108,47 @@ def measured(context, cells, awake):
     return cells
 
 
-def _time_of(cell):
-    if not math.isfinite(cell.get(TIME, math.nan)):
-        return ""
-    runs = [100 * value for value in cell[TIME_RUNS]]
-    spread = f", {si(min(runs))} to {si(max(runs))} over {len(runs)} repeats" if len(runs) > 1 else ", of one repeat"
-    return f" and {si(100 * cell[TIME])} % of the time{spread}"
-
-
 def finding(cells, awake, where):
-    others = cells[cells["method"] != awake["method"]]
+    """A row per policy, the largest saving first; failures last."""
+    others = cells[cells["method"] != awake["method"]].sort_values([SAVED, "method"], ascending=[False, True])
+    timed = TIME in others
+    late = others["woken"].gt(0) & others[SAVED].gt(0)
+    table = {"policy": others["method"], **quantity(SAVED, "1", others[SAVED])}
+    if timed:
+        table |= quantity(TIME, "1", others[TIME])
+        table["range of repeats"] = [ends(min(runs), max(runs), "1") if runs else "" for runs in others[TIME_RUNS]]
+    table |= quantity("largest distance from the end without sleep", "m", others[FAR])
+    table |= quantity("steps until all are awake", "1", others[WAVE].where(late))
     good = others[np.isfinite(metrics.column(others, SAVED))]
+    first = good[good[SAVED] == good[SAVED].max()]
+    table["outcome"] = [_outcome(cell, list(first["method"])) for _, cell in others.iterrows()]
+    table = pd.DataFrame(table).replace({"outcome": {"": None}}).dropna(axis=1, how="all")
     if not len(good):
-        return f"On {where} no policy that lets bodies sleep finishes."
-    most = good.loc[good[SAVED].idxmax()]
-    if most[SAVED] <= 0:
-        return f"On {where} no body falls asleep."
-    told = [f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the multiply-adds{_time_of(most)}"]
-    if math.isfinite(most[FAR]):
-        farthest, free = good.loc[good[FAR].idxmax()], [m for m, far in zip(good["method"], good[FAR]) if far <= FLOOR]
-        other = f", those of {farthest['method']} {si(farthest[FAR], 'm')}" if farthest["method"] != most["method"] else ""
-        told += [f"its bodies end at most {si(most[FAR], 'm')} from where they end awake{other}",
-                 free and f"{does(free, 'move', sorted(good['method']))} no body"]
-    late = good[good[WAVE].notna() & (good["woken"] > 0) & (good[SAVED] > 0)]
-    if len(late):
-        slow, quick = late.loc[late[WAVE].idxmax()], late.loc[late[WAVE].idxmin()]
-        told.append(f"those that wake do so within {si(quick[WAVE])} steps by {quick['method']}" +
-                    (f" and {si(slow[WAVE])} by {slow['method']}" if slow[WAVE] > quick[WAVE] else ""))
-    failed = sorted(others[others["outcome"] != "ok"]["method"])
-    return clauses(*told, failed and does(failed, "fail", sorted(cells["method"]))) + "."
+        head = f"On {where} no policy that lets bodies sleep finishes."
+    elif first[SAVED].iloc[0] <= 0:
+        head = f"On {where} no body falls asleep."
+    else:
+        up_to, they = ("up to ", "they move") if len(first) > 1 else ("", "it moves")
+        time = f" and {up_to}{si(100 * first[TIME].max())} % of the time" if timed and first[TIME].notna().any() else ""
+        saved = (f"{some(list(first['method']))} {verb(len(first), 'save')} most, {si(100 * first[SAVED].iloc[0])} % of the "
+                 "multiply-adds")
+        far = f"; {they} bodies by up to {si(first[FAR].max(), 'm')}" if first[FAR].notna().any() else ""
+        head = fits(*(f"On {where} {saved}{more}." for more in (time + far, far, "")))
+    return Finding(head, cut(table))
+
+
+def _outcome(cell, first):
+    if cell["outcome"] != "ok":
+        return f"failed: {cell['outcome']}"
+    if cell[SAVED] <= 0:
+        return "no body falls asleep"
+    tie = f"{TIE} with the best" if len(first) > 1 and cell["method"] in first else ""
+    return "; ".join(filter(None, (tie, "all bodies end in place" if cell[FAR] <= FLOOR else "")))
 
 
 def headline(cells, awake, where):
-    """What is saved for how much: of those that save half of what the best saves, who goes least far and who farthest."""
+    """Savings against displacements: of the policies with at least half of the best saving, those with the least and the largest
+    distance."""
     good = cells[(cells["method"] != awake["method"]) & np.isfinite(metrics.column(cells, FAR))]
     good = good[good[SAVED] >= good[SAVED].max() / 2] if len(good) else good
     if len(good) < 2 or good[SAVED].max() <= 0:
@@ -148,10 +156,9 @@ def headline(cells, awake, where):
     near, far = good.loc[good[FAR].idxmin()], good.loc[good[FAR].idxmax()]
     if far[FAR] < 2 * max(near[FAR], FLOOR):
         return None
-    return Headline(f"On {where} sleeping by {near['method']} saves {si(100 * near[SAVED])} % of the multiply-adds and moves "
-                    f"bodies by {si(near[FAR], 'm')} at the most, by {far['method']} {si(100 * far[SAVED])} % and "
-                    f"{si(far[FAR], 'm')}.",
-                    dict(zip(good["method"], good[FAR].astype(float))), "m", "farthest from its end awake",
+    return Headline(f"On {where} {near['method']} saves {si(100 * near[SAVED])} % of the multiply-adds and moves bodies by up to "
+                    f"{si(near[FAR], 'm')}; {far['method']} saves {si(100 * far[SAVED])} % and moves them {si(far[FAR], 'm')}.",
+                    dict(zip(good["method"], good[FAR].astype(float))), "m", "largest distance from the end without sleep",
                     ends=final_states(good))
 
 
@@ -172,14 +179,14 @@ def _sleeping_chart(context, cells, awake, where):
             ax.plot([100 * min(cell[TIME_RUNS]), 100 * max(cell[TIME_RUNS])], [up.place(float(cell[FAR]))] * 2, lw=0.9,
                     color=looks(cell["method"])["color"])
         ax.plot([x], [up.place(float(cell[FAR]))], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
-    ax.set_title("largest distance from the end without sleep")
+    ax.set_title("largest distance from the end without sleep\n(lower is better)")
     if len(waves):
         late = axes[0][1]
         for _, cell in waves.iterrows():
             late.plot([100 * cell[across]], [cell[WAVE]], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
         late.set_ylim(-0.05 * max(1.0, waves[WAVE].max()), 1.08 * max(1.0, waves[WAVE].max()))
         late.yaxis.set_major_locator(MaxNLocator(integer=True))
-        late.set_title("steps until those woken are awake")
+        late.set_title("steps until all woken bodies are awake\n(lower is better)")
     for each in axes[0]:
         each.set_xlabel(f"{across} (%)")
     handles = [Line2D([], [], label=context.name(m), **{**looks(m), "linestyle": "none"}) for m in others["method"]]
@@ -187,25 +194,26 @@ def _sleeping_chart(context, cells, awake, where):
     table = {"policy": labels, "outcome": list(cells["outcome"])} | (quantity(TIME, "1", cells[TIME]) if timed else {})
     for title, unit, name in ((SAVED, "1", SAVED), ("largest distance from the end without sleep", "m", FAR),
                               ("median over bodies", "m", MIDDLE), ("bodies awake, mean", "1", "awake_mean"),
-                              ("woken by the last act", "1", "woken"), ("steps until all are woken", "1", WAVE)):
+                              ("woken by the last action", "1", "woken"), ("steps until all are awake", "1", WAVE)):
         table |= quantity(title, unit, metrics.column(cells, name))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"What sleeping costs: {where}",
                  finding(cells, awake, where), cells["sweep"].iloc[0], figure, pd.DataFrame(table), holes(cells, ["method"]),
-                 f"Across what a policy saves of the {'time' if timed else 'multiply-adds'} of {context.name(awake['method'])}"
-                 f"{COUNTED if timed else ': a count without noise'}. Up "
-                 "how far a body ends at the most from where it ends when no body sleeps; in scenes that forget their start it "
-                 "is another history, and no error. Where a script acts, how many steps later most bodies are awake: sleepers "
-                 "that wait for a gap wake one after the other.", headline=headline(cells, awake, where))
+                 f"Lower right is best. Across: the {'time' if timed else 'multiply-adds'} that a policy saves against policy "
+                 f"{context.name(awake['method'])}{', with the range of the repeats' if timed else ' (a count, without noise)'}. "
+                 "Up: how far a body ends from its place in the run without sleep. In chaotic scenes this distance is another "
+                 "course of events, not an error. Right: how many steps after the script's last action most of the woken bodies "
+                 "are awake.",
+                 headline=headline(cells, awake, where))
 
 
 AXIS, QUERIES, STEP = "sleeping_contacts", "work_pair_queries", "ms_per_step_median"
 TITLES = {QUERIES: "pair queries per step", "work_box_tests": "box tests per step", STEP: "time per step"}
 WOKEN = ("woken", "wake_steps")
-KEPT, ANEW = "left as they were", "made anew"
+KEPT, ANEW = "kept", "renewed"
 
 
 class Pair:
-    """One policy in one place, with contacts of sleepers left and made anew; `awake`: there when nobody sleeps, or None."""
+    """One policy in one scene, with contacts of sleeping bodies kept and renewed. `awake`: the cell without sleep, or None."""
 
     def __init__(self, context, place, policy, kept, anew, awake):
         self.place, self.policy, self.kept, self.anew = place, policy, kept, anew
@@ -217,7 +225,7 @@ class Pair:
 
     @staticmethod
     def _apart(context, a, b):
-        """Largest distance between the ends of two runs, m; NaN where one has none, or another last step."""
+        """Largest distance (m) between the ends of two runs; NaN where a run failed or the last steps differ."""
         if any(cell["outcome"] != "ok" or cell["key"] is None for cell in (a, b)):
             return math.nan
         dimension = int(metrics.Trial(context.store, a["key"]).parameter("dimension"))
@@ -235,7 +243,8 @@ class Pair:
 
 @of_sweeps("sleeping_contacts", 39, SECTION,
            Needs("world", varies=(AXIS,), metrics=(STEP,), also="pair queries of policies that let bodies sleep"),
-           "Contacts of sleepers", "No sweep with and without contacts of sleepers is in this store.", "sleeping_contacts")
+           "Contacts of sleeping bodies", "This store has no sweep with contacts of sleeping bodies kept and renewed.",
+           "sleeping_contacts")
 def sleeping_contacts(context, cells):
     if QUERIES not in cells:
         return []
@@ -253,44 +262,38 @@ def sleeping_contacts(context, cells):
 
 
 def finding_of_contacts(pairs, least):
+    """A row per policy and scene, the largest saving first; failures last."""
+    rows = []
+    for pair in sorted(pairs, key=lambda pair: (not math.isfinite(pair.saved), -pair.saved)):
+        failed = [f"{name}: {cell['outcome']}" for name, cell in ((KEPT, pair.kept), (ANEW, pair.anew))
+                  if cell["outcome"] != "ok"]
+        rows.append({"scene": pair.place, "policy": pair.policy, "pair queries saved by keeping [1]": pair.saved,
+                     "time of a step, renewed over kept": told(twins.told(pair.kept, pair.anew, STEP, least)),
+                     "largest distance of the ends [m]": pair.apart, "same bits": "yes" if pair.same_bits else "no",
+                     "wakes": "the same" if pair.wakes_alike else "not the same",
+                     "outcome": f"failed: {', '.join(failed)}" if failed else "ok"})
     known = [pair for pair in pairs if math.isfinite(pair.saved)]
     if not known:
-        return "No policy that lets bodies sleep finishes with contacts of sleepers left as they were and made anew."
-    most, of = max(known, key=lambda pair: pair.saved), plural(len(known), "pair")
-    if most.saved <= 0:
-        return "No body falls asleep where contacts of sleepers were left as they were and made anew."
-    words = [(pair, twins.told(pair.kept, pair.anew, STEP, least)) for pair in known]
-    told = [(float(word), pair) for pair, word in words if word[:1].isdigit()]
-    if told:
-        ratio, dear = max(told, key=lambda one: one[0])
-        time = (f"made anew they make a step at most {times(ratio)} times as dear ({dear.name}), and differ in time beyond "
-                f"the noise in {len(told)} of {of}")
+        head = "No policy that lets bodies sleep finishes with contacts of sleeping bodies both kept and renewed."
+    elif (most := max(known, key=lambda pair: pair.saved)).saved <= 0:
+        head = "No body falls asleep in the sweep of kept and renewed contacts of sleeping bodies."
     else:
-        silent = [noise.IN_WORDS[word] for _, word in words if word in noise.IN_WORDS]
-        time = f"in time they differ in none of {of}" + (f" ({silent[0]})" if silent else "")
-    exact = sum(pair.same_bits for pair in known)
-    far = max((pair for pair in known if math.isfinite(pair.apart) and pair.apart > FLOOR), key=lambda pair: pair.apart,
-              default=None)
-    acted = [pair for pair in known if all(woken == woken for woken, _ in pair.late)]
-    other = [pair.name for pair in acted if not pair.wakes_alike]
-    failed = [pair.name for pair in pairs if not math.isfinite(pair.saved)]
-    return clauses(
-        f"Contacts of sleepers that are left as they were save at most {si(100 * most.saved)} % of the pair queries "
-        f"({most.name})", time, f"the end is the same to the bit in {'all' if exact == len(known) else exact} of {of}"
-        + (f", and a body elsewhere by {si(far.apart, 'm')} at the most ({far.name})" if far else ""),
-        acted and f"which bodies wake, and when, is {f'not the same for {listing(other)}' if other else 'the same everywhere'}",
-        failed and f"not both finish of {listing(failed)}") + "."
+        exact = sum(pair.same_bits for pair in known)
+        head = f"Keeping contacts of sleeping bodies saves up to {si(100 * most.saved)} % of the pair queries"
+        bits = f"{exact} of {len(known)} runs end in the same bits."
+        head = fits(f"{head} ({most.name}); {bits}", f"{head}; {bits}")
+    return Finding(head, cut(pd.DataFrame(rows)))
 
 
 def headline_of_contacts(pairs, least):
-    """Where contacts made anew cost most time, beyond the noise."""
+    """The pair where renewed contacts cost most time, beyond the noise."""
     told = [(float(word), pair) for pair in pairs if (word := twins.told(pair.kept, pair.anew, STEP, least))[:1].isdigit()]
     if not told or max(told, key=lambda one: one[0])[0] <= 1:
         return None
     ratio, pair = max(told, key=lambda one: one[0])
-    ends = "the same bits" if pair.same_bits else f"bodies that end {si(pair.apart, 'm')} elsewhere at the most"
-    return Headline(f"On {pair.place} contacts of sleepers made anew in each step make a step by {pair.policy} {times(ratio)} "
-                    f"times as dear, for {ends}.",
+    end = "the final state is the same" if pair.same_bits else f"bodies end up to {si(pair.apart, 'm')} elsewhere"
+    return Headline(f"On {pair.place} a step of {pair.policy} takes {times(ratio)} times as long where contacts of sleeping "
+                    f"bodies are renewed; {end}.",
                     {KEPT: pair.kept[STEP] / 1e3, ANEW: pair.anew[STEP] / 1e3}, "s", "time per step")
 
 
@@ -300,7 +303,7 @@ def _contacts_chart(context, cells, pairs, refused):
     lines = len(pairs) + len(places)
     left = min(3.4, 0.3 + max([0.085 * len(name) for name in places] + [0.07 * len(pair.policy) for pair in pairs]))
     room, apart = legend_room([KEPT, ANEW], 1.5), [pair.apart for pair in pairs]
-    shows = any(not far <= FLOOR for far in apart)  # where all ends are one the finding says so
+    shows = any(not far <= FLOOR for far in apart)  # no panel where all ends are equal
     figure, axes = grid_of_axes(1, 3 if shows else 2, 0.24 * lines + 0.1, room + 0.35, left=left, gap_x=0.62, bottom=0.35)
     at, ticks, y = {}, [], 0
     for place in places:
@@ -327,7 +330,7 @@ def _contacts_chart(context, cells, pairs, refused):
         scale = ZeroLog(axes[0][2], "x", apart, "m", failed_name="none", floor=FLOOR)
         for pair in pairs:
             axes[0][2].plot([scale.place(pair.apart)], [at[id(pair)]], "o", color="#444444", ms=6, mec="white", mew=0.5, zorder=3)
-        axes[0][2].set_title("ends apart, largest")
+        axes[0][2].set_title("largest distance of the ends")
     for column, ax in enumerate(axes[0]):
         ax.set_ylim(y - 0.3, -0.7)
         ax.set_yticks([place for place, _ in ticks])
@@ -335,12 +338,14 @@ def _contacts_chart(context, cells, pairs, refused):
         ax.tick_params(axis="y", length=0)
     legend_right(figure, [Line2D([], [], ls="none", marker="o", color=colour, label=label)
                           for colour, label in ((twins.BEFORE, KEPT), (twins.AFTER, ANEW))], room)
-    return Chart(identifier(f"{sweep}_kept_and_anew"), SECTION, "Contacts of sleepers, left as they were and made anew",
+    return Chart(identifier(f"{sweep}_kept_and_anew"), SECTION, "Contacts of sleeping bodies, kept and renewed",
                  finding_of_contacts(pairs, least), sweep, figure, _table(context, pairs, least),
                  refused + holes(cells, ["scene", "dimension", "method", AXIS]),
-                 "Each row is one policy with `sleeping_contacts` off and on. Pair queries are a count without noise; numbers "
-                 "beside the times are their ratios; a third panel, where ends differ, is how far a body ends from where it ends "
-                 f"with the other setting. {noise.rule(least)}", headline=headline_of_contacts(pairs, least))
+                 "Left is better. Each row is one policy with `sleeping_contacts` off (contacts of sleeping bodies kept) and on "
+                 "(renewed in each step). Pair queries are a count without noise; numbers beside the times are their ratios. The "
+                 f"third panel, where ends differ, shows how far a body ends from its end with the other setting. "
+                 f"{noise.rule(least)}",
+                 headline=headline_of_contacts(pairs, least))
 
 
 def _table(context, pairs, least):
@@ -354,10 +359,10 @@ def _table(context, pairs, least):
     words = [twins.told(pair.kept, pair.anew, STEP, least) for pair in pairs]
     table |= quantity("ratio of times", "1", [float(word) if word[:1].isdigit() else math.nan for word in words])
     table["why no ratio"] = ["" if word[:1].isdigit() else word for word in words]
-    table |= quantity("ends apart, largest", "m", [pair.apart for pair in pairs])
+    table |= quantity("largest distance of the ends", "m", [pair.apart for pair in pairs])
     table["same bits"] = ["yes" if pair.same_bits else "no" for pair in pairs]
     for i, side in enumerate((KEPT, ANEW)):
         table |= quantity(f"from the end without sleep, {side}", "m", [pair.from_awake[i] for pair in pairs])
-        table |= quantity(f"woken by the last act, {side}", "1", [pair.late[i][0] for pair in pairs])
-        table |= quantity(f"steps until all are woken, {side}", "1", [pair.late[i][1] for pair in pairs])
+        table |= quantity(f"woken by the last action, {side}", "1", [pair.late[i][0] for pair in pairs])
+        table |= quantity(f"steps until all are awake, {side}", "1", [pair.late[i][1] for pair in pairs])
     return pd.DataFrame(table)

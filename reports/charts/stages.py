@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Where the time of a step goes over a director's script (2009 report, figures 7.1 and 7.2)."""
+"""The time of each stage of a step over the run of a script (2009 report, figures 7.1 and 7.2), and micro-benchmarks."""
 
 import math
 from collections import OrderedDict
@@ -12,15 +12,15 @@ from matplotlib.patches import Patch
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_store, of_sweeps
+from finding import Finding, cut, ends, fits, told
 from load import one_machine, split, varying
 from over_steps import stretches
-from sentences import listing, verb
-from style import PALETTE, WIDTH, figures, grid_of_axes, legend_right, plt, si, times
+from sentences import plural, some, verb
+from style import PALETTE, WIDTH, grid_of_axes, legend_right, plt, si, times
 
 WHERE = "Where does the time of a step go?"
 COST = "ms_per_step_median"
-# A comparison of many methods is no place for timelines.
-# From the bottom of a stack of stage times upwards, as World::step goes.
+# Stage times are stacked from the bottom in the order of World::step; the numbers are colours.
 STAGES = {"boxes": 4, "broadphase": 0, "cache": 9, "contacts": 1, "listeners": 10, "sleep": 3, "solver": 2, "other": 11}
 COUNTS = OrderedDict([("bodies", "#000000"), ("awake", "#D55E00"), ("points", "#0072B2")])
 STRETCHES = 240
@@ -29,7 +29,7 @@ STRETCHES = 240
 @of_sweeps("stages", 100, WHERE,
            Needs("world", methods=(1, 2), fixed=("model", "precision", "setting"), metrics=(COST,),
                  series=("seconds", "sec_solver", "bodies", "awake", "points")),
-           "Stage timelines", "No timed sweep of at most two methods is in this store.", "stages")
+           "Time of each stage", "This store has no timed sweep of at most two methods.", "stages")
 def stages(context, cells):
     axes = context.store.method_axes(cells["sweep"].iloc[0])
     side = None if cells["method"].nunique() < 2 else axes[0] if len(axes) == 1 else "method"
@@ -42,7 +42,7 @@ def stages(context, cells):
 
 
 def medians(values, edges):
-    """Of each stretch. Not means: stage times are wall-clock times, and one pre-empted step would colour its stretch."""
+    """The median of each stretch. Stage times are wall-clock times: one pre-empted step would spoil a mean."""
     return np.array([np.median(values[a:b]) for a, b in zip(edges[:-1], edges[1:])])
 
 
@@ -96,7 +96,7 @@ def _timeline(context, cells, side, axes):
             seen.update(dict.fromkeys(shown))
             top = max(top, float(np.max(whole)))
             last = len(whole) - max(1, len(whole) // 10)
-            if cell["outcome"] == "ok":  # what failed has no end that could be compared
+            if cell["outcome"] == "ok":  # a failed run has no end to compare
                 finished.add(name)
                 peaks.append((str(cell[side]) if side else where, float(np.max(whole)), float(np.mean(whole[last:]))))
             for k, v in list(shown.items()) + [("whole step", whole)]:
@@ -126,53 +126,60 @@ def _timeline(context, cells, side, axes):
                 for count, colour in COUNTS.items()]
     legend_right(figure, handles, legend_width)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} timeline {where}"), WHERE,
-                 f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows),
+                 f"Time of each stage and counts over the script: {where}", _finding(where, side, peaks, rows),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, [*axes, side] if side else axes),
-                 f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show. Each is one run: "
-                 "how far its repeats are from it is not stored, so no ratio of two runs is told.",
+                 f"Lower is better. Times are medians of {STRETCHES} stretches of the run, stacked; a single slow step does not "
+                 "show. Each panel is one run. The store does not tell how far its repeats differ, so no ratio of two runs "
+                 "is given.",
                  headline=_headline(where, [r for r in rows if r["run"] in finished]))
 
 
 def _headline(where, rows):
-    """The stages of the first run that finished."""
+    """The stages of the first finished run."""
     parts = {r["stage"]: r["mean [s]"] for r in rows if r["run"] == rows[0]["run"] and r["stage"] != "whole step"}
     if len(parts) < 2:
         return None
     most = max(parts, key=parts.get)
     share = 100 * parts[most] / sum(parts.values())
-    return Headline(f"On {where} ({rows[0]['run']}) {most} takes {share:.0f} % of the time of a step.", parts, "s",
+    run = "" if rows[0]["run"] == where else f" ({rows[0]['run']})"
+    return Headline(f"On {where}{run} the stage {most} takes {share:.0f} % of the time of a step.", parts, "s",
                     "time per step")
 
 
 def _finding(where, side, peaks, rows):
+    """A row per run. No ratio of two runs: the store does not tell how far the end of a run is from that of its repeats."""
     if not peaks:
-        return f"No run of {where} finished with stage times."
-    # Numbers and no ratio of two runs: how far the last tenth of a run is from that of its repeats is not in the store.
-    said = [f"{name}: peak {si(peak, 'ms')}, last tenth {si(end, 'ms')} a step" for name, peak, end in peaks]
-    shares = [r for r in rows if r["stage"] not in ("whole step", "other")]
-    most = max(shares, key=lambda r: r["share of the time [1]"]) if shares else None
-    tail = (f"; the dearest stage is {most['stage']} ({100 * most['share of the time [1]']:.1f} % of the time, {most['run']})"
-            if most else "")
-    return f"On {where}, {side + ' ' if side else ''}{listing(said)}{tail}."
+        return Finding(f"No run of {where} finished with stage times.")
+    shares, table = [r for r in rows if r["stage"] not in ("whole step", "other")], []
+    for name, peak, end in peaks:
+        mine = [r for r in shares if r["run"] in (name, f"{side}: {name}")]
+        most = max(mine, key=lambda r: r["share of the time [1]"], default={})
+        table.append({side or "run": name, "largest step [s]": peak / 1e3, "step of the last tenth [s]": end / 1e3,
+                      "slowest stage": most.get("stage", ""),
+                      "share of the time [1]": most.get("share of the time [1]", math.nan)})
+    most = max(shares, key=lambda r: r["share of the time [1]"], default=None)
+    head = (f"On {where} the slowest stage is {most['stage']}, with {100 * most['share of the time [1]']:.1f} % of the time"
+            f"{' (' + most['run'] + ')' if side else ''}." if most else f"On {where} no stage has a time.")
+    return Finding(head, cut(pd.DataFrame(table)))
 
 
-# The report's name of a phase, and the scope of ours that does the same.
+# The 2009 report's name of a phase, and LPC's timing scope of the same work.
 PHASES = {"findPairs": "sec_broadphase", "findContacts": "sec_contacts", "applyForces": "sec_solver_integrate",
           "resolveVelocities": "sec_solver_velocity", "moveApart": "sec_solver_position",
-          "cache": "sec_cache", "sleep": "sec_sleep"}  # the last two are ours: the report has no name for them
+          "cache": "sec_cache", "sleep": "sec_sleep"}  # the report has no name for the last two
 OTHER = "other"
-# What the report says of its own runs of director script 1, on its machine.
-REPORTED = {"heritage_sleeping": "The report has a peak just over 7 ms and 6.5 ms at the end without sleeping, 5.5 and 4 ms with "
-            "it, and calls that about 20 %; its own numbers are 21 % at the peak and 38 % at the end.",
-            "heritage_resolvers": "The report has 16 ms a step at the firework under its first resolver, against 3 ms under "
-            "Catto's, and about 50 against 4 ms at the end, with bodies that never fall asleep."}
+# What the 2009 report says of its own runs of director script 1, on its machine.
+REPORTED = {"heritage_sleeping": "The 2009 report: just over 7 ms at the peak and 6.5 ms at the end without sleeping, 5.5 and 4 "
+            "ms with it. It calls this about 20 %; its numbers give 21 % at the peak and 38 % at the end.",
+            "heritage_resolvers": "The 2009 report: 16 ms a step at the firework with its first resolver against 3 ms with "
+            "Catto's; about 50 against 4 ms at the end, with bodies that never fall asleep."}
 
 
 @of_sweeps("script_profile", 99, WHERE,
            Needs("world", methods=(1, 4), fixed=("model", "precision", "setting"), metrics=(COST,),
                  series=("seconds", "sec_*", "bodies", "awake", "points"), also="`report` that names it"),
-           "A script under the names of 2009",
-           "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_sleeping")
+           "Phases of the 2009 report",
+           "This store has no sweep that lists this chart; experiments/run heritage makes one.", "heritage_sleeping")
 def script_profile(context, cells):
     if "script_profile" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
@@ -184,16 +191,15 @@ def script_profile(context, cells):
 
 
 def wholes(store, cell):
-    """Seconds of each step, a row per timed repeat that stored them and ran as far as the first that did."""
+    """Seconds of each step, a row per timed repeat that stored times and has as many steps as the first of these."""
     found = [store.series(key, "seconds") for key in cell["keys_timed"]]
     found = [values for values in found if values is not None and len(values)]
     return np.array([values for values in found if len(values) == len(found[0])])
 
 
 def phases(store, cell):
-    """({phase: seconds of each step}, seconds of whole steps); what is no phase of the report's is OTHER. A whole step is the
-    median of the repeats. Phases are of one repeat, which stored them, and are scaled to it: what the machine did to that repeat
-    alone is in none of them."""
+    """({phase: seconds of each step}, seconds of whole steps); the rest of a step is OTHER. A whole step is the median of the
+    repeats. One repeat stored the phases: they are scaled to the median, so that a disturbance of that repeat does not show."""
     key, whole = cell["key_timed"], np.median(wholes(store, cell), axis=0)
     own = store.series(key, "seconds")
     found = {name: store.series(key, scope) for name, scope in PHASES.items()}
@@ -204,15 +210,15 @@ def phases(store, cell):
 
 
 def times_of(whole, half):
-    """{what: s}: before step `half`, at the peak, in the last tenth."""
+    """{place: seconds}: before step `half`, at the peak, in the last tenth."""
     tenth = max(1, len(whole) // 10)
     return {"before": float(np.median(whole[max(0, half - tenth // 5):half])), "peak": float(np.max(stretches(whole)[1])),
             "end": float(np.median(whole[-tenth:]))}
 
 
 def course(store, cell, half):
-    """What is told of one run: times_of the medians, (least, most) of a repeat of each, contact points a body before step `half`,
-    and who is awake."""
+    """The numbers of one run: times_of its medians and their range over the repeats, contact points per body before step `half`,
+    and the number of awake bodies."""
     runs = wholes(store, cell)
     each = [times_of(run, half) for run in runs]
     bodies, awake = (store.series(cell["key_timed"], name) for name in ("bodies", "awake"))
@@ -224,32 +230,33 @@ def course(store, cell, half):
             "touching": float(np.median(points[before] / bodies[before]))}
 
 
-def _time(run, what):
-    low, high = run["spread"][what]
-    return si(run[what], "s") + (f" ({si(low, 's')} to {si(high, 's')})" if run["repeats"] > 1 else "")
-
-
-def finding_of_profile(runs, cells, floor):
-    """Numbers of each run, then the ratios of whole runs, which have repeats."""
+def finding_of_profile(where, runs, cells, floor):
+    """A row per run; its ratio is that of the median step of the whole run against the first run, which has repeats."""
     if not runs:
-        return "no run finished with times of its phases."
-    said = [f"{r['method']}: {_time(r, 'before')} a step and {figures(r['touching'], 2)} contact points a body before the "
-            f"half, {_time(r, 'peak')} at the peak, {_time(r, 'end')} in the last tenth, {r['awake']} of {r['bodies']} "
-            f"bodies awake in the end and at least {r['least']} in each step of the second half" for r in runs]
-    by, first, told = cells.set_index("method", drop=False), runs[0]["method"], []
-    for run in runs[1:]:
-        ratio = noise.said(by.loc[first], by.loc[run["method"]], COST, floor)
-        told.append(f"{run['method']} {ratio + ' times' if ratio[:1].isdigit() else noise.IN_WORDS.get(ratio, ratio)}")
-    tail = f". By the median step of the whole run, and {first} as 1: {listing(told)}" if told else ""
-    least, most = (of(run["repeats"] for run in runs) for of in (min, max))
-    of = (" These times are of one repeat, where whatever else the machine did shows." if most == 1 else
-          f" Each step's time is the median of {least if least == most else f'{least} to {most}'} repeats; in brackets the least "
-          "and the most of one.")
-    return "; ".join(said) + tail + "." + of
+        return Finding(f"On {where} no run finished with times of its phases.")
+    by, rows = cells.set_index("method", drop=False), []
+    for run in runs:
+        word = noise.said(by.loc[runs[0]["method"]], by.loc[run["method"]], COST, floor)
+        row = {"run": run["method"]}
+        for what, title in (("before", "before the half"), ("peak", "peak"), ("end", "last tenth")):
+            row[f"{title} [s]"] = run[what]
+            if run["repeats"] > 1:
+                row[f"range, {title}"] = ends(*run["spread"][what], "s")
+        row |= {"median step over the first run's": 1.0 if run is runs[0] else told(word), "contact points per body [1]": run["touching"],
+                "awake at the end": f"{run['awake']} of {run['bodies']}", "awake in the second half, least [1]": run["least"],
+                "repeats [1]": run["repeats"]}
+        rows.append(row)
+    slow, fast = (of(runs, key=lambda run: run["end"]) for of in (max, min))
+    head = f"At the end of {where} a step takes {si(slow['end'], 's')}"
+    long, short = (f"{head} with {slow['method']} ({slow['awake']} bodies awake)", f"{head} with {slow['awake']} bodies awake")
+    if len(runs) > 1:
+        long += f" and {si(fast['end'], 's')} with {fast['method']} ({fast['awake']})"
+        short += f", and {si(fast['end'], 's')} with {fast['awake']}"
+    return Finding(fits(f"{long}.", f"{short}."), cut(pd.DataFrame(rows)))
 
 
 def _half(store, key):
-    """The step at which the rain stops."""
+    """The step at which the script's rain stops."""
     half = metrics.Trial(store, key).parameter("rain_until")
     return len(store.series(key, "seconds")) // 2 if math.isnan(half) else int(half)
 
@@ -278,7 +285,7 @@ def _profile_chart(context, cells, refused):
             values = store.series(key, name)
             below.plot(*stretches(values), color=colour, lw=1.3)
             high = max(high, float(np.max(values)))
-        if cell["outcome"] == "ok":  # what failed has no end to compare
+        if cell["outcome"] == "ok":  # a failed run has no end to compare
             runs.append(course(store, cell, half))
             for ax in (above, below):
                 ax.axvline(half, color="#777777", lw=0.8, ls=":")
@@ -298,35 +305,30 @@ def _profile_chart(context, cells, refused):
                 COUNTS.items()]
     legend_right(figure, handles, 1.75)
     floor = noise.floor_of(context, sweep, COST)
-    ends = {run["method"]: run["end"] for run in runs}
-    told = None
-    if len(ends) > 1:
-        slow, fast = max(ends, key=ends.get), min(ends, key=ends.get)
-        awake = {run["method"]: run["awake"] for run in runs}
-        told = Headline(f"At the end of {where} a step takes {si(ends[slow], 's')} with {slow} ({awake[slow]} bodies awake) and "
-                        f"{si(ends[fast], 's')} with {fast} ({awake[fast]}).", ends, "s", "time per step at the end")
-    return Chart(f"{sweep}_script_profile", WHERE, f"A script under the names of 2009: {sweep}, {where}",
-                 f"On {where} " + finding_of_profile(runs, cells, floor), sweep, figure, pd.DataFrame(rows),
-                 refused + holes(cells, ["scene", "method"]),
-                 "Medians of stretches of the run. Their height is the median of the repeats, what is stacked in it the shares "
-                 "of the one that stored its phases; dotted is the half, where the rain stops and the firework goes off. "
-                 f"{', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the "
-                 f"rest. Bodies are counted with ground and walls. {REPORTED.get(sweep, '')} " + noise.rule(floor), headline=told)
+    last = {run["method"]: run["end"] for run in runs}
+    finding = finding_of_profile(where, runs, cells, floor)
+    return Chart(f"{sweep}_script_profile", WHERE, f"Phases of the 2009 report: {sweep}, {where}", finding, sweep, figure,
+                 pd.DataFrame(rows), refused + holes(cells, ["scene", "method"]),
+                 "Lower is better. Times are medians of stretches of the run; the height is the median of the repeats, and one "
+                 "repeat gives the shares of the phases. At the dotted half the rain stops and the firework goes off. In LPC "
+                 f"{', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())}; {OTHER} is the rest. Bodies include "
+                 f"ground and walls. {REPORTED.get(sweep, '')} {noise.rule(floor)}",
+                 headline=Headline("", last, "s", "time per step at the end") if len(last) > 1 else None)
 
 
 def _colour(phase):
     return [*PHASES, OTHER].index(phase) if phase != OTHER else 11
 
 
-SINGLE = "What do single calls cost?"
+SINGLE = "What does a single call cost?"
 PER_PANEL = 12  # columns, so that times stay readable
 SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 
 
 @of_store("micro", 110, SINGLE,
-          "Micro-benchmarks", "No micro-benchmark was imported into this store.", made_by="import-benchmark bench.json")
+          "Micro-benchmarks", "This store has no imported micro-benchmark.", made_by="import-benchmark bench.json")
 def micro(context):
-    """Of every import the newest result of a benchmark counts; names are stage/dimension/algorithm/case.../size."""
+    """One chart per stage. The newest result of each benchmark counts. Names are stage/dimension/algorithm/case.../size."""
     groups, machines, found = OrderedDict(), [], {}
     for imported, data in context.store.benchmarks():
         machine = data.get("context", {})
@@ -344,7 +346,7 @@ def micro(context):
 
 
 def parts(name):
-    """(stage with dimension, algorithm, case) of a benchmark's name; what is not ours becomes stage and case."""
+    """(stage with dimension, algorithm, case) of a benchmark's name; other names become stage and case."""
     words = [w for w in name.removeprefix("BM_").split("/") if w not in ("manual_time", "real_time")]
     if len(words) > 2 and words[1] in ("2D", "3D"):
         return f"{words[0]} {words[1]}", words[2], "/".join(words[3:]) or "call"
@@ -352,7 +354,7 @@ def parts(name):
 
 
 def seconds(runs):
-    """(median time of one iteration, why it failed). Where the benchmark times itself its own clock counts."""
+    """(median time of one iteration, error). A benchmark with manual times counts by these."""
     medians = [run for run in runs if run.get("aggregate_name") == "median"] or runs
     errors = [run.get("error_message", "failed") for run in medians if run.get("error_occurred")]
     if errors:
@@ -362,29 +364,32 @@ def seconds(runs):
 
 
 def finding_of_micro(stage, values):
+    """A row per algorithm: on how many calls it is the fastest, and the largest ratio to the fastest."""
     best = values.min(axis=0)
+    cases, ratios = int(best.notna().sum()), values / best
+    if not cases:
+        return Finding(f"No benchmark of {stage} finished.")
     wins = {name: int(sum(values.loc[name] == best)) for name in values.index}
     first = [name for name in wins if wins[name] == max(wins.values())]
-    cases = int(best.notna().sum())
-    if not cases:
-        return f"No benchmark of {stage} finished."
-    ratio = (values / best).max().max()
-    case = (values / best).max().idxmax()
-    worst = (values[case] / best[case]).idxmax()
-    return (f"Of {stage} the fastest in most cases {verb(len(first), 'are')} {listing(first)} "
-            f"({max(wins.values())} of {cases}); the widest gap is {times(ratio)} times, {worst} on {case}.")
+    rows = [{"algorithm": name, "fastest on": f"{wins[name]} of {cases}",
+             "largest time over the fastest [1]": ratios.loc[name].max(),
+             "on": ratios.loc[name].idxmax() if ratios.loc[name].notna().any() else "",
+             "outcome": f"no time on {missing}" if (missing := int(values.loc[name].isna().sum())) else ""}
+            for name in sorted(wins, key=lambda name: (-wins[name], name))]
+    return Finding(f"{some(first)} {verb(len(first), 'are')} the fastest {stage} on {max(wins.values())} of "
+                   f"{plural(cases, 'call')}; the largest ratio is {times(ratios.max().max())}.", cut(pd.DataFrame(rows)))
 
 
 def headline(stage, values):
-    """The call on which the algorithms differ most."""
+    """The call with the largest ratio between two algorithms."""
     gap = (values.max(axis=0) / values.min(axis=0)).dropna()
     if not len(gap):
         return None
     case = gap.idxmax()
     found = values[case].dropna().to_dict()
     first, last = min(found, key=found.get), max(found, key=found.get)
-    return Headline(f"A single call of {stage} on {case} takes {first} {si(found[first], 's')} and {last} "
-                    f"{si(found[last], 's')}.", found, "s", "time of one call")
+    return Headline(f"A single call of {stage} on {case} takes {si(found[first], 's')} with {first}, {si(found[last], 's')} with "
+                    f"{last}.", found, "s", "time of one call")
 
 
 def _micro_chart(context, stage, table, machines):
@@ -401,7 +406,7 @@ def _micro_chart(context, stage, table, machines):
     columns = math.ceil(len(cases) / panels)
     row, head, foot = 0.25, 0.1, 0.35 + 0.045 * max(map(len, cases))
     height = panels * (len(names) * row + head + foot)
-    # As wide as its columns need: few of them in a wide picture would leave it half empty.
+    # The width follows the number of columns, so that the picture has no empty half.
     left = max(min(4.2, 0.4 + 0.072 * max(len(context.name(name)) for name in names)),
                0.1 + 0.065 * max(map(len, cases[::columns])))
     width = min(WIDTH, left + 0.78 * columns + 0.2)
@@ -414,8 +419,9 @@ def _micro_chart(context, stage, table, machines):
     shown = values.add_suffix(" [s]").rename_axis("algorithm").reset_index()
     return Chart("micro_" + stage.replace(" ", "_").lower(), SINGLE, f"Micro-benchmark: {stage}", finding_of_micro(stage, values),
                  "", figure, shown, [f"{name} on {case}: {error}" for (name, case), error in errors.items()],
-                 "Median time of a call. White is the fastest of its column, dark ten times slower or more; grey was not "
-                 "measured. Imported " + "; ".join(machines) + ".", headline=headline(stage, values))
+                 "Median time of a call. White: fastest of its column; dark: ten times slower or more; grey: not measured. "
+                 "Imported "
+                 + "; ".join(machines) + ".", headline=headline(stage, values))
 
 
 def _panel(context, ax, values, best, errors, cases, columns):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tolerances of pair queries: what a tighter one costs, and who is right within which."""
+"""Tolerances of pair queries: what a tighter one costs, and which share of the answers is right within which tolerance."""
 
 import math
 import re
@@ -12,8 +12,10 @@ import failure
 import metrics
 import noise
 from chart import Chart, Headline, Needs, dimension_of, holes, identifier, of_store, of_sweeps
+from finding import Finding, cut
+from finding import told as cell_of
 from load import family, one_machine
-from sentences import clauses, listing
+from sentences import listing
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, times
 from table import quantity
 
@@ -25,7 +27,7 @@ FEWEST = 3  # values of the tolerance that make a curve
 
 @of_sweeps("tolerance_cost", 74, FAST,
            Needs("pairs", metrics=(TIME, ERROR), also=f"a method with {FEWEST} values of its {SETTING}"),
-           "What a tolerance costs", "No timed sweep of pair queries over a tolerance is in this store.", "tolerance_cost")
+           "Time over the tolerance", "This store has no timed sweep of pair queries over a tolerance.", "tolerance_cost")
 def tolerance_cost(context, cells):
     if WORK not in cells:
         return []
@@ -42,7 +44,7 @@ def tolerance_cost(context, cells):
 
 
 def parted(method):
-    """(the method without its tolerance, the tolerance): NaN where its label says none."""
+    """(the method without its tolerance, the tolerance); NaN where the label has no tolerance."""
     found = re.search(rf"\b{SETTING}=([0-9.eE+-]+),?", method)
     if not found:
         return method, math.nan
@@ -50,42 +52,36 @@ def parted(method):
 
 
 def ends(cells):
-    """(the cell of the tightest tolerance, that of the loosest) of one curve; None where fewer than two have a time."""
+    """(cell of the tightest tolerance, cell of the loosest) of one curve; None where fewer than two cells have a time."""
     good = cells[cells["outcome"].isin(["ok", "wrong"]) & np.isfinite(metrics.column(cells, TIME))].sort_values("at")
     return (good.iloc[0], good.iloc[-1]) if len(good) > 1 else None
 
 
 def told(cells, least):
-    """[(pair, method, tightest, loosest)] where both have a time."""
+    """[(pair, method, tightest, loosest)] where both cells have a time."""
     found = [(pair, who, ends(part)) for (pair, who), part in cells.groupby(["pair", "who"], sort=True)]
     return [(pair, who, *both) for pair, who, both in found if both]
 
 
 def finding_of_cost(cells, dimension, least):
-    rows, said = told(cells, least), []
-    for who in sorted({row[1] for row in rows}):
-        parts = []
-        for pair, _, tight, loose in (row for row in rows if row[1] == who):
-            word = noise.said(tight, loose, TIME, least)
-            time = noise.IN_WORDS.get(word) or f"{times(noise.ratio(tight, loose, TIME))} times the time"
-            parts.append(f"on {pair} {time}, {tight[WORK]:.3g} support points become {loose[WORK]:.3g}, the worst error goes "
-                         "from "
-                         f"{tight[ERROR]:.2g} to {loose[ERROR]:.2g} of the size")
-        first = next(row for row in rows if row[1] == who)
-        said.append(f"{who} at {first[3]['at']:g} instead of {first[2]['at']:g}: {'; '.join(parts)}")
-    return f"In {dimension}D " + (". ".join(said) if said else "no method has times at two tolerances") + "."
-
-
-def headline_of_cost(cells, dimension, least):
-    """Where the loosest tolerance saves most time, beyond the noise."""
-    rows = [row for row in told(cells, least) if noise.tells(row[2], row[3], TIME, least) and row[3][TIME] < row[2][TIME]]
-    if not rows:
-        return None
-    pair, who, tight, loose = max(rows, key=lambda row: row[2][TIME] / row[3][TIME])
-    return Headline(f"{pair}, {dimension}D: a tolerance of {loose['at']:g} saves {who} "
-                    f"{100 * (1 - loose[TIME] / tight[TIME]):.0f} % "
-                    f"of its time, for a worst error of {loose[ERROR]:.2g} of the size instead of {tight[ERROR]:.2g}.",
-                    {f"{SETTING} {cell['at']:g}": float(cell[TIME]) for cell in (tight, loose)}, "ns", "time per query")
+    """A row per pair of shapes and method: the tightest tolerance against the loosest."""
+    rows, found = [], told(cells, least)
+    for pair, who, tight, loose in found:
+        rows.append({"method": who, "pair": pair, "tolerance": f"{tight['at']:g} to {loose['at']:g}",
+                     "time, loosest over tightest": cell_of(noise.said(tight, loose, TIME, least)),
+                     "support points": f"{tight[WORK]:.3g} to {loose[WORK]:.3g}",
+                     "worst error over the size": f"{tight[ERROR]:.2g} to {loose[ERROR]:.2g}"})
+    saves = [row for row in found if noise.tells(row[2], row[3], TIME, least) and row[3][TIME] < row[2][TIME]]
+    if saves:  # the largest saving, of a method without failures at the tightest tolerance where there is one
+        pair, who, tight, loose = max(saves, key=lambda row: (row[2]["outcome"] == "ok", row[2][TIME] / row[3][TIME]))
+        head = (f"On {pair} in {dimension}D a tolerance of {loose['at']:g} saves {who} "
+                f"{100 * (1 - loose[TIME] / tight[TIME]):.0f} % of its time; its worst error is {loose[ERROR]:.2g} of the "
+                f"size instead of {tight[ERROR]:.2g}.")
+        values = {f"{SETTING} {cell['at']:g}": float(cell[TIME]) for cell in (tight, loose)}
+        return Finding(head, cut(pd.DataFrame(rows))), Headline("", values, "ns", "time per query")
+    head = (f"In {dimension}D a looser tolerance saves no time beyond the noise." if found else
+            f"In {dimension}D no method has times at two tolerances.")
+    return Finding(head, cut(pd.DataFrame(rows))), None
 
 
 def _cost_chart(context, cells, dimension, refused):
@@ -121,14 +117,12 @@ def _cost_chart(context, cells, dimension, refused):
     handles = [Line2D([], [], label=who, **look_of[who]) for who in methods]
     handles.append(Line2D([], [], color="#999999", lw=1, ls=(0, (4, 3)), label="error = tolerance"))
     legend_right(figure, handles, legend_width)
-    return Chart(identifier(f"{sweep} {dimension}d"), FAST, f"What a tolerance costs, {dimension}D",
-                 finding_of_cost(cells, dimension, least), sweep, figure, _table(context, cells),
-                 refused + holes(cells[bad].assign(step=math.nan), ["pair", "method"]),
-                 "What a tolerance is compared with is the method's own affair (`lpc list --stage pair_query`); errors are "
-                 "over the "
-                 "size of the query: largest extent + distance + largest coordinate. An outcome is judged by the tolerance that "
-                 f"was asked for. {noise.rule(least)}",
-                 headline=headline_of_cost(cells, dimension, least))
+    finding, headline = finding_of_cost(cells, dimension, least)
+    return Chart(identifier(f"{sweep} {dimension}d"), FAST, f"Time over the tolerance, {dimension}D", finding, sweep, figure,
+                 _table(context, cells), refused + holes(cells[bad].assign(step=math.nan), ["pair", "method"]),
+                 "Lower is better. `lpc list --stage pair_query` tells what each method compares its tolerance with. Errors are "
+                 "over the size of the query (largest extent + distance + largest coordinate). An answer is wrong when its error "
+                 f"exceeds the tolerance that was asked for. {noise.rule(least)}", headline=headline)
 
 
 def _table(context, cells):
@@ -141,29 +135,29 @@ def _table(context, cells):
 
 FAILS_WHERE = "Which method is right, and which fails where?"
 DECADES = range(-16, 1)  # tolerances: from a rounding to the size itself
-LOOSE = -3  # a thousandth of the size: what a game would not see
-EVERYTHING = "all that it was asked"
+LOOSE = -3  # a thousandth of the size, which is invisible in a game
+EVERYTHING = "all queries"
 
 
 @of_store("within_tolerance", 75, FAILS_WHERE,
-          "Right within which tolerance?", "No pair query that fails somewhere is in this store.",
+          "Right within which tolerance?", "This store has no pair query with a failure.",
           made_by="verify --stage pair_query --pairs 200")
 def within_tolerance(context):
     ledger = context.store.ledger()
     rows = ledger[(ledger["stage"] == "pair_query") & (ledger["axis"] == "all") & (ledger["asked"] > 0)]
     groups = rows.groupby(["dimension", "precision"], sort=True)
-    # Others are right within all of these.
+    # Other groups are right within all of these tolerances.
     return [_right_chart(context, part, *of) for of, part in groups if failure.in_ledger(part)]
 
 
 def outside(rows, decade):
-    """How many questions of these rows failed, had the tolerance been 10^decade: those without an answer, with an error from
-    there on, or on the wrong side without a value. At the referee's own tolerance these are the failures of the ledger."""
+    """The number of failures of these rows at a tolerance of 10^decade: no answer, a larger error, or the wrong side without a
+    value. At the referee's tolerance these are the failures of the ledger."""
     return sum(by[decade] for by in _outside(rows))
 
 
 def _outside(rows):
-    """Of each row {decade: failures}."""
+    """{decade: failures} of each row."""
     for histogram, wrong, judged, *unanswered in zip(*(rows[name] for name in ("histogram", "wrong", "judged",
                                                                               *failure.UNANSWERED))):
         counts = [(int(name), n) for name, n in histogram.items() if name != "zero"]
@@ -173,7 +167,7 @@ def _outside(rows):
 
 
 def shares(rows):
-    """One row per method and pair of kinds, and one for all pairs: share of the questions that failed, by decade."""
+    """One row per method and pair of kinds, and one for all pairs: the share of failures, by decade."""
     found = []
     for method, part in rows.assign(failed=list(_outside(rows))).groupby("method", sort=True):
         pairs = [("–".join(pair), of) for pair, of in part.groupby(["kind_a", "kind_b"], sort=True)]
@@ -186,8 +180,8 @@ def shares(rows):
 
 
 def turned(whole, tight, loose, kinds):
-    """The two methods whose ranks turn round by most: the first fails more at the tight tolerance, and less at the loose. Only
-    methods that were asked of the same kinds of shapes are compared."""
+    """The two methods that reverse ranks most: the first fails more at the tight tolerance, and less at the loose one. Only
+    methods with queries of the same kinds of shapes are compared."""
     best, found = 0.0, None
     for a in whole.index:
         for b in (b for b in whole.index if kinds[a] == kinds[b]):
@@ -198,51 +192,37 @@ def turned(whole, tight, loose, kinds):
 
 
 def finding_of_right(rows, dimension, precision):
+    """(finding, entry on the first screen or None): a row per method. Two witnesses that reverse ranks make the headline."""
     table = shares(rows)
     whole = table[table["pair"] == EVERYTHING].set_index("method")
     kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
     tight = round(math.log10(failure.TOLERANCE[precision]))
-    ours, others = whole[whole["role"] == "competitor"], whole[whole["role"] != "competitor"]
-    plain = others[others["own"] & [family(m) == m for m in others.index]]  # who is judged elsewhere has no rank here
-    say = lambda m, decade: failure.share(whole[decade][m])  # noqa: E731
-    ranks = own = ""
-    if pair := turned(plain, tight, LOOSE, kinds):
+    others = whole[whole["role"] != "competitor"]
+    plain = others[others["own"] & [family(m) == m for m in others.index]]  # judged at this tolerance, with default settings
+    pair, say = turned(plain, tight, LOOSE, kinds), lambda m, decade: failure.share(whole[decade][m])  # noqa: E731
+    entry = None
+    if pair:
         a, b = pair
-        ranks = (f"judged at 1e{tight} of the size {a} fails on {say(a, tight)} of its questions and {b} on {say(b, tight)}; at "
-                 f"1e{LOOSE} it is {say(a, LOOSE)} and {say(b, LOOSE)}: the rank turns round")
-    elif len(plain):
-        first = plain[tight].idxmax()
-        ranks = (f"no two witnesses change ranks between 1e{tight} and 1e{LOOSE} of the size; {first} fails on "
-                 f"{say(first, tight)} and {say(first, LOOSE)} of its questions")
-    if len(ours):
-        worst = ours[tight].idxmax()
-        own = (f"of ours {worst} fails on {say(worst, tight)} at 1e{tight}" if ours[tight].any() else
-               f"ours fail on none at 1e{tight}")
-    text = f"In {dimension}D, {precision}, {clauses(ranks, own)}."
+        head = (f"In {dimension}D, {precision}, {a} fails more often than {b} at 1e{tight} of the size ({say(a, tight)} against "
+                f"{say(b, tight)}), but less at 1e{LOOSE} ({say(a, LOOSE)} against {say(b, LOOSE)}).")
+        entry = Headline("", {f"{m}, 1e{decade}": float(whole[decade][m]) for decade in (tight, LOOSE) for m in pair},
+                         quantity="share of failures")
+    else:
+        first = whole[tight].idxmax()
+        head = (f"In {dimension}D, {precision}, {first} fails most often: on {say(first, tight)} of its queries at 1e{tight} of "
+                f"the size, on {say(first, LOOSE)} at 1e{LOOSE}.")
+    order = sorted(whole.index, key=lambda m: (whole[tight][m], m))
     gains = {m: whole[tight][family(m)] - whole[tight][m] for m in others.index if family(m) != m and family(m) in whole.index}
-    if not gains:
-        return text
-    most = max(gains, key=gains.get)
-    return text + (f" The tightest setting of a library helps {family(most)} most: {say(family(most), tight)} become "
-                   f"{say(most, tight)}." if gains[most] > 0 else
-                   " At the tightest setting of its library no witness fails less.")
-
-
-def headline_of_right(rows, dimension, precision):
-    """Two witnesses whose ranks turn round."""
-    table = shares(rows)
-    whole = table[table["pair"] == EVERYTHING].set_index("method")
-    kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
-    tight = round(math.log10(failure.TOLERANCE[precision]))
-    alone = [r != "competitor" and family(m) == m for m, r in whole["role"].items()]
-    pair = turned(whole[whole["own"] & alone], tight, LOOSE, kinds)
-    if not pair:
-        return None
-    told = {f"{m}, 1e{decade}": float(whole[decade][m]) for decade in (tight, LOOSE) for m in pair}
-    a, b, c, d = map(failure.share, told.values())
-    return Headline(f"{dimension}D, {precision}: judged at 1e{tight} of the size {pair[0]} fails more often than {pair[1]} "
-                    f"({a} and {b} of the questions), at 1e{LOOSE} less ({c} and {d}).", told,
-                    quantity="share of the questions that failed")
+    helped = max(gains, key=gains.get) if gains and max(gains.values()) > 0 else None  # by settings that are not the defaults
+    found = pd.DataFrame({
+        "method": [m if whole["role"][m] == "competitor" else f"{m} ({whole['role'][m]})" for m in order],
+        f"fails at 1e{tight} [1]": [whole[tight][m] for m in order], f"fails at 1e{LOOSE} [1]": [whole[LOOSE][m] for m in order],
+        "outcome": ["rank reverses" if pair and m in pair else
+                    f"{say(family(m), tight)} with default settings" if m == helped else
+                    "" if whole["own"][m] else f"judged at {failure.tolerance('f32')}: computes in f32" for m in order]})
+    kept = [order.index(m) for m in (*(pair or ()), *((helped, family(helped)) if helped else ()))]
+    kept += [i for i, m in enumerate(order) if whole["role"][m] == "competitor" and whole[tight][m]]
+    return Finding(head, cut(found, kept)), entry
 
 
 def _right_chart(context, rows, dimension, precision):
@@ -277,23 +257,21 @@ def _right_chart(context, rows, dimension, precision):
         if index + columns >= len(pairs):
             ax.set_xlabel("tolerance / size", fontsize=8.5)
     handles = [Line2D([], [], label=context.name(m), **_line(looks, m)) for m in methods]
-    handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="the ledger's"))
+    handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="tolerance of the ledger"))
     legend_right(figure, handles, legend_width)
     numbers = table.drop(columns=["role", "own"]).rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
+    finding, entry = finding_of_right(rows, dimension, precision)
     return Chart(f"within_tolerance_{dimension}d_{precision}", FAILS_WHERE,
-                 f"Right within which tolerance, {dimension}D, {precision}",
-                 finding_of_right(rows, dimension, precision), "", figure, numbers,
+                 f"Right within which tolerance, {dimension}D, {precision}", finding, "", figure, numbers,
                  [f"No method fails on {listing(easy)}: not drawn"] if easy else [],
-                 "The share of the questions that would not be failures, had the referee allowed that tolerance, over the "
-                 "tolerance. The dashed line is the one that the ledger takes. A right side without a value (some witnesses "
-                 f"give depths alone) is no failure at any. Settings in braces are the tightest that a library offers. "
-                 f"{failure.DEFINITION}",
-                 headline=headline_of_right(rows, dimension, precision),
+                 "Higher is better: the share of the queries that would be right if the referee allowed that tolerance. The "
+                 "dashed line is the ledger's tolerance. A right side without a value (some witnesses give depths only) is never "
+                 f"a failure. Braces hold settings that are not the defaults. {failure.DEFINITION}", headline=entry,
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
 def _line(looks, method):
-    """A colour for each family; its defaults drawn through, the tightest setting dotted, ours thicker."""
+    """A colour for each family: solid with default settings, dotted with the tightest; LPC's methods are thicker."""
     look = looks(method)
     tight = family(method) != method
     return {"color": look["color"], "lw": 1.2 if "markerfacecolor" in look else 2.2, "ls": ":" if tight else "-"}

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""What passes through a wall: the share of bullets that it lets through, over their speed and its thickness, for each method of
-continuous collision, and how many times the baseline's time a step takes."""
+"""Bullets that tunnel through a wall: their share over speed and thickness, for each method of continuous collision, and the time
+of a step against the baseline's."""
 
 import math
 import textwrap
@@ -11,9 +11,11 @@ from matplotlib.patches import Patch, Rectangle
 import measured
 import noise
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, of_sweeps
+from finding import Finding, cut, fits
+from finding import told as told_as
 from load import one_machine, split, varying
 from metrics import Trial
-from sentences import does, listing
+from sentences import plural, some
 from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, si, times
 from table import quantity
 
@@ -22,19 +24,19 @@ AXES = ("speed", "thickness")
 TIME = "ms_per_step_median"
 MOST_COLUMNS = 5
 ROW = 0.34  # inches of a row of cells
-LEGIBLE = 0.27  # inches of a cell from which a number fits into it
-SHARES = {0.1: "#FBE3CF", 0.25: "#F8C99E", 0.5: "#F0A35E", 0.75: "#DA6A2B", 1.0: "#9C2F14"}  # up to these, but for 0
-SLOWER = {1.2: "#ECE6F3", 1.5: "#DACDE8", 2.0: "#C4AEDA", 4.0: "#A98AC8", math.inf: "#8C68B3"}  # times the baseline, up to
+LEGIBLE = 0.27  # inches: least width of a cell with a number
+SHARES = {0.1: "#FBE3CF", 0.25: "#F8C99E", 0.5: "#F0A35E", 0.75: "#DA6A2B", 1.0: "#9C2F14"}  # upper ends; 0 has its own colour
+SLOWER = {1.2: "#ECE6F3", 1.5: "#DACDE8", 2.0: "#C4AEDA", 4.0: "#A98AC8", math.inf: "#8C68B3"}  # upper ends of ratios
 FASTER = "#D5E9F5"
 SIGNS = {noise.NOISE: "≈", noise.FEW: "?", noise.SAME_WORK: "="}
-NOT_TOLD = {**noise.IN_WORDS, noise.SAME_WORK: "by all counts the same work"}
+NOT_TOLD = {**noise.IN_WORDS, noise.SAME_WORK: "the same work by all counts"}
 
 
 @of_sweeps("tunnelling_map", 43, SECTION,
-           Needs("world", varies=AXES, also="a scene of `n` bullets of which a finished cell says how many tunnelled"),
-           "What passes through", "No sweep of bullets at walls is in this store.", "continuous")
+           Needs("world", varies=AXES, also="a scene of `n` bullets, and a finished cell that counts the tunnelled ones"),
+           "Tunnelling", "This store has no sweep of bullets at walls.", "continuous")
 def tunnelling_map(context, cells):
-    if "tunnelled" not in cells:  # a store of before trials counted them
+    if "tunnelled" not in cells:  # an older store, without these counts
         return []
     cells, refused = one_machine(context.store, cells)
     cells = cells.assign(bullets=[bullets(context, cell) for _, cell in cells.iterrows()])
@@ -47,12 +49,12 @@ def tunnelling_map(context, cells):
 
 
 def bullets(context, cell):
-    """How many the scene shoots; NaN where nothing was run."""
+    """The number of bullets of a cell; NaN where it was not run."""
     return math.nan if cell["key"] is None else Trial(context.store, cell["key"]).parameter("n")
 
 
 def share(cell):
-    """Of the bullets, those that tunnelled; under several seeds the most."""
+    """The share of the bullets that tunnelled; with several seeds the largest."""
     if cell["outcome"] != "ok":
         return math.nan
     through = measured.seeds(cell, "tunnelled") or [float(cell["tunnelled"])]
@@ -60,7 +62,7 @@ def share(cell):
 
 
 def compared(cells, base, least):
-    """{method: {(speed, thickness): (its time over the baseline's there, that ratio in words or why there is none)}}"""
+    """{method: {(speed, thickness): (ratio to the baseline's time, the ratio in words or why there is none)}}"""
     def at(part):
         return {(cell["speed"], cell["thickness"]): cell for _, cell in part.iterrows() if cell["outcome"] == "ok"}
     firsts, found = at(cells[cells["method"] == base]), {}
@@ -71,8 +73,8 @@ def compared(cells, base, least):
     return found
 
 
-def let_through(cells):
-    """{method: its cell with the largest share}, the largest first; who has finished none is not in it."""
+def worst_of(cells):
+    """{method: its cell with the largest share}, the largest first, of methods with a finished cell."""
     good = cells[cells["share"].notna()]
     worst = {method: part.loc[part["share"].idxmax()] for method, part in good.groupby("method", sort=True)}
     return dict(sorted(worst.items(), key=lambda pair: -pair[1]["share"]))
@@ -82,64 +84,49 @@ def percent(part):
     return f"{figures(100 * part, 2)} %"
 
 
-def ends(values, unit):
-    texts = [si(float(end), unit) for end in (min(values), max(values))]
-    return texts[0] if texts[0] == texts[1] else " to ".join(texts)
+def finding(cells, ratios, where):
+    """A row per method, the smallest share first; methods with a failed cell last."""
+    rows, worst = [], worst_of(cells)
+    for method, mine in cells.groupby("method", sort=True):
+        done, cell = mine[mine["share"].notna()], worst.get(method)
+        row = {"method": method, "largest share that tunnels [1]": math.nan if cell is None else float(cell["share"])}
+        if cell is not None and cell["share"] > 0:
+            row |= {"speed [m/s]": float(cell["speed"]), "thickness [m]": float(cell["thickness"])}
+        row["cells with tunnelling"] = f"{int((done['share'] > 0).sum())} of {len(done)}"
+        if any(ratios.values()):
+            row["time of a step over the baseline's"] = _times_of(ratios.get(method))
+        if "ghost_hits" in cells and (cells["ghost_hits"] > 0).any():
+            row["ghost hits in a cell, most [1]"] = mine["ghost_hits"].max()
+        row["outcome"] = f"no result in {len(mine) - len(done)} of {plural(len(mine), 'cell')}" if len(done) < len(mine) else ""
+        rows.append(row)
+    rows.sort(key=lambda row: (bool(row["outcome"]), row["largest share that tunnels [1]"], row["method"]))
+    safe = [row["method"] for row in rows if row["largest share that tunnels [1]"] == 0 and not row["outcome"]]
+    through = next(iter(worst.values()), None)
+    head = f"no bullet tunnels with {some(safe, sorted(worst))}" if safe else "no method stops all bullets"
+    passes = through is not None and through["share"] > 0
+    head += f"; up to {percent(through['share'])} tunnel with the method {through['method']}." if passes else "."
+    head = fits(f"{where}: {head}", head[0].upper() + head[1:])
+    columns = dict.fromkeys(key for row in sorted(rows, key=len, reverse=True) for key in row)
+    return Finding(head, cut(pd.DataFrame(rows, columns=list(columns))))
 
 
-def finding(cells, ratios, base):
-    everyone = sorted(cells["method"].unique())
-    worst, parts = let_through(cells), []
-    planned, finished = cells.groupby("method").size(), cells[cells["share"].notna()].groupby("method").size()
-    of = set(cells["bullets"].dropna())
-    for method, cell in worst.items():
-        if cell["share"] > 0:
-            mine = cells[cells["method"] == method]["share"]
-            parts.append(f"{method} lets through up to {percent(cell['share'])} ({si(float(cell['speed']), 'm/s')}, "
-                         f"{si(float(cell['thickness']), 'm')}), some in {int((mine > 0).sum())} of {finished[method]} cells")
-    safe = [method for method, cell in worst.items() if cell["share"] == 0]
-    for count in dict.fromkeys(finished[method] for method in safe):
-        alike = [method for method in safe if finished[method] == count]
-        parts.append(f"{does(alike, 'let', everyone)} no bullet through in any of {count} cells")
-    failed = {method: int(planned[method] - finished.get(method, 0)) for method in everyone}
-    parts += [f"{method} has no result in {count} of {planned[method]} cells" for method, count in failed.items() if count]
-    text = f"{'Of ' + figures(of.pop()) + ' bullets a' if len(of) == 1 else 'A'}t {ends(cells['speed'], 'm/s')} and walls of "
-    text += f"{ends(cells['thickness'], 'm')}: {'; '.join(parts)}."
-    text += f" {dearer(ratios, base)}" if any(ratios.values()) else ""
-    ghosts = cells.groupby("method")["ghost_hits"].max() if "ghost_hits" in cells else {}
-    ghosts = [f"{method} ({figures(most)})" for method, most in ghosts.items() if most > 0]
-    return text + (f" Pushed what would have missed, at most so often in a cell: {listing(ghosts)}." if ghosts else "")
+def _times_of(found):
+    """The range of the ratios beyond the noise, and in how many cells there is none."""
+    if found is None:
+        return "baseline"
+    told = [ratio for ratio, text in found.values() if text not in SIGNS]
+    rest = " or ".join(dict.fromkeys(told_as(text) for _, text in found.values() if text in SIGNS))
+    silent = f"{rest} in {len(found) - len(told)} of {plural(len(found), 'cell')}" if rest else ""
+    return "; ".join(filter(None, (" to ".join(dict.fromkeys((times(min(told)), times(max(told))))) if told else "", silent)))
 
 
-def dearer(ratios, base):
-    """How many times the baseline's time a step takes; what is not beyond the noise is no difference."""
-    said = []
-    for method, found in ratios.items():
-        told = [ratio for ratio, text in found.values() if text not in SIGNS]
-        rest = listing(NOT_TOLD[text] for text in dict.fromkeys(text for _, text in found.values()) if text in SIGNS)
-        if told:
-            low, high = times(min(told)), times(max(told))
-            where = "" if len(told) == len(found) else f" (in {len(told)} of {len(found)} cells, else {rest})"
-            said.append(f"with {method} {low if low == high else f'{low} to {high}'} times{where}")
-        elif found:
-            said.append(f"with {method} {rest} in all {len(found)} cells")
-    return f"The time of a step, over that of {base} in the same cell: {', '.join(said)}."
-
-
-def headline(cells, where):
-    """Who lets how many through at worst; a method that fails somewhere has no number."""
-    everyone, worst = sorted(cells["method"].unique()), let_through(cells)
-    failed = set(cells["method"][cells["share"].isna()])
-    most = {m: float(worst[m]["share"]) if m not in failed else math.nan for m in everyone}
-    known = {m: v for m, v in most.items() if v == v}
-    if len(known) < 2 or len(set(known.values())) < 2:
+def headline(cells):
+    """The largest share of each method, where they differ. A method with a failed cell has no number."""
+    failed, worst = set(cells["method"][cells["share"].isna()]), worst_of(cells)
+    most = {m: float(worst[m]["share"]) if m not in failed else math.nan for m in sorted(cells["method"].unique())}
+    if len({v for v in most.values() if v == v}) < 2:
         return None
-    first, least = max(known, key=known.get), min(known.values())
-    best = [m for m in known if known[m] == least]
-    much = f"up to {percent(least)} through" if least > 0 else "no bullet through at any speed and thickness tried"
-    return Headline(f"{where}: {first} lets up to {percent(known[first])} of the bullets through a wall of "
-                    f"{si(float(worst[first]['thickness']), 'm')}; {does(best, 'let', everyone)} "
-                    f"{much}.", most, quantity="largest share that tunnelled", ends=final_states(cells))
+    return Headline("", most, quantity="largest share that tunnelled", ends=final_states(cells))
 
 
 def _chart(context, cells, where, refused):
@@ -148,20 +135,19 @@ def _chart(context, cells, where, refused):
     least = noise.floor_of(context, sweep, TIME)
     ratios = compared(cells, base, least)
     figure = _figure(context, cells, everyone, ratios, base)
-    said = finding(cells, ratios, base)
-    note = ("A column is a speed of the bullets, a row a thickness of the wall. A number is the share of the bullets, in per "
-            "cent, whose centre passed through the wall and came out, also of those that it pushed out at the far side; a letter "
-            "is a run that failed. ")
+    note = ("Greener is better. A column is a speed of the bullets, a row a thickness of the wall. A number is the percentage of "
+            "the bullets whose centre came out at the far side, including bullets that the wall pushed out there; a letter is a "
+            "failed run. ")
     if any(ratios.values()):
         signs = {text for found in ratios.values() for _, text in found.values()}
         note += (f"Below, the time of a step over that of {base} in the same cell. " + "".join(
             f"“{sign}”: {NOT_TOLD[text]}. " for text, sign in SIGNS.items() if text in signs) +
-            "What has passed makes no contacts any more, so a part of a method's time is that of contacts which it has made. " +
+            "A bullet that tunnels makes no more contacts, so part of a method's extra time is the contacts that it keeps. " +
             noise.rule(least))
     where = where or "bullets at walls"
-    return Chart(identifier(f"{sweep} tunnelling map {where}"), SECTION, f"What passes through: {where}", f"{where}. {said}",
-                 sweep, figure, _table(context, cells, ratios, base), refused + holes(cells, ["method", *AXES]), note,
-                 headline=headline(cells, where))
+    return Chart(identifier(f"{sweep} tunnelling map {where}"), SECTION, f"Tunnelling: {where}",
+                 finding(cells, ratios, where), sweep, figure, _table(context, cells, ratios, base),
+                 refused + holes(cells, ["method", *AXES]), note, headline=headline(cells))
 
 
 def _figure(context, cells, everyone, ratios, base):
@@ -185,8 +171,8 @@ def _figure(context, cells, everyone, ratios, base):
                 ax = axes[per * row + 1][column]
                 _axes(ax, spots, column == 0, True)
                 _times(ax, mine, ratios.get(method), spots, base)
-    handles = [Patch(facecolor=RIGHT, label="none passes")]
-    handles += [Patch(facecolor=colour, label=f"up to {percent(upper)} pass") for upper, colour in SHARES.items()]
+    handles = [Patch(facecolor=RIGHT, label="no bullet tunnels")]
+    handles += [Patch(facecolor=colour, label=f"up to {percent(upper)}") for upper, colour in SHARES.items()]
     handles += [Patch(facecolor=OUTCOMES.get(o, OUTCOMES["not run"])[0], edgecolor="#999999",
                       label=f"{OUTCOMES.get(o, ('', '?'))[1]}  {o}".strip()) for o in [*OUTCOMES, *sorted(seen - set(OUTCOMES))]
                 if o in seen]
@@ -196,7 +182,7 @@ def _figure(context, cells, everyone, ratios, base):
 
 
 def _axes(ax, spots, labelled, lowest):
-    """A cell for each speed and thickness, evenly: values that are raised by a factor stand as on a logarithmic scale."""
+    """Evenly spaced cells for each speed and thickness, whatever their distance."""
     ax.set_visible(True)
     ax.set_xlim(-0.5, len(spots[0]) - 0.5)
     ax.set_ylim(-0.5, len(spots[1]) - 0.5)
@@ -215,7 +201,7 @@ def _axes(ax, spots, labelled, lowest):
 
 
 def _room(ax):
-    """Inches of a cell."""
+    """The width of a cell, in inches."""
     return ax.get_position().width * ax.figure.get_figwidth() / abs(ax.get_xlim()[1] - ax.get_xlim()[0])
 
 
@@ -226,7 +212,7 @@ def _cell(ax, x, y, colour, text, ink="black", **patch):
 
 
 def _shares(ax, cells, spots):
-    """Draws the shares of one method; returns the outcomes of what failed."""
+    """Draws the shares of one method; returns the outcomes of its failed cells."""
     for _, cell in cells.iterrows():
         x, y = (places.index(cell[axis]) for axis, places in zip(AXES, spots))
         if cell["outcome"] != "ok":
@@ -245,7 +231,7 @@ def _shares(ax, cells, spots):
 
 
 def _times(ax, cells, ratios, spots, base):
-    """The baseline's own time, or what the others take over it."""
+    """Draws the baseline's time, or the ratios of another method to it."""
     if ratios is None:
         known = {(cell["speed"], cell["thickness"]): float(cell[TIME]) for _, cell in cells.iterrows() if cell["outcome"] == "ok"}
         known = {spot: ms for spot, ms in known.items() if math.isfinite(ms)}
@@ -275,5 +261,5 @@ def _table(context, cells, ratios, base):
             columns |= quantity(context.title(name), context.unit(name), cells[name])
     if any(ratios.values()):
         columns |= quantity(f"time per step over that of {base}", "1", [ratio for ratio, _ in found])
-        columns["which is"] = [NOT_TOLD.get(text, "told" if text else "") for _, text in found]
+        columns["ratio is"] = [NOT_TOLD.get(text, "beyond the noise" if text else "") for _, text in found]
     return pd.DataFrame(columns).sort_values(["method", "thickness of the wall [m]", "speed [m/s]"])

@@ -14,6 +14,7 @@ import ranking  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import against_reference as of_reference  # noqa: E402
+from with_store import row  # noqa: E402
 
 DT, FINE = 0.1, 0.025
 SECONDS = 3
@@ -28,11 +29,11 @@ class AgainstReference(with_store.WithStore):
     def test_a_method_that_left_rows_to_gauss_seidel_is_not_nearest(self):
         left = lambda maker: (self.scene()(maker), maker.leave_rows(50, where="catto"))  # noqa: E731
         made = self.made(of_reference.against_reference, left)[0]
-        self.assertIn("Only naive has a rank (30 mm).", made.finding)
-        self.assertTrue(made.finding.endswith("Not ranked: catto (50 % Gauss-Seidel)."), made.finding)
+        self.assertEqual(made.finding.headline, "On chain, 2D only naive has a rank, 30 mm from the reference.")
+        self.assertEqual(row(made, "catto")["against the best"], "not ranked: 50 % Gauss-Seidel")
         self.assertIsNone(made.headline)
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
-            self.assertIn("catto is nearest", self.made(of_reference.against_reference, left)[0].finding,
+            self.assertIn("catto stays nearest", self.made(of_reference.against_reference, left)[0].finding.headline,
                           "the planted bug was not seen")
 
     @staticmethod
@@ -68,13 +69,14 @@ class AgainstReference(with_store.WithStore):
     def test_where_the_reference_agrees_with_itself_methods_are_compared_at_equal_cost(self):
         made = self.made(of_reference.against_reference, self.scene())
         self.assertEqual(len(made), 1)
-        self.assertTrue(made[0].finding.startswith(
-            "On chain, 2D the reference agrees with its runs at half the step and 1 nm beside it and with xpbd to 30 µm for all "
-            "3 s. Within 40 multiply-adds per step catto is nearest (30 mm), naive farthest (120 mm). "),
-            made[0].finding)
-        self.assertTrue(made[0].finding.endswith("Within 160 multiply-adds per step catto is nearest (7.5 mm), naive farthest "
-                                                 "(30 mm). soft_step does not run so far."), made[0].finding)
-        self.assertIn("naive goes 4.0 times as far", made[0].headline.text)
+        self.assertIn("The reference agrees with its runs at half the step and 1 nm beside it and with xpbd to 30 µm for all 3 "
+                      "s.",
+                      made[0].note)
+        self.assertEqual(made[0].finding.headline, "On chain, 2D, within 160 multiply-adds per step, catto stays nearest to the "
+                         "reference (7.5 mm); naive is 30 mm away, 4.0 times as far.")
+        self.assertEqual(made[0].headline.text, made[0].finding.headline)
+        self.assertEqual([list(row(made[0], name).values())[1:] for name in ("catto", "naive", "soft_step")],
+                         [["7.5 mm", "best", "30 mm"], ["30 mm", "4.0 times", "120 mm"], ["", "ended before: exploded", ""]])
         first = made[0].table.iloc[0]
         self.assertEqual((first["method"], first["iterations"]), ("catto", 4))
         self.assertAlmostEqual(first["largest distance of a body from the reference [m]"], 0.03)
@@ -97,19 +99,21 @@ class AgainstReference(with_store.WithStore):
             run({"resolver": "reference by xpbd", "perturb": 0}, FINE, 0, 300)
             run({"resolver": "reference"}, FINE / 2, 0, 300)
         chart = self.made(of_reference.against_reference, fill)[0]
-        self.assertTrue(chart.finding.endswith(
-            "Within 400 multiply-adds per second of the scene catto and naive are nearest (60 mm). Within 800 multiply-adds per "
-            "second of the scene catto is nearest (30 mm), naive farthest (60 mm)."), chart.finding)
-        self.assertIn("each at dt=0.1", chart.note)
+        self.assertEqual(chart.finding.headline, "On chain, 2D, within 800 multiply-adds per second of the scene, catto stays "
+                         "nearest to the reference (30 mm); naive is 60 mm away, 2.0 times as far.")
+        self.assertEqual([row(chart, name)["within 400 multiply-adds per second of the scene"] for name in ("catto", "naive")],
+                         ["60 mm", "60 mm"])
+        self.assertIn("at dt=0.1", chart.note)
         with unittest.mock.patch.object(of_reference, "several_steps", lambda cells: False):
             bug = self.made(of_reference.against_reference, fill)[0]
-        self.assertNotEqual(bug.finding, chart.finding, "the planted bug, the work of a step, was not seen")
+        self.assertNotEqual(bug.finding.text(), chart.finding.text(), "the planted bug, the work of a step, was not seen")
 
     def test_nothing_is_compared_after_the_step_in_which_its_own_runs_part(self):
         parts = lambda time: 1e-6 if time < 1.49 else 1e-2  # noqa: E731
         for runs in ({"beside": parts}, {"half": parts}):
             made = self.made(of_reference.against_reference, self.scene(**runs))[0]
-            self.assertIn("part at 1.5 s (10 mm apart). Beyond that no method is ranked. Within 40", made.finding)
+            self.assertIn("part at 1.5 s (10 mm apart); later distances are not compared.", made.note)
+            self.assertIn("On chain, 2D until 1.5 s, within 160", made.finding.headline)
             self.assertAlmostEqual(made.table["largest distance of a body from the reference [m]"].max(), 4e-2 * 1.4)
             with unittest.mock.patch.object(of_reference.Runs, "serves", lambda self, time: True):
                 bug = self.made(of_reference.against_reference, self.scene(**runs))[0]
@@ -120,13 +124,13 @@ class AgainstReference(with_store.WithStore):
         """Its own runs agree all the time: one family alone does not see what it does to all of them."""
         parts = self.scene(unlike=lambda time: 1e-6 if time < 1.49 else 1e-2)
         made = self.made(of_reference.against_reference, parts)[0]
-        self.assertIn("the reference and xpbd, as converged, part at 1.5 s (10 mm apart)", made.finding)
+        self.assertIn("The reference and xpbd, as converged, part at 1.5 s (10 mm apart)", made.note)
         self.assertAlmostEqual(made.table["largest distance of a body from the reference [m]"].max(), 4e-2 * 1.4)
         self.assertNotIn("reference by xpbd", set(made.table["method"]), "it is no method that is ranked")
 
     def test_an_unlike_solver_that_falls_has_parted(self):
         made = self.made(of_reference.against_reference, self.scene(unlike=lambda time: 0.0, unlike_until=1.95))[0]
-        self.assertIn("the reference and xpbd, as converged, part at 1.97 s (one has ended)", made.finding)
+        self.assertIn("The reference and xpbd, as converged, part at 1.97 s (one has ended)", made.note)
 
     def test_one_family_alone_is_no_reference(self):
         self.assertEqual(self.made(of_reference.against_reference, self.scene(unlike=None)),
@@ -134,14 +138,13 @@ class AgainstReference(with_store.WithStore):
 
     def test_a_reference_that_never_converged_compares_nothing(self):
         made = self.made(of_reference.against_reference, self.scene(half=lambda t: 1e-2))[0]
-        self.assertIn("there is nothing to compare", made.finding)
+        self.assertEqual(made.finding.headline, "On chain, 2D no method is ranked: the reference and its own runs part at 25 ms.")
         self.assertIsNone(made.headline)
 
     def test_methods_nearer_to_one_another_than_the_reference_is_to_itself_are_not_told_apart(self):
         self.assertEqual(of_reference.nearest({"a": 3e-3, "b": 3.1e-3, "c": 5e-3}, 1e-4), (["a", "b"], 3e-3, ["c"], 5e-3))
         self.assertEqual(of_reference.nearest({"a": 3e-3, "b": 3.1e-3, "c": 5e-3}, 1e-5), (["a"], 3e-3, ["c"], 5e-3))
         self.assertEqual(of_reference.nearest({"a": 3e-3, "b": 5e-3, "c": 5.1e-3}, 1e-4)[2], ["b", "c"], "not c alone")
-        self.assertEqual(of_reference.some(list("abcdefg"), []), "a and 6 others")
 
     def test_a_baseline_without_its_own_runs_is_no_reference(self):
         self.assertEqual(self.made(of_reference.against_reference, self.scene(perturbed=False)),

@@ -23,6 +23,7 @@ import ranking  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
+from with_store import row  # noqa: E402
 from charts.choose import what_to_take  # noqa: E402
 
 SEEDS = tuple(range(1, 11))
@@ -97,8 +98,13 @@ class Choose(undrawn.Undrawn):
         _, made = self.made()
         self.assertEqual([c.id for c in made], ["choose_mixed_pile__2d__n_50"])
         self.assertEqual(self.verdicts(made[0].table, "resolver"), {"catto+none": "take"})
-        self.assertIn("resolver catto+none (", made[0].finding)
-        self.assertIn("of other libraries box2d, 0.5", made[0].finding)
+        self.assertEqual(made[0].finding.headline,
+                         "For mixed_pile, 2D, n=50 take broadphase sort_and_sweep and resolver catto+none.")
+        found = row(made[0], "resolver")
+        self.assertEqual((found["take"], found["time of"]), ("catto+none", "a step"))
+        self.assertIn("box2d: 0.5", found["fastest other library"])
+        self.assertIn("millington (collapsed)", found["failed"])
+        self.assertIn("naive", found["err more"])
         self.assertIn("millington: collapsed (it fell)", " ".join(made[0].holes))
         # The planted bug would take whoever is fastest, however wrong.
         with unittest.mock.patch.object(choice, "wrong", lambda *_: []):
@@ -150,11 +156,11 @@ class Choose(undrawn.Undrawn):
                     self.column(made.table, "resolver", "reason"), made)
         taken, _, made = fill(2e-3, 1e-3)
         self.assertEqual(taken, "catto+none", "2 mm are within the slop")
-        self.assertIn("up to 5 mm, the slop that is kept on purpose", made.note)
-        self.assertIn("jitter up to 50 mm/s, at rest", made.note)
+        self.assertIn("up to 5 mm, the slop that methods keep on purpose", made.note)
+        self.assertIn("jitter counts as 0 up to 50 mm/s, which is rest", made.note)
         taken, reasons, _ = fill(2e-2, 1e-3)
         self.assertEqual(taken, "soft_step", "20 mm are not")
-        self.assertIn("which counts as none", reasons["catto+none"])
+        self.assertIn("which counts as 0", reasons["catto+none"])
         taken, reasons, _ = fill(2e-3, 0.5)
         self.assertEqual(taken, "soft_step", "what trembles does not stand")
         self.assertIn("jitter", reasons["catto+none"])
@@ -175,7 +181,7 @@ class Choose(undrawn.Undrawn):
         turns = {**RESOLVERS, "catto+linear": (1.3, 0.011, 0.001, "ok", (1.0, 0.7) * 5, FLAT)}
         _, made = self.made(turns)
         self.assertEqual(self.verdicts(made[0].table, "resolver"), {"catto+none": "take", "catto+linear": "tie"})
-        self.assertIn(f"as fast: catto+linear, {choice.TURNS}", made[0].finding)
+        self.assertEqual(row(made[0], "resolver")["ties"], f"catto+linear ({choice.TURNS})")
         told = ranking.better
         with unittest.mock.patch.object(ranking, "better", lambda a, b, metric, *more, **named: metric == choice.COST or
                                         told(a, b, metric, *more, **named)):
@@ -190,7 +196,8 @@ class Choose(undrawn.Undrawn):
             ms, *rest = near["catto+linear"]
             _, made = self.made({**near, "catto+linear": (ms * factor, *rest)})
             taken[label] = self.verdicts(made[0].table, "resolver")
-            self.assertIn("of these it has the smallest mean penetration of shapes at the end over 10 seeds", made[0].finding)
+            self.assertEqual(row(made[0], "resolver")["taken of the ties"],
+                             "it has the smallest mean penetration of shapes at the end over 10 seeds")
         self.assertEqual(taken["as it was"], {"catto+linear": "take", "catto+none": "tie"})
         self.assertEqual(taken["as it was"], taken["another hour"])
         # Where nobody errs less, what the other stages were judged with stays.
@@ -198,7 +205,7 @@ class Choose(undrawn.Undrawn):
         _, made = self.made(same)
         self.assertEqual(self.verdicts(made[0].table, "resolver"), {"catto+split_impulse": "take", "catto+none": "tie"})
         self.assertEqual(self.verdicts(made[0].table, "broadphase"), {"region_tree": "take", "sort_and_sweep": "tie"})
-        self.assertIn("of these it is what the other stages were judged with", made[0].finding)
+        self.assertEqual(row(made[0], "resolver")["taken of the ties"], f"it {choice.COMMON}")
         # Judged against the fastest, whose name has room in the table, not in the picture.
         _, made = self.made(same, broadphases={**BROADPHASES, "naive_sphere": (2.3, 900.0)})
         reasons = self.column(made[0].table, "broadphase", "reason")
@@ -211,9 +218,11 @@ class Choose(undrawn.Undrawn):
     def test_broadphases_of_equal_runs_are_judged_by_their_stage(self):
         _, made = self.made()
         self.assertEqual(self.verdicts(made[0].table, "broadphase"), {"sort_and_sweep": "take", "region_tree": "tie"})
-        said = ("of its stage alone; as fast: region_tree, (within the noise|not told from chance over the seeds); of these it "
-                ".*; next uniform_grid, 3.0")
-        self.assertRegex(made[0].finding, said)
+        found = row(made[0], "broadphase")
+        self.assertEqual(found["time of"], "the stage alone")
+        self.assertRegex(found["ties"], rf"^region_tree \((within the noise|{choice.TURNS})\)$")
+        self.assertRegex(found["taken of the ties"], "^it ")
+        self.assertRegex(found["next"], "^uniform_grid: 3.0")
         # Who makes more pairs than there are leaves more work to the rest of the step, and that counts.
         more = {"sort_and_sweep": (1.0, 100.0), "region_tree": (1.0, 150.0), "naive_sphere": (2.3, 90.0)}
         _, dear = self.made(broadphases=more)
@@ -232,44 +241,49 @@ class Choose(undrawn.Undrawn):
         for repeats, why, other in ((4, near_by, few), (2, few, near_by)):
             _, made = self.made(near, repeats=repeats)
             self.assertEqual(self.column(made[0].table, "resolver", "reason")["catto+linear"], why)
-            self.assertNotIn(other, made[0].finding)
+            self.assertNotIn(other, made[0].finding.text())
 
     def test_no_ratio_is_told_within_the_noise(self):
         _, made = self.made({**RESOLVERS, "box2d": (1.01, 0.01, 0.001, "ok", FLAT, FLAT)})
-        self.assertRegex(made[0].finding, "of other libraries box2d, (within the noise|not told from chance over the seeds)")
+        self.assertRegex(row(made[0], "resolver")["fastest other library"], f"^box2d: (within the noise|{choice.TURNS})")
 
     def test_nobody_who_finished_is_no_error(self):
         _, made = self.made({m: (1.0, 1e-3, 1e-3, "collapsed", FLAT, FLAT) for m in ("catto+none", "soft_step")}, seeds=SEEDS[:1])
-        self.assertIn("resolver: none of ours finished with a time", made[0].finding)
+        self.assertIn("take broadphase sort_and_sweep; no method finished with a time for resolver.", made[0].finding.headline)
+        self.assertEqual(row(made[0], "resolver")["take"], "none finished with a time")
         self.assertEqual(choice.to_run(chart.Context(load.Store(self.path))), "")
 
     def test_what_is_taken_is_run_as_a_whole_and_stands_beside_what_was_given(self):
         context, made = self.made()
         pasted = "broadphase=sort_and_sweep cache=by_feature solver=split_solver{position=none}"
         self.assertEqual(choice.to_run(context), pasted)
-        self.assertIn(f"Not yet run as a whole: --pipeline '{pasted}'", made[0].finding)
-        self.assertIn("has not run as a whole", " ".join(made[0].holes))
+        self.assertIn(f"Not yet run as a whole: --pipeline '{pasted}'", made[0].note)
+        self.assertIn("The combined pipeline has not run yet", " ".join(made[0].holes))
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             self.assertEqual(make.main(["--store", str(self.path), "--taken"]), 0)
         self.assertEqual(printed.getvalue(), pasted + "\n")
         context, made = self.made(whole=1.0)
         self.assertEqual(choice.to_run(context), "", "it has run")
-        self.assertRegex(made[0].finding, r"As a whole this takes 1\.0\d ms \(.* to .*\) a step, 0\.3\d times the time of what")
-        self.assertIn("mean penetration of shapes at the end 2 mm", made[0].finding)
-        self.assertIn(f"over 10 seeds). To paste: --pipeline '{pasted}'", made[0].finding)
+        found = row(made[0], "as a whole")
+        self.assertRegex(found["median and interval"], r"^1\.0\d ms \(.* to .*\)$")
+        self.assertRegex(found["against the pipeline of the sweeps"], r"^0\.3\d times$")
+        self.assertEqual(found["mean penetration of shapes at the end"], "2 mm")
+        self.assertIn(f"To paste: --pipeline '{pasted}'", made[0].note)
         self.assertEqual(self.verdicts(made[0].table, "as a whole"), {"taken": "take"})
-        self.assertRegex(made[0].headline.text, r"take broadphase sort_and_sweep and resolver catto\+none: as a whole 1\.0\d ms")
-        self.assertNotIn("as a whole", " ".join(made[0].holes))
+        self.assertRegex(made[0].headline.text, r"take broadphase sort_and_sweep and resolver catto\+none: 1\.0\d ms a step, "
+                                                r"0\.3\d "
+                         "times the time of the pipeline of the sweeps")
+        self.assertNotIn("has not run", " ".join(made[0].holes))
         _, made = self.made(whole=3.01)
-        self.assertIn("as fast as what every stage was judged with, timed before it, within the noise", made[0].finding)
-        self.assertNotIn("as a whole", made[0].headline.text)
+        self.assertEqual(row(made[0], "as a whole")["against the pipeline of the sweeps"], "tie: within the noise")
+        self.assertNotIn("pipeline of the sweeps", made[0].headline.text)
 
     def test_what_is_taken_may_have_run_anyway(self):
         context, made = self.made({"catto+split_impulse": (1.0, 0.01, 0.001, "ok", FLAT, FLAT)},
                                   broadphases={"region_tree": (1.0, 100.0), "naive": (1.0, 900.0)})
         self.assertEqual(choice.to_run(context), "")
-        self.assertRegex(made[0].finding, r"As a whole this takes 1\.0\d ms")
+        self.assertRegex(row(made[0], "as a whole")["median and interval"], r"^1\.0\d ms")
 
     def test_errors_and_times_have_intervals(self):
         left = (0.7, 0.8, 0.9, 1.0, 1.0, 1.0, 1.0, 1.1, 1.4, 1.5)
@@ -285,7 +299,7 @@ class Choose(undrawn.Undrawn):
         """A legend of nineteen entries is no legend: each row has its name, other libraries' say what they are."""
         _, made = self.made(whole=1.0)
         labels = [text.get_text() for text in made[0].figure.axes[0].get_yticklabels()]
-        self.assertLessEqual({"naive", "box2d (engine)", "catto+none", "taken: all that is taken"}, set(labels))
+        self.assertLessEqual({"naive", "box2d (engine)", "catto+none", "taken: all stages"}, set(labels))
         self.assertLess(len(made[0].figure.legends[0].get_texts()), 6)
 
 

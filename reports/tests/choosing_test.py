@@ -131,7 +131,7 @@ class Choosing(undrawn.Undrawn):
                                         "mine_vertical_stack__2d", "noise"], "one chart, not six")
         self.assertEqual(list(made["mine_vertical_stack__2d"].table["method"]), [
             f"{b} / {c}" for b in ("naive", "region_tree", "uniform_grid") for c in ("query_clip", "sat_clip")])
-        self.assertIn('the same work as "naive / query_clip"', made["mine_vertical_stack__2d"].finding)
+        self.assertIn("identical work", made["mine_vertical_stack__2d"].finding.text())
         three = self.made(lambda maker: fill(maker, ("by_feature", "none")))["mine_vertical_stack__2d"].table
         self.assertIn("region_tree / by_feature / sat_clip", list(three["method"]), "what has most values comes first")
 
@@ -150,9 +150,10 @@ class Choosing(undrawn.Undrawn):
             maker.close()
             told = {c.id: c for c in make.all_charts(chart.Context(load.Store(Path(folder) / "store.db")))}
         self.assertIn("mine_pyramid__2d", told)
-        self.assertEqual(told["mine_broadphase"].finding,
-                         "mine asks for this chart and has not what it needs: trials of kind boxes, several values of n and "
-                         "ns_per_frame_median and box_tests_mean in a finished cell.")
+        self.assertEqual(told["mine_broadphase"].finding.headline,
+                         "The `report` of mine lists this chart, but the sweep lacks its data.")
+        self.assertEqual(told["mine_broadphase"].holes, ["The chart needs trials of kind boxes, several values of n and "
+                                                         "ns_per_frame_median and box_tests_mean in a finished cell."])
 
     def test_names_of_sweeps_and_scenes_choose_nothing(self):
         def fill(maker):
@@ -167,8 +168,8 @@ class Choosing(undrawn.Undrawn):
             for label in ("catto", "soft_step"):
                 maker.world("mine", {"scene": "my_hill", "dimension": 2, "resolver": label}, 1, 1e-3, extra={"slope": True})
         made = self.made(fill)["mine_my_hill__2d"]
-        self.assertIn("error of the distance slid", made.finding)
-        self.assertIn("soft_step", made.finding)
+        self.assertIn("error of the distance slid", made.finding.headline)
+        self.assertIn("soft_step", made.finding.text())
 
     def test_methods_are_compared_by_an_error_that_all_of_them_have(self):
         def fill(maker, without=("max_penetration",)):

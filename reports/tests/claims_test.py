@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""All claims on trial are judged again, and docs/claims.md is what they say; a verdict that is not measured is seen. Run by
-ctest, or python3 reports/tests/claims_test.py build/test/bin/lpc [CLASS]: OneClaim, or ShippedClaims, which takes longer."""
+"""Judges all claims again and compares docs/claims.md; a wrong verdict is found. Run by ctest, or
+python3 reports/tests/claims_test.py build/test/bin/lpc [CLASS]: OneClaim, or ShippedClaims (slower)."""
 
 import contextlib
 import io
@@ -36,7 +36,7 @@ class ShippedClaims(unittest.TestCase):
         self.assertGreaterEqual(len(judged), 20)
         page = claims.ROOT / "docs" / "claims.md"
         self.assertEqual(claims.between_marks(page)[1], claims.page(judged, claims.units(LPC)),
-                         "write it anew: reports/claims.py --into docs/claims.md")
+                         "regenerate it: reports/claims.py --into docs/claims.md")
 
 
 class OneClaim(unittest.TestCase):
@@ -47,7 +47,7 @@ class OneClaim(unittest.TestCase):
         self.page.write_text(f"before\n{claims.BEGIN}\n{claims.END}\nafter\n", encoding="utf-8")
 
     def told(self, text, *arguments):
-        """Exit code and all that is printed."""
+        """(exit code, printed text)."""
         self.file.write_text(text, encoding="utf-8")
         out = io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
@@ -58,7 +58,7 @@ class OneClaim(unittest.TestCase):
         self.file.write_text(text, encoding="utf-8")
         return claims.judge(claims.read(self.file), LPC)[0].verdict
 
-    def test_the_page_has_figures_with_units_and_what_failed(self):
+    def test_the_page_has_values_with_units_and_failures(self):
         fell = CLAIM.replace("single_box --steps 4", "vertical_stack --param n=40 --steps 600").replace("two.max", "2 + two.max")
         self.assertEqual(self.told(fell, "--into", str(self.page)), (0, ""))
         page = self.page.read_text(encoding="utf-8")
@@ -67,15 +67,15 @@ class OneClaim(unittest.TestCase):
         self.assertIn("| one | `lpc run single_box --steps 2` | ok, max_speed 0.3333 m/s |", page)
         self.assertIn("| collapsed at step ", page)
 
-    def test_a_verdict_that_is_not_measured_fails_and_leaves_the_page(self):
+    def test_a_wrong_verdict_fails_and_keeps_the_page(self):
         for verdict in ("refuted", "depends"):
             before = self.page.read_text(encoding="utf-8")
             code, told = self.told(CLAIM.replace('"confirmed"', f'"{verdict}"'), "--into", str(self.page))
             self.assertEqual(code, 1)
-            self.assertIn(f"A box: confirmed, and not {verdict} as written", told)
+            self.assertIn(f"A box: confirmed, but written as {verdict}", told)
             self.assertEqual(self.page.read_text(encoding="utf-8"), before)
 
-    def test_what_differs_decides_whether_it_depends(self):
+    def test_different_results_make_depends(self):
         refuted = CLAIM.replace("one.max_speed <", "one.max_speed >")
         self.assertEqual(self.judged(CLAIM), "confirmed")
         self.assertEqual(self.judged(refuted), "refuted")
@@ -84,7 +84,7 @@ class OneClaim(unittest.TestCase):
         self.assertEqual(self.judged(refuted + 'differs = "two.outcome == \'ok\'"\n'), "depends")
         self.assertEqual(self.judged(refuted + 'differs = "two.outcome != \'ok\'"\n'), "refuted")
 
-    def test_a_series_is_asked_for_its_end_and_for_what_came_after_a_step(self):
+    def test_a_series_has_an_end_and_a_largest_value_after_a_step(self):
         one = claims.Run("", {"series": {"max_speed": [9, 1, 3, 2], "depth": [1, None, 2]},
                               "metrics": {"last_of_all": 7, "max_speed": 9}})
         self.assertEqual([one.last_max_speed, one.after_0_max_speed, one.after_1_max_speed, one.after_3_max_speed], [2, 9, 3, 2])

@@ -17,6 +17,7 @@ import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 from charts import corpus  # noqa: E402
+from with_store import row  # noqa: E402
 
 # Four cases: a pair in 2D, two in 3D, a hull, a time of impact. `solid` exists in 3D alone.
 TABLE = """id,method,verdict,value,expected,error,reason
@@ -38,9 +39,9 @@ impact,-,refused,,,,"unsupported_query"
 def check_accounts(rows, counts_of):
     """Every method has each case of the file once."""
     table, cases = counts_of(rows), rows["id"].nunique()
-    for _, row in table.iterrows():
-        if row[list(corpus.ENDS)].sum() != cases:
-            return f"{row['method']}: {row[list(corpus.ENDS)].sum()} of {cases} cases"
+    for _, found in table.iterrows():
+        if found[list(corpus.ENDS)].sum() != cases:
+            return f"{found['method']}: {found[list(corpus.ENDS)].sum()} of {cases} cases"
     return ""
 
 
@@ -82,24 +83,30 @@ class Corpus(undrawn.Undrawn):
         self.assertEqual(told["solid"]["flat"], "dimension")
         self.assertEqual(told["convex_hull"].to_dict(), {"deep": "query", "thin": "query", "flat": "query", "hull": "ok",
                                                          "impact": "query"})
-        self.assertIn("adds up to the 5 cases of cases.json, of which ask 3 the distance of a pair", made.note)
+        self.assertIn("adds up to the 5 cases of cases.json, which ask for 3 the distance of a pair", made.note)
         self.assertIn("1 a convex hull", made.note)
-        self.assertIn("1 what no method answers", made.note)
+        self.assertIn("1 a query without a method", made.note)
 
     def test_refusing_a_shape_that_is_not_declared_is_no_failure_and_refusing_another_is(self):
         store, made = self.made()
         told = made.table.set_index("id")["closed_form"]
         self.assertEqual((told["flat"], told["deep"]), ("undeclared", "failed"))
-        self.assertIn("Of 5 published cases, 1 of which ask what no method answers, closed_form fails on 1 of the 2 that it "
-                      "declares and sat fails on 1 of the 3 that it declares; solid fails on 1 of the 2", made.finding)
+        self.assertEqual(made.finding.headline, "Of 5 published cases closed_form and sat fail, closed_form on 1 of 2; solid "
+                                                "fails on "
+                         "1 of 2, the most of 1 witness.")
+        declared = {name: row(made, name)["cases declared"] for name in ("closed_form", "sat", "solid", "convex_hull")}
+        self.assertEqual(declared, {"closed_form": "2", "sat": "3", "solid": "2", "convex_hull": "1"})
+        self.assertEqual({name: row(made, name)["failed"] for name in declared}, {"closed_form": "1", "sat": "1", "solid": "1",
+                                                                                  "convex_hull": "0"})
         self.assertIn("The last three columns are no failures", made.note)
         self.assertEqual(made.headline.values, {"closed_form": 1, "convex_hull": 0, "sat": 1, "solid": 1})
 
     def test_of_many_witnesses_the_worst_is_named_with_what_it_declares(self):
         store, made = self.made(theme=synthetic_store.corpus)
         self.assertEqual(len(made.table), 60)
-        self.assertIn("Of 60 published cases our own methods are right on all that they declare", made.finding)
-        self.assertIn("fcl_libccd fails on 12 of the 56 that it declares, the most of 8 witnesses", made.finding)
+        self.assertEqual(made.finding.headline, "Of 60 published cases our methods fail on none that they declare; fcl_libccd "
+                                                "fails "
+                         "on 12 of 56, the most of 8 witnesses.")
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ class DocsPage(unittest.TestCase):
             store, page = Path(folder) / "s.db", Path(folder) / "page.md"
             synthetic_store.write(store, themes=(synthetic_store.one_scene,))
             page.write_text(MARKS, encoding="utf-8")
-            self.assertEqual(docs_page.faults(page), [f"{CHART}: there are no {CHART}.png and {CHART}.json in numbers.zip"])
+            self.assertEqual(docs_page.faults(page), [f"{CHART}: {CHART}.png, or {CHART}.json in numbers.zip, is missing"])
             self.assertEqual(make.main(["--store", str(store), "--page", str(page)]), 0)
             written = page.read_text(encoding="utf-8")
             self.assertTrue(written.startswith("# Title") and written.endswith("the rest\n"))
@@ -49,10 +49,10 @@ class DocsPage(unittest.TestCase):
             self.assertEqual(page.read_text(encoding="utf-8"), written)
             self.assertEqual((figures / "numbers.zip").read_bytes(), packed, "the same numbers, other bytes")
             page.write_text(written.replace("naive", "catto"), encoding="utf-8")
-            self.assertEqual(docs_page.faults(page), [f"{CHART}: what the page says is not what {CHART}.json does"])
+            self.assertEqual(docs_page.faults(page), [f"{CHART}: the text of the page differs from {CHART}.json"])
             docs_page.write_numbers({name: text.replace("naive", "catto")
                                      for name, text in docs_page.read_numbers(figures).items()}, figures)
-            self.assertEqual(docs_page.faults(page), [f"{CHART}: the picture is of other data than {CHART}.json"])
+            self.assertEqual(docs_page.faults(page), [f"{CHART}: the data of the picture differ from {CHART}.json"])
 
     def test_mistakes_are_told_in_one_line(self):
         with tempfile.TemporaryDirectory() as folder:

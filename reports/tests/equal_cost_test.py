@@ -5,6 +5,7 @@ python3 reports/tests/equal_cost_test.py."""
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -22,6 +23,7 @@ import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 from charts import equal_cost  # noqa: E402
 from measured import Measured  # noqa: E402
+from with_store import row  # noqa: E402
 
 EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations"}
 
@@ -110,53 +112,64 @@ class EqualCost(undrawn.Undrawn):
 
     def test_the_finding_ranks_at_every_budget_and_tells_who_met_none(self):
         made = self.made()[0]
-        self.assertIn("At 100 catto is first (3 mm), soft_step last (4 mm). Without a rank: naive needs more.", made.finding)
-        self.assertIn("At 400 soft_step is first (500 µm), then catto (1 mm), naive last (4 mm)", made.finding)
-        self.assertIn("No method is first at every budget.", made.finding)
-        self.assertTrue(made.headline.text.endswith("; no method is first at every budget."), made.headline.text)
+        self.assertEqual(made.finding.headline, "On pyramid, 2D, at equal row updates per step, catto has the smallest "
+                                                "penetration at "
+                         "100, soft_step at 400; no method is first at every budget.")
+        self.assertEqual([list(row(made, name).values())[1:] for name in ("soft_step", "catto", "naive")],
+                         [["4 mm", "2", "500 µm", "1"], ["3 mm", "1", "1 mm", "2"], ["", "needs more", "4 mm", "3"]])
+        self.assertTrue(made.headline.text.startswith("On pyramid, 2D, within 400 (row updates per step), soft_step has the "
+                                                      "smallest "
+                                                      "penetration, 500 µm; naive has 4 mm."), made.headline.text)
         self.assertIn("iterations=1 costs 120", " ".join(made.holes))
-        self.assertNotIn("fail", made.finding + made.headline.text, "what costs more than there is does not fail")
+        self.assertNotIn("fail", made.finding.text() + made.headline.text, "what costs more than there is does not fail")
         self.assertEqual(list(made.table["rank"]), [1, 2, "", 1, 2, 3])
         self.assertEqual(list(made.table["iterations"]), ["4", "4", "", "8", "8", "8"])
 
     def test_who_spends_far_less_than_the_budget_is_not_said_to_spend_it(self):
         made = self.made(frugal={"catto": 35.4})[0]
-        self.assertIn("At 400 (catto spends 35", made.finding)
-        self.assertNotIn("each", made.headline.text)
-        self.assertNotIn("spends", self.made()[0].finding)
+        self.assertEqual(row(made, "catto")["rank at 400"], "2, spends 35.4")
+        self.assertNotIn("spends", self.made()[0].finding.text())
 
-    def test_those_of_one_rank_between_first_and_last_are_named_together(self):
-        self.assertEqual(equal_cost._tied([(2, "a", 1e-3, 0, 1), (2, "b", 1e-3, 0, 1)], "m"), "a and b, tied (1 mm)")
+    def test_a_tie_stands_beside_the_rank(self):
+        with unittest.mock.patch.object(equal_cost, "ranked", lambda *_: [(1, "a", 1e-3, 0, 1), (2, "b", 1e-3, 0, 1),
+                                                                          (2, "c", 2e-3, 0, 1)]):
+            context = unittest.mock.Mock(unit=lambda name: "m", title=lambda name: "error")
+            rows = pd.DataFrame({"method": list("abc"), "budget": 4, "outcome": "ok", "hashes": [[]] * 3})
+            with unittest.mock.patch.multiple(equal_cost, _marks=lambda *_: {}, farthest=lambda *_: None,
+                                              final_states=lambda _: {}, said_of=lambda *_: "4"):
+                made, _ = equal_cost.found(context, rows, EQUAL, "here", "error", None)
+        self.assertEqual(made.table["rank at 4"].tolist(), ["1", "2, tie", "2, tie"])
 
     @undrawn.drawn
     def test_what_equal_row_updates_hide_in_time_is_said_and_drawn(self):
         made = self.made(slow=5)[0]
-        self.assertRegex(made.finding, r"What is equal by row updates per step is not so by time per step: at (100|400) "
+        self.assertRegex(made.note, r"Equal row updates per step can have different time per step: at (100|400) "
                          r"soft_step has [45]\.\d times that of (catto|naive) \(\d+ µs against [\d.]+ µs\)\.")
+        self.assertIn("time per step at ", made.finding.text())
         titles = [ax.get_title("left") for ax in made.figure.axes]
         self.assertEqual(titles[-1], "time per step")
-        self.assertIn("leaves out what a method does beside", made.note)
+        self.assertIn("do not count other work of a method", made.note)
         self.assertIn("The same method against itself differs", made.note, "its noise")
         self.assertIn("time per step [s]", made.table)
         alike = self.made()[0]
-        self.assertIn("By time per step the methods are alike, within the noise.", alike.finding)
-        self.assertNotIn("not so by", alike.finding)
+        self.assertIn("The time per step of the methods differs by no more than noise.", alike.note)
+        self.assertNotIn("can have different", alike.note)
 
     @undrawn.drawn
     def test_who_stopped_at_the_most_iterations_is_told_and_ringed(self):
         made = self.made({**EQUAL, "most": 8})[0]
-        self.assertIn("Stopped by the largest value of iterations that is searched, 8, with budget left: catto at 400 (360 "
-                      "spent), ", made.finding)
+        self.assertEqual(row(made, "catto")["rank at 400"], "2, at the largest iterations, 8")
         rings = sum(line.get_markerfacecolor() == "none" and line.get_markersize() == 12
                     for ax in made.figure.axes for line in ax.lines)
         self.assertEqual(rings, 3 * len([ax for ax in made.figure.axes if ax.get_title("left")]), "three methods, in each panel")
         self.assertEqual(list(made.table["budget spent [1]"].dropna()), [0.9] * 5)
         self.assertEqual(overlap.overlaps(made.figure), ([], []))
-        self.assertNotIn("Stopped", self.made({**EQUAL, "most": 64})[0].finding)
+        self.assertNotIn("largest iterations", self.made({**EQUAL, "most": 64})[0].finding.text())
 
     def test_equal_error_ranks_costs(self):
         made = self.made({**EQUAL, "equal": "error", "metric": "max_penetration"})[0]
-        self.assertIn("ranked by time per step at equal error (largest penetration).", made.finding)
+        self.assertIn("at equal largest penetration", made.finding.headline)
+        self.assertIn("the smallest time per step", made.finding.headline)
 
 
 if __name__ == "__main__":

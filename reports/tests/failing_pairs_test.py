@@ -75,10 +75,13 @@ class Gallery(undrawn.Undrawn):
         self.assertEqual(told("wrong_side", None), ["wrong side", "true: 1 m"], "a witness that knows the side alone")
         self.assertEqual(told("not_finite", None), ["no answer: not finite", "true: 1 m"])
         wrong = {name: {"worst": (0, case(name, name, 0.1 * i, 1.0))} for i, name in enumerate(corpus.WRONG)}
-        self.assertIn("are wrong, 1 in distance, 1 in normal and 1 in side; the worst of all is wrong_side's on sphere–sphere "
-                      "(ties), a wrong side, off by 0.2", corpus.finding_of_pairs(wrong, 2, "f64"))
+        made = corpus.found_pairs(wrong, 2, "f64")
+        self.assertEqual(made.headline, "In 2D, f64, wrong_side has the largest error of 3 methods, 0.2 of the size, on "
+                                        "sphere–sphere (ties): wrong side.")
+        self.assertEqual(made.table["failure"].tolist(), ["wrong side", "wrong normal", "wrong distance"])
         del wrong["wrong_side"]
-        self.assertIn("off by 0.1 of the size along its normal alone", corpus.finding_of_pairs(wrong, 2, "f64"))
+        self.assertIn("0.1 of the size, on sphere–sphere (ties): along its normal alone",
+                      corpus.found_pairs(wrong, 2, "f64").headline)
 
     def test_an_outline_that_is_given_is_drawn_and_one_that_is_missing_is_told(self):
         known = case("m", "wrong_distance", 0.1, 1.0)
@@ -91,7 +94,7 @@ class Gallery(undrawn.Undrawn):
             older = {**known, "shapeA": {"type": kind}}
             self.assertIsNone(silhouette.of_case(older, "A"))
             made = corpus._pairs_chart(Names, {"m": {"simplest": (0, older), "worst": (0, given)}}, 2, "f64")
-            self.assertEqual(made.holes, [f"m, simplest: no outline of {kind} is in the store, which an older program wrote"])
+            self.assertEqual(made.holes, [f"m, simplest: the store, written by an older program, has no outline of {kind}"])
             self.assertNotIn("outline", made.table["input"].iloc[1])
             style.plt.close(made.figure)
 
@@ -115,9 +118,10 @@ class Gallery(undrawn.Undrawn):
             shown = charts[0].table.set_index("which")
             self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")
             self.assertEqual(shown.loc["worst", "case"], "fcl_libccd-1.2")
-            self.assertIn("the worst answers of 1 method are wrong, 1 in distance; the worst of all is fcl_libccd's on "
-                          "sphere–sphere (ties), a wrong distance, off by 0.7 of the size in distance or along",
-                          charts[0].finding)
+            self.assertEqual(charts[0].finding.headline, "In 2D, f64, fcl_libccd has the largest error of 1 method, 0.7 of the "
+                                                         "size, on "
+                             "sphere–sphere (ties): wrong distance.")
+            self.assertIn("distance, or along the normal", charts[0].finding.text())
             drawn = [ax.get_xlabel() for ax in charts[0].figure.axes if ax.get_visible()]
             self.assertEqual(["wrong distance" in words for words in drawn], [True, True])
             self.assertEqual(overlap.overlaps(charts[0].figure), ([], []))

@@ -81,8 +81,9 @@ class Failure(Synthetic):
         for made in charts:
             style.plt.close(made.figure)
         rates = next(c for c in charts if "failures_3d" in c.id)
-        self.assertIn("without any failure: closed_form, gjk_epa and sat (", rates.finding)
-        self.assertIn("at 1e-12 of the size", rates.finding)
+        found = rates.finding.table
+        self.assertEqual(set(found["method"][found["failures there"] == "none"]), {"closed_form", "gjk_epa", "sat"})
+        self.assertIn("3 of 5 methods never fail at 1e-12 of the size", rates.finding.headline)
         self.assertTrue(all(failure.DEFINITION in c.note for c in charts))
         wrong = rates.table[rates.table["method"] == "fcl"]
         self.assertTrue((wrong["wrong"] > 0).all() and (wrong["without an answer"] == 0).all())
@@ -91,7 +92,7 @@ class Failure(Synthetic):
         cells = self.store.cells("pair_queries").drop(columns="wrong")
         made = pair_queries.make(self.context, cells)
         self.assertEqual(len(made), 1)
-        self.assertIn("do not count wrong answers", made[0].finding)
+        self.assertIn("do not count wrong answers", made[0].finding.headline)
 
 
 
@@ -126,7 +127,7 @@ class WithinTolerance(Synthetic):
         rows["wrong"] = rows["wrong"] + 3
         self.assertEqual(tolerances.outside(rows, 0), tolerances.outside(self.rows().head(1), 0) + 3)
 
-    def test_ranks_that_turn_are_named(self):
+    def test_ranks_that_reverse_are_named(self):
         """One is always off by 1e-7; the other seldom, but by the whole size."""
         rows = self.rows().query("method in ('fcl_libccd', 'libccd_mpr') and dimension == 3").copy()
         for name in failure.UNANSWERED:
@@ -134,15 +135,21 @@ class WithinTolerance(Synthetic):
         often = rows["method"] == "fcl_libccd"
         rows["wrong"] = np.where(often, rows["asked"] * 7 // 10, rows["asked"] * 32 // 100)
         rows["histogram"] = [{"-14": n - w, "-7" if o else "-1": w} for n, w, o in zip(rows["asked"], rows["wrong"], often)]
-        text = tolerances.finding_of_right(rows, 3, "f64")
-        self.assertIn("judged at 1e-12 of the size fcl_libccd fails on 70% of its questions and libccd_mpr on 32%", text)
-        self.assertIn("at 1e-3 it is 0 and 32%: the rank turns round", text)
+        found, entry = tolerances.finding_of_right(rows, 3, "f64")
+        self.assertEqual(found.headline, "In 3D, f64, fcl_libccd fails more often than libccd_mpr at 1e-12 of the size (70% against "
+                         "32%), but less at 1e-3 (0 against 32%).")
+        self.assertEqual(list(entry.values.values()), [0.7, 0.32, 0.0, 0.32])
+        self.assertEqual(list(found.table["outcome"]), ["rank reverses"] * 2)
         apart = rows[often | (rows["kind_a"] == "box")]
-        self.assertIn("no two witnesses change ranks", tolerances.finding_of_right(apart, 3, "f64"), "asked of other kinds")
+        found, entry = tolerances.finding_of_right(apart, 3, "f64")
+        self.assertIsNone(entry, "asked of other kinds")
+        self.assertNotIn("rank reverses", list(found.table["outcome"]))
+        self.assertIn("fcl_libccd fails most often", found.headline)
         tight = rows[often].assign(method="fcl_libccd{tolerance=1e-14}", wrong=0,
                                    histogram=[{"-15": n} for n in rows[often]["asked"]])
-        text = tolerances.finding_of_right(load.pd.concat([rows, tight], ignore_index=True), 3, "f64")
-        self.assertIn("The tightest setting of a library helps fcl_libccd most: 70% become 0", text)
+        found, _ = tolerances.finding_of_right(load.pd.concat([rows, tight], ignore_index=True), 3, "f64")
+        row = found.table.set_index("method").loc["fcl_libccd{tolerance=1e-14} (witness)"]
+        self.assertEqual((row["fails at 1e-12 [1]"], row["outcome"]), (0.0, "70% with default settings"))
 
 
 def check_paths(agreements):

@@ -100,7 +100,7 @@ NONE_FIRST = {"contact_rules": "contact generators under one solver", "falls": "
               "stages": "stages of one method", "tunnelling_map": "continuous detectors under one solver",
               "unneeded": "a method beside itself"}
 KINDS = ("world", "problems")
-OUT = re.compile(r" Not ranked: .*?\)\.|; [^;]*not ranked \([^)]*\)| Without a rank: [^.]*")
+OUT = "not ranked"  # in the table's row of a method without a rank
 
 
 def left(method):
@@ -117,11 +117,11 @@ class Fallbacks(with_store.WithStore):
     def told(self, name, fill):
         """(what names methods that have a rank, what names those that have none) of all charts of a file."""
         found = self.made(next(kind for kind in chart.kinds() if kind.name == name), fill)
-        texts = [made.finding for made in found]
         heads = [made.headline for made in found if made.headline]
-        said = [OUT.sub("", text) for text in texts] + [OUT.sub("", head.text) for head in heads]
+        rows = ["; ".join(map(str, row.values())) for made in found for row in made.finding.rows()]
+        said = [made.finding.headline for made in found] + [head.text for head in heads]
         said += [method for head in heads for method, value in head.values.items() if value == value]
-        return said, [part for text in texts for part in OUT.findall(text)]
+        return said + [row for row in rows if OUT not in row], [row for row in rows if OUT in row]
 
     def test_what_left_rows_to_gauss_seidel_has_no_rank(self):
         for name, (fill, first) in FIRST.items():

@@ -30,6 +30,7 @@ from charts.measurements import distinctness  # noqa: E402
 from charts.problems import residual  # noqa: E402
 from charts.stages import stages  # noqa: E402
 from charts.standing import steadiness  # noqa: E402
+from with_store import row  # noqa: E402
 
 COST = "ms_per_step_median"
 
@@ -62,18 +63,21 @@ class Findings(with_store.WithStore):
         def told():
             return self.made(cost_against_error, fill)[0]
         made = told()
-        self.assertRegex(made.headline.text, r"box2d has the smallest penetration, 100 µm; naive has 6 mm at iterations=4\.$")
-        self.assertIn("Beside catto at iterations = 30, and without iterations, box2d takes", made.finding)
+        self.assertRegex(made.headline.text, r"box2d has the smallest penetration \(100 µm\), naive the largest \(6 mm at "
+                         r"iterations=4\)\.$")
+        self.assertRegex(row(made, "box2d")["time per step against catto, iterations=30"], r"^0\.\d+ times \(no iterations\)$")
         self.assertEqual(list(made.table["iterations"][made.table["method"] == "box2d"].isna()), [True])
         with unittest.mock.patch.object(over_steps, "own_setting", lambda cells, setting: cells):
-            self.assertNotIn("without iterations", told().finding, "the planted bug was not seen")
+            self.assertNotIn("no iterations", told().finding.text(), "the planted bug was not seen")
 
     def test_the_ends_of_two_runs_of_a_script_are_numbers_and_no_ratio(self):
-        """The last tenth of one run has no repeats here: that no floor of whole runs judges it."""
+        """The last tenth of a run has no repeats, so the floor of whole runs cannot judge it."""
         found = self.made(stages, synthetic_store.stages)[0]
-        self.assertRegex(found.finding, r"none: peak [\d.]+ ms, last tenth [\d.]+ ms a step and split_average: peak")
-        self.assertNotIn("as dear as", found.finding)
-        self.assertIn("no ratio of two runs is told", found.note)
+        self.assertEqual(list(found.finding.table.columns), ["sleep", "largest step [s]", "step of the last tenth [s]",
+                                                             "slowest stage", "share of the time [1]"])
+        self.assertEqual(list(found.finding.table["sleep"]), ["none", "split_average"])
+        self.assertIn("the slowest stage is solver", found.finding.headline)
+        self.assertIn("no ratio of two runs is given", found.note)
 
     def test_of_equal_medians_the_one_that_is_never_worse_is_the_best(self):
         def fill(maker):
@@ -83,8 +87,9 @@ class Findings(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}
                     maker.world("ensemble", axes, 1.0, error, repeats=0)
         found = self.made(ensembles, fill)[0]  # in the order of names catto would be the first
-        self.assertIn("naive and catto tie for the smallest penetration over 3 seeds (naive: median 2 mm, worst 3 mm)",
-                      found.finding)
+        self.assertEqual(found.finding.headline, "On stack, 2D, over 3 seeds, naive and catto tie for the smallest penetration "
+                                                 "(median 2 mm).")
+        self.assertEqual(list(row(found, "naive").values())[1:4], ["2 mm", "3 mm", "best, tie"])
 
     def test_each_seed_is_a_run_of_its_own_where_methods_are_one_path(self):
         def fill(maker, alike=(1,)):
@@ -127,8 +132,10 @@ class Findings(with_store.WithStore):
         cells = self.context(self.cut([1.01, 1.2, 1.21, 1.23, 1.24])).store.cells("costs")
         self.assertEqual(sorted(budget.within(cells, COST, "penetration_poses", 1.02, least)), ["catto", "naive"], "whiskers")
         found = chart.made(error_within_budgets, context)[0]
-        self.assertRegex(found.finding, r"within 1\.02 ms, .*per step that of catto \(1 mm\)\.")
-        self.assertIn("a time above the budget by no more than the noise is within it", found.note)
+        self.assertEqual((row(found, "1.02 ms per step")["best"], row(found, "1.02 ms per step")["smallest penetration of "
+                                                                                                 "shapes"]),
+                         ("catto", "1 mm"))
+        self.assertIn("A time above a budget by no more than the noise is within it", found.note)
 
     @undrawn.drawn
     def test_a_cost_of_0_is_drawn_and_within_every_budget(self):
@@ -152,9 +159,13 @@ class Findings(with_store.WithStore):
                     maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
                                 iterations / 10, error)
         found = self.made(error_within_budgets, fill)[0]
-        self.assertRegex(found.finding, r"^On stack, 2D the smallest penetration is, within 4\d\d µs and 8\d\d µs per step "
-                         r"that of catto \(4 mm\), within \S+ ms that of naive \(2 mm\), within \S+ ms that of naive "
-                         r"\(1 mm\); within \S+ .*multiply-adds per step that of catto \(4 mm\), .* naive \(1 mm\)\.$")
+        self.assertRegex(found.finding.headline, r"^On stack, 2D catto has the smallest penetration within 4\d\d µs per step, "
+                                                 r"naive "
+                         r"within 4[.\d]* ms per step; no method is best at every budget\.$")
+        told = [list(entry.values()) for entry in found.finding.rows()]
+        self.assertEqual([entry[1] for entry in told], ["catto", "catto", "naive", "naive"] * 2)
+        self.assertEqual([entry[-1] for entry in told[:4]], [4e-3, 4e-3, 2e-3, 1e-3])
+        self.assertRegex(told[4][0], r"^[\d,]+ multiply-adds per step$")
 
     def test_what_is_below_rounding_has_no_rank_in_rest(self):
         said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
@@ -190,8 +201,11 @@ class Findings(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 1.0, error)
         found = self.made(residual, fill)[0]
-        self.assertEqual(found.finding, "In 2D on stack the residual of catto and naive falls from 4 to 30 iterations "
-                         "below 1e-12, from 4e-07 to 1e-06; that of 1 of 4 methods is below 1e-12 from the first.")
+        self.assertEqual(found.finding.headline, "In 2D on stack, from 4 to 30 iterations, the residual of catto and naive falls "
+                         "below 1e-12.")
+        row = found.finding.table.iloc[0]
+        self.assertEqual((row["residual before"], row["residual after"]), ("4e-07 to 1e-06", "<1e-12"))
+        self.assertEqual((row["does not fall"], row["below 1e-12 throughout"]), ("0 of 4", "1 of 4"))
 
     def test_residuals_are_compared_over_one_span(self):
         def fill(contacts):
@@ -205,9 +219,11 @@ class Findings(with_store.WithStore):
                             maker.world("costs", axes, 1.0, errors[iterations] * contacts)
             return into
         found = self.made(residual, fill(1))[0]
-        self.assertEqual(found.finding, "In 2D on stack the residual of soft_step falls most of 3 methods from 10 to 30 "
-                         "iterations, from 0.0004 to 0.0001; that of 1 of 3 methods does not fall; on pyramid only "
-                         "iterations=10 was run.")
+        self.assertEqual(found.finding.headline, "In 2D on stack, from 10 to 30 iterations, the residual of soft_step falls most, "
+                         "to 0.0001; it falls on 1 of 2 scenes.")
+        stack, pyramid = found.finding.table.iloc[0], found.finding.table.iloc[1]
+        self.assertEqual((stack["residual before"], stack["residual after"], stack["does not fall"]), ("0.0004", "0.0001", "1 of 3"))
+        self.assertEqual((pyramid["scene"], pyramid["outcome"]), ("pyramid", "only iterations=10 was run"))
         self.assertIsNone(self.made(residual, fill(0))[0].figure, "no contacts, no residual, no chart")
 
     @staticmethod
@@ -230,12 +246,12 @@ class Findings(with_store.WithStore):
         runs = lambda last: lambda method, n, _: [n * (n if method == "naive" else 100) * v  # noqa: E731
                                                   for v in (steady if method == "naive" else (*steady[:4], last))]
         found = self.made(broadphase.broadphase, self.boxes(runs(8.0)))[0]
-        self.assertIn("other is as fast as it at the largest size, within the noise", found.finding)
+        self.assertIn("other: tie at the largest size, within the noise; no crossing", found.finding.text())
         found = self.made(broadphase.broadphase, self.boxes(runs(1.004)))[0]
-        self.assertIn("other overtakes naive at about 100", found.finding)
+        self.assertEqual([row(found, "other")[name] for name in ("result", "about")], ["faster from", "100"])
         with unittest.mock.patch.object(noise, "interval", lambda values: (math.nan, math.nan)):
             bad = chart.made(broadphase.broadphase, self.context(self.boxes(runs(8.0))))[0]
-        self.assertIn("other overtakes naive", bad.finding, "a rule without whiskers was not seen")
+        self.assertEqual(row(bad, "other")["result"], "faster from", "a rule without whiskers was not seen")
 
     def test_boxes_over_another_axis_are_two_charts(self):
         runs = lambda method, n, frames: [n * frames * (1 + 0.01 * i) for i in range(5)]  # noqa: E731
@@ -256,9 +272,10 @@ class Findings(with_store.WithStore):
                     maker.trial("costs", axes, {}, outcome, step=3 if outcome != "ok" else None, series=series)
             return into
         found = self.made(energy, fill(1e9, True))[0]
-        self.assertEqual(found.finding, "In 2D on fall box2d gains energy, 50 % of what is exchanged.")
+        self.assertEqual(found.finding.headline, "In 2D box2d gains energy on fall, 50 % of the energy exchanged.")
         found = self.made(energy, fill(0.0, False))[0]
-        self.assertEqual(found.finding, "In 2D on fall box2d gains energy, 50 J, more than is exchanged.")
+        self.assertEqual(found.finding.headline, "In 2D box2d gains energy on fall, 50 J.")
+        self.assertEqual(row(found, "fall")["remark"], "more than is exchanged")
 
     def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
         def fill(maker):
@@ -271,9 +288,12 @@ class Findings(with_store.WithStore):
                         axes = {"kind": "world", "scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
                         maker.trial("costs", {**axes, "timed": False, "repeat": 0}, {}, series=series)
         found = self.made(energy, fill)[0]
-        self.assertEqual(found.finding, "In 2D at iterations=10 on fall box2d gains energy, 50 % of what is exchanged; on rest "
-                         "box2d gains energy, 0.0005 J, where next to nothing is exchanged; on script the script adds bodies and "
-                         "with them energy: no gain is told.")
+        self.assertEqual(found.finding.headline, "In 2D at iterations=10 methods gain energy on 2 of 2 scenes, box2d most on "
+                                                 "fall (50 "
+                         "% of the energy exchanged).")
+        self.assertEqual([list(row(found, name).values())[1:] for name in ("fall", "rest", "script")], [
+            ["box2d", "box2d", "50 J", "0.5", ""], ["box2d", "box2d", "0.0005 J", "0.5", "little energy is exchanged"],
+            ["", "", "", "", "not compared: the script adds bodies and with them energy"]])
 
 
 if __name__ == "__main__":

@@ -48,7 +48,8 @@ class FirstSweep(unittest.TestCase):
         self.assertEqual({f"friction_leaning_stack__n_{n}" for n in (5, 10, 20)} - drawn, set(), "cost against error")
         self.assertIn("friction_raised_2d", drawn, "the ladder over n")
         self.assertIn("friction_steadiness_2d", drawn)
-        self.assertEqual([c.finding for c in made if c.section == cost_against_error.RIGHT_FOR_COST and c.figure is None], [])
+        self.assertEqual([c.finding.headline for c in made if c.section == cost_against_error.RIGHT_FOR_COST and
+                          c.figure is None], [])
 
     def test_one_more_method_joins_a_shipped_sweep(self):
         with_it = re.search(r"^lpc (sweep resolvers --with .*)$", SWEEPS, re.M).group(1)
@@ -99,8 +100,8 @@ class Choose(unittest.TestCase):
         self.assertEqual(set(taken["role"]), {"competitor"})
         self.assertLessEqual({"fcl_tree", "bullet_dbvt", "box2d", "soft_step", "naive"}, set(table["method"]))
         for name in taken[taken["stage"] != "as a whole"]["method"]:
-            self.assertIn(f" {name} (", found[0].finding)
-        self.assertIn("As a whole this takes", found[0].finding)
+            self.assertIn(name, set(found[0].finding.table["take"]))
+        self.assertIn("as a whole", set(found[0].finding.table["stage"]))
         self.assertEqual(overlap.overlaps(found[0].figure), ([], []))
 
 

@@ -16,12 +16,13 @@ import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import conserved  # noqa: E402
 from charts.conserved import momenta  # noqa: E402
+from with_store import row  # noqa: E402
 
 # (of p, of L) that a method changes; p is 50 kg m/s and L 5 kg m^2/s.
 CHANGED = {"catto": (0.0, 1e-15), "naive": (1e-16, 0.0), "soft_step": (2e-14, 0.25), "avbd": (0.03, 0.05)}
 DECLARED = {"soft_step": ["Solver.TurningKeepsAngularMomentum", "Symmetry.HeavyIsFixed"],
             "avbd": ["Solver.KeepsLinearMomentum", "Solver.KeepsAngularMomentum"]}
-KEPT = "2 of 4 methods keep both momenta to rounding (1e-12 of what there is)"
+KEPT = "2 of 4 methods keep both momenta of free bodies to rounding"
 
 
 class Momenta(with_store.WithStore):
@@ -44,21 +45,23 @@ class Momenta(with_store.WithStore):
     def test_who_changes_momenta_by_how_much_and_who_declares_it(self):
         made = self.made(momenta, self.free())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding, f"In 2D {KEPT}; 1 method changes linear momentum: avbd (3 %); 2 methods change angular "
-                         "momentum: most soft_step (25 %) and avbd (5 %); all of these declare it.")
-        self.assertEqual(made[0].headline.text, "In 2D nothing turns free bodies from outside: 2 methods keep their angular "
-                         "momentum to rounding; soft_step (25 %) changes most, 1 other less.")
+        self.assertEqual(made[0].finding.headline, f"In 2D {KEPT}; soft_step changes angular momentum most (25 %).")
+        self.assertEqual(made[0].headline.text, made[0].finding.headline)
+        self.assertEqual(list(row(made[0], "soft_step").values())[:3], ["soft_step", "0.25", "+0.25"])
+        self.assertEqual((row(made[0], "avbd")["linear momentum"], row(made[0], "avbd")["declared"]), ("0.03", "yes"))
+        self.assertEqual(row(made[0], "2 methods")["methods"], "catto and naive")
         self.assertEqual(made[0].headline.values["catto"], 0)
         table = made[0].table.set_index("method")
-        self.assertAlmostEqual(table.at["avbd", "change of momentum over what there is [1]"], 0.03)
-        self.assertEqual(list(table["declares that it changes linear momentum"]), [m == "avbd" for m in table.index])
+        self.assertAlmostEqual(table.at["avbd", "relative change of momentum [1]"], 0.03)
+        self.assertEqual(list(table["declares a change of linear momentum"]), [m == "avbd" for m in table.index])
 
     def test_who_changes_about_as_much_as_the_worst_is_named_beside_it(self):
         many = {**CHANGED, "avbd": (0.03, 0.68), "soft_step": (0.0, 0.45)}
         made = self.made(momenta, self.free(many))[0]
-        self.assertIn("avbd (68 %) and soft_step (45 %) change most.", made.headline.text)
+        self.assertIn("avbd and soft_step change angular momentum most (68 %).", made.headline.text)
+        self.assertEqual(row(made, "soft_step")["change of angular momentum"], "0.45")
         with unittest.mock.patch.object(conserved, "ALIKE", 1.0):
-            self.assertNotIn("soft_step (", self.made(momenta, self.free(many))[0].headline.text, "the planted bug was not seen")
+            self.assertNotIn("soft_step", self.made(momenta, self.free(many))[0].headline.text, "the planted bug was not seen")
 
     @undrawn.drawn
     def test_rings_are_around_what_is_declared(self):
@@ -69,8 +72,8 @@ class Momenta(with_store.WithStore):
     def test_the_planted_bug_a_method_that_is_silent_is_seen(self):
         said = {**DECLARED, "soft_step": ["Symmetry.HeavyIsFixed"]}
         made = self.made(momenta, self.free(declared=said))[0]
-        self.assertIn("soft_step does not declare it", made.finding)
-        self.assertNotIn("all of these declare it", made.finding)
+        self.assertEqual(row(made, "soft_step")["declared"], "not angular")
+        self.assertEqual(row(made, "avbd")["declared"], "yes")
 
     def test_a_declaration_of_one_choice_is_that_of_no_other(self):
         context = self.context(self.free())
@@ -94,22 +97,23 @@ class Momenta(with_store.WithStore):
 
     def test_what_failed_has_no_momentum_and_is_told(self):
         made = self.made(momenta, self.free(fell=("avbd",)))[0]
-        self.assertIn("no method changes linear momentum", made.finding)
-        self.assertTrue(made.finding.endswith("all of these declare it; avbd fails."), made.finding)
+        self.assertEqual(row(made, "avbd")["against the best"], "failed: exploded")
+        self.assertEqual(row(made, "soft_step")["linear momentum"], "0")
         self.assertNotIn("avbd", made.headline.values)
         self.assertIn("exploded at step 7", made.holes[0])
 
     def test_rounding_is_that_of_the_arithmetic(self):
         small = {"catto": (0.0, 1e-6), "naive": (0.0, 1e-7), "soft_step": (0.0, 0.25), "avbd": (0.03, 0.05)}
         self.assertIn("0 of 4 methods", self.made(momenta, self.free({m: (p, max(v, 1e-6)) for m, (p, v) in small.items()}))[0]
-                      .finding)
-        self.assertIn("2 of 4 methods keep both momenta to rounding (0.0001 of what there is)",
-                      self.made(momenta, self.free(small, precision="f32"))[0].finding)
+                      .finding.headline)
+        made = self.made(momenta, self.free(small, precision="f32"))[0]
+        self.assertIn("2 of 4 methods keep both momenta of free bodies to rounding", made.finding.headline)
+        self.assertIn("up to 0.0001 is rounding", made.note)
 
     def test_where_all_keep_them_nothing_is_ranked_and_without_a_total_there_is_no_chart(self):
         made = self.made(momenta, self.free(dict.fromkeys(CHANGED, (0.0, 0.0))))[0]
-        self.assertEqual(made.finding, "In 2D 4 of 4 methods keep both momenta to rounding (1e-12 of what there is); no "
-                         "method changes linear momentum; no method changes angular momentum.")
+        self.assertEqual(made.finding.headline, "In 2D 4 of 4 methods keep both momenta of free bodies to rounding.")
+        self.assertEqual(len(made.finding.table), 1)
         self.assertIsNone(made.headline)
         self.assertEqual(self.made(momenta, self.free(momentum=0)), [momenta.absent])
         self.assertTrue(math.isnan(self.context(self.free(momentum=0)).cells("mine", conserved.SHARES)["momentum_share"].iloc[0]))

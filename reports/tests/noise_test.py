@@ -28,6 +28,7 @@ from charts.measurements import noise_floor  # noqa: E402
 from charts.one_change import precision, unneeded  # noqa: E402
 from charts.step_times import step_times  # noqa: E402
 from measured import Measured  # noqa: E402
+from with_store import row  # noqa: E402
 
 COST = "ms_per_step_median"
 
@@ -166,12 +167,14 @@ class OfStores(with_store.WithStore):
                         maker.trial("boxes", axes, {"ns_per_frame_median": ns, "ns_per_frame_p25": ns, "ns_per_frame_p75": ns,
                                                     "box_tests_mean": 5.0, "load": 0.1})
         found = self.made(broadphase.broadphase, fill)[0]
-        for text in (found.finding, found.headline.text):
-            self.assertIn("other and third, alike within the noise,", text)
-            self.assertIn("other overtakes naive at about 91 (between 64 and 128)", text)
+        self.assertEqual(found.finding.headline, found.headline.text)
+        self.assertIn("other and third (within the noise) are 9.9 to 10.0 times as fast as naive; other is faster from about 91 "
+                      "bodies "
+                      "on.", found.headline.text)
+        self.assertEqual(row(found, "uniform")["between"], "64 and 128 bodies")
         drawn = " ".join(text.get_text() for ax in found.figure.axes for text in ax.texts)
         self.assertNotIn("wins", drawn)
-        self.assertIn("overtakes naive", drawn)
+        self.assertIn("faster than naive", drawn.replace("\n", " "))
 
     def test_a_time_that_was_not_taken_is_told_as_that(self):
         """All ten frames are warm-up: what finished has no time, and is no line and no failure."""
@@ -184,11 +187,11 @@ class OfStores(with_store.WithStore):
                     maker.trial("boxes", axes, {"ns_per_frame_median": time, "ns_per_frame_p25": time, "ns_per_frame_p75": time,
                                                 "box_tests_mean": 5.0 if method == "naive" else 7.0})
         found = self.made(broadphase.broadphase, fill)[0]
-        self.assertEqual(found.finding, f"In 2D on uniform boxes no time was taken ({broadphase.WHY_UNTIMED}).")
+        self.assertEqual(found.finding.headline, f"In 2D no time was taken: {broadphase.WHY_UNTIMED}.")
         self.assertEqual(found.holes, [f"no time of naive and widest: {broadphase.WHY_UNTIMED}"])
-        self.assertNotIn("one line", found.note)
+        self.assertNotIn("coincide", found.note)
         found = self.made(broadphase.broadphase, lambda maker: fill(maker, 1.0))[0]
-        self.assertNotIn("no time", found.finding + " ".join(found.holes))
+        self.assertNotIn("no time", found.finding.text() + " ".join(found.holes))
 
     def test_a_broadphase_within_the_noise_crosses_nothing(self):
         def fill(maker):
@@ -202,8 +205,8 @@ class OfStores(with_store.WithStore):
                         maker.trial("boxes", axes, {"ns_per_frame_median": ns, "ns_per_frame_p25": ns, "ns_per_frame_p75": ns,
                                                     "box_tests_mean": 5.0, "load": 0.1})
         found = self.made(broadphase.broadphase, fill)[0]
-        self.assertIn("other is as fast as it at the largest size, within the noise", found.finding)
-        self.assertNotIn("times faster", found.finding)
+        self.assertIn("other: tie at the largest size, within the noise; no crossing", found.finding.text())
+        self.assertEqual(found.finding.headline, "In 2D no broadphase is faster than naive beyond the noise at the largest size.")
 
     @undrawn.drawn
     def test_no_chart_calls_too_few_repeats_noise(self):
@@ -249,7 +252,7 @@ class OfStores(with_store.WithStore):
         self.assertAlmostEqual(noise.floor_of(context, "costs", COST), 1.2)
         for found in chart.made(cost_against_error, context):
             self.assertIn(everywhere, found.note, found.id)
-            self.assertNotRegex(found.finding, r"catto takes [\d.]+ times the time of naive")
+            self.assertEqual(row(found, "catto")["time per step against naive"], "inside the noise")
         of_shown = lambda context, sweep, metric: noise.floor(  # noqa: E731
             context.store.cells(sweep).query("scene == 'calm'"), metric)
         with unittest.mock.patch.object(noise, "floor_of", of_shown):
@@ -315,18 +318,18 @@ class OfStores(with_store.WithStore):
 
     def test_ranks_over_seeds(self):
         found = self.made(ensembles.ensembles, self.ensemble(failing=(3, 4)))[0]
-        self.assertIn("catto has the smallest penetration over 10 seeds", found.finding)
-        self.assertIn("; naive fails under 2 of 10 seeds (of all, 6 to 51 %)", found.finding)
-        self.assertIn(", worst 1.1 mm)", found.finding)
+        self.assertIn("over 10 seeds, catto has the smallest penetration", found.finding.headline)
+        self.assertEqual(row(found, "naive")["failed seeds"], "2 of 10 (6 to 51 %)")
+        self.assertEqual(row(found, "catto")["largest penetration, worst"], "1.1 mm")
         self.assertIn("catto", found.headline.text)
         chances = [list(found.table[f"chance of a failure, {end} [1]"].round(3)) for end in ("low end", "high end")]
         self.assertEqual(chances, [[0, 0.057], [0.278, 0.510]], "of catto and naive")
         found = self.made(ensembles.ensembles, self.ensemble(turned=True))[0]
-        self.assertIn("catto and naive tie", found.finding)
+        self.assertIn("catto and naive tie", found.finding.headline)
         self.assertIsNone(found.headline, "a tie is no headline")
         with unittest.mock.patch.object(ranking, "better", lambda a, b, metric, zero, many: a[metric] < b[metric]):
             bad = self.made(ensembles.ensembles, self.ensemble(turned=True))[0]
-        self.assertNotIn("tie", bad.finding, "a rank by medians was not seen")
+        self.assertNotIn("tie", bad.finding.text(), "a rank by medians was not seen")
 
     def test_the_interval_of_a_chance_of_failure_is_wilsons(self):
         def seen(of):
@@ -347,10 +350,10 @@ class OfStores(with_store.WithStore):
                         axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
                         maker.world("ensemble", axes, 1.0, error * (1 + seed / 100), repeats=0, hash=f"{error}{seed:02x}")
         found = self.made(ensembles.ensembles, fill)[0]
-        self.assertEqual(found.headline.text,
-                         "On stack, 2D, started in 10 places, catto+linear and catto+split_impulse tie for the smallest "
-                         "penetration at perturb=1e-06, soft_step at perturb=0.001 (the numbers: medians at perturb=0.001).")
-        self.assertIn("catto+split_impulse ends in the same state as catto+linear under 10 of 10 seeds", found.finding)
+        self.assertEqual(found.headline.text, "On stack, 2D, over 10 seeds, catto+linear and 1 more tie for the smallest "
+                                              "penetration at "
+                         "perturb=1e-06; soft_step has it at perturb=0.001 (median 2.11 mm).")
+        self.assertEqual(row(found, "catto+split_impulse")["against the best"], "tie; same final state under 10 seeds")
         cell = lambda name, errors: {"method": name, "e": 1.0, "measured": {"e": Measured(seeds=errors)},  # noqa: E731
                                      "outcome": "ok", "seeds": [1, 2], "hashes": [f"{v}" for v in errors]}
         for errors, alike in (([1.0, 1.0], (2, 2)), ([1.0, 2.0], (1, 1)), ([0.5, 2.0], (0, 0))):
@@ -363,8 +366,7 @@ class OfStores(with_store.WithStore):
         self.assertNotIn("seeds change nothing", " ".join(found.holes))
 
     def test_a_rank_that_flips_is_a_tie_in_cost_against_error(self):
-        for turned, words in ((False, "catto has, over 10 seeds, the smallest"),
-                              (True, "is not told from chance: a tie")):
+        for turned, words in ((False, "catto has the smallest penetration"), (True, "catto and naive end in a tie")):
             def fill(maker, turned=turned):
                 maker.sweep("costs", "world", resolver="label")
                 for seed in range(1, 11):
@@ -374,7 +376,8 @@ class OfStores(with_store.WithStore):
                         maker.world("costs", axes, 1.0, error * worse)
             found = self.made(cost_against_error, fill)
             self.assertEqual(len(found), 1, "not one chart for each seed")
-            self.assertIn(words, found[0].finding)
+            self.assertIn(words, found[0].finding.headline)
+            self.assertIn("tie" if turned else "2.0 times", row(found[0], "naive")["against the best"])
 
     def test_errors_within_a_cost_name_the_setting_and_those_that_read_alike(self):
         def fill(maker):
@@ -385,10 +388,12 @@ class OfStores(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, each * iterations / 4, error)
         found = self.made(cost_against_error, fill)[0]
-        self.assertIn("weld has the smallest penetration (3 mm at iterations=4) and 3 of 4, hinge, pivot and rod, the same "
-                      "largest (8 mm at iterations=10, 2.7 times as much).", found.finding)
-        self.assertIn("weld has the smallest penetration, 3 mm at iterations=4; hinge, pivot and rod have 8 mm at iterations=10.",
-                      found.headline.text)
+        self.assertEqual(found.finding.headline, "On stack, 2D, within 1.03 ms per step, weld has the smallest penetration (3 "
+                                                 "mm at "
+                         "iterations=4), hinge and 2 more the largest (8 mm at iterations=10).")
+        self.assertEqual(found.headline.text, found.finding.headline)
+        self.assertEqual([row(found, name)["against the best"] for name in ("weld", "hinge", "pivot", "rod")],
+                         ["best", *["2.7 times"] * 3])
 
     def test_slowest_steps_name_the_setting_and_who_is_not_told_apart(self):
         def fill(maker):

@@ -63,13 +63,13 @@ class OverSteps(with_store.WithStore):
                     for iterations in (4, 10):
                         axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations, "seed": seed}
                         maker.world("mine", axes, 1.0, 1e-3)
-        asks = "mine asks for this chart and has not what it needs: one seed"
         for kind in (steadiness, residual, energy):
             found = self.made(kind, fill)
             self.assertEqual([c.figure for c in found], [None])
-            self.assertTrue(found[0].finding.startswith(asks), found[0].finding)
-            self.assertNotIn("trials of kind world", found[0].finding, "it has these")
-        self.assertIn("trials of kind boxes", self.made(broadphase, fill)[0].finding)
+            self.assertIn("The `report` of mine lists this chart", found[0].finding.headline)
+            self.assertTrue(found[0].holes[0].startswith("The chart needs one seed"), found[0].holes)
+            self.assertNotIn("trials of kind world", found[0].holes[0], "it has these")
+        self.assertIn("trials of kind boxes", self.made(broadphase, fill)[0].holes[0])
         self.assertIsNotNone(self.made(ensembles, fill)[0].figure)
 
     @undrawn.drawn

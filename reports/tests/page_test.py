@@ -169,24 +169,24 @@ class Pictures(unittest.TestCase):
         said = []
         self.assertEqual(self.figure(lambda ax: (style.one_line(ax, firsts, " and ".join), said.extend(t.get_text()
                                                  for t in ax.texts))), ([], []))
-        self.assertEqual(said, ["a and c are one line here"])
+        self.assertEqual(said, ["a and c coincide"])
 
     def test_many_lines_on_one_another_are_counted_in_one_line(self):
         alike = {f"a method with a long name {i}": [float(i // 3)] for i in range(9)}
         said = []
         self.figure(lambda ax: (style.one_line(ax, style.same(alike), sentences.listing),
                                 said.extend(t.get_text() for t in ax.texts)))
-        self.assertEqual(said, ["9 methods are 3 lines here"])
+        self.assertEqual(said, ["9 methods lie on 3 lines"])
 
     def test_lines_without_room_for_their_names_are_named_in_the_caption(self):
         alike = {f"a method with a long name {i}": [1.0, 2.0] for i in range(9)}
         told, names = [], sentences.listing(alike)
         self.figure(lambda ax: told.append(style.one_line(ax, style.same(alike), sentences.listing)))
-        self.assertEqual(told, [f"{names} are one line"])
+        self.assertEqual(told, [f"{names} coincide"])
         self.figure(lambda ax: told.append(style.one_line(ax, style.same({"a": [1.0], "b": [1.0]}), sentences.listing)))
         self.assertEqual(told[1], "", "named in the picture")
         self.assertEqual(style.caption_of_lines([("left", told[0]), ("middle", ""), ("right", told[0])]),
-                         f" left, right: {names} are one line.")
+                         f" left, right: {names} coincide.")
 
 
 def check_titles(charts, name_apart):
@@ -235,8 +235,8 @@ class Words(undrawn.Undrawn):
         for name, meaning in coverage.MEANINGS.items():
             self.assertIn(f"| `{name}` | {meaning} |", manual)
         page = self.page(lambda maker: maker.trial("s", {"kind": "world"}, {}, "collapsed", "far", 9))
-        self.assertIn("<td>collapsed</td><td>C</td><td>a body went farther from where it came than the scene&#x27;s limit of "
-                      "drift, not by sagging alone, or still creeps at the end</td><td class=n>1</td>", page)
+        self.assertIn("<td>collapsed</td><td>C</td><td>a body moved farther from its start than the scene&#x27;s limit of drift, "
+                      "not by sagging alone, or still creeps at the end</td><td class=n>1</td>", page)
 
     def test_a_metric_is_named_as_charts_name_it(self):
         page = self.page(lambda maker: None)

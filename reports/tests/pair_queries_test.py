@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the charts of pair queries: no lead within the noise, shares with their numbers, every cell explained. Run by
-ctest, or python3 reports/tests/pair_queries_test.py."""
+"""Tests of the charts of pair queries: no lead inside the noise, shares with their numbers, every cell explained. Run by ctest, or
+python3 reports/tests/pair_queries_test.py."""
 
 import math
 import sys
@@ -24,13 +24,13 @@ import undrawn  # noqa: E402
 from charts import ledger, pair_queries  # noqa: E402
 
 PAIRS = (("box", "box"), ("box", "sphere"), ("sphere", "sphere"))
-# ns a query on each of PAIRS; None is what a method does not declare
+# ns a query on each of PAIRS; None: the method does not declare the pair
 QUICK = {"closed_form": (None, 100, 50), "sat": (200, 104, 51), "gjk_epa": (400, 300, 120)}
 
 
 def queries(maker, failing=(), asked=600, missing=(), batch={}):
-    """Three of ours on three pairs in 2D, five repeats with a spread of 5 %; `failing`: witnesses with 8 failures of 96;
-    `batch`: other times in batches."""
+    """Three methods on three pairs in 2D, five repeats with a spread of 5 %; `failing`: witnesses with 8 failures of 96; `batch`:
+    other times in batches."""
     maker.sweep("pair_queries", "pairs", pair_query="stage")
     times = {**QUICK, **dict.fromkeys(failing, (90, 90, 90))}
     for method, of_pairs in times.items():
@@ -69,57 +69,73 @@ class PairQueries(undrawn.Undrawn):
                 self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
         return found
 
-    def test_leaders_within_the_noise_are_named_together(self):
+    @staticmethod
+    def wins(made, *columns):
+        """{method: its counts}"""
+        table = made.finding.table.set_index("method")
+        return {method: tuple(int(table.at[method, column]) for column in columns or ("fastest on", "ties for fastest on"))
+                for method in table.index}
+
+    def test_methods_inside_the_noise_tie(self):
         first = self.made()[0]
-        self.assertIn("of 3 pairs of shapes, the fastest without a failure is sat on 1; within the noise of each other, "
-                      "closed_form or sat on 2", first.finding)
-        self.assertIn("differs by up to 5 %", first.note)
+        self.assertEqual(self.wins(first), {"sat": (1, 2), "closed_form": (0, 2), "gjk_epa": (0, 0)})
+        self.assertEqual(first.finding.headline, "In 2D 3 of 3 methods never fail at 1e-12 of the size; without failures, sat is "
+                         "fastest or tied on 3 of 3 pairs of shapes.")
+        self.assertIn(" 5 % ", first.note)
         with unittest.mock.patch.object(noise, "tells", lambda a, b, metric, least: a[metric] != b[metric]):
             bad = self.made()[0]
-        self.assertIn("closed_form on 2 and sat on 1", bad.finding, "the planted bug: every difference counts")
+        self.assertEqual(self.wins(bad)["closed_form"], (2, 0), "the planted bug: every difference counts")
 
-    def test_who_has_no_rival_is_not_called_the_fastest(self):
+    def test_the_only_method_of_a_pair_is_not_the_fastest(self):
         first = self.made(missing=(("gjk_epa", "box", "box"),))[0]
-        self.assertIn("within the noise of each other, closed_form or sat on 2; without a rival, sat on 1", first.finding)
-        self.assertNotIn("the fastest", first.finding)
+        self.assertEqual(self.wins(first, "fastest on", "ties for fastest on", "only method on")["sat"], (0, 2, 1))
+        self.assertIn("fastest or tied on 2 of 2 pairs of shapes", first.finding.headline)
 
     def test_times_in_batches_have_no_rank(self):
         first = self.made(batch={"gjk_epa": 1})[0]
-        self.assertIn("sat on 1; within the noise of each other, closed_form or sat on 2", first.finding)
+        self.assertEqual(self.wins(first), {"sat": (1, 2), "closed_form": (0, 2), "gjk_epa": (0, 0)})
         self.assertEqual(set(first.table.query("method == 'gjk_epa'")["time per query in batches [s]"].round(11)), {1e-9})
         with unittest.mock.patch.object(pair_queries, "TIME", pair_queries.BATCH):
-            self.assertIn("gjk_epa on 3", self.made(batch={"gjk_epa": 1})[0].finding,
-                          "the planted bug: lanes beside single calls")
+            self.assertEqual(self.wins(self.made(batch={"gjk_epa": 1})[0])["gjk_epa"], (3, 0),
+                             "the planted bug: SIMD lanes beside single calls")
 
-    def test_who_computes_in_single_precision_is_judged_by_it_and_named(self):
-        self.assertIn("At 1e-12 of the size, box2d fails somewhere", self.made(failing=("box2d",))[0].finding)
-        made = self.made(failing=("box2d",), in_float=("box2d",))
-        for text in (made[0].finding, made[0].headline.text, made[1].finding):
-            self.assertIn("t 1e-12 of the size (box2d, in single precision, at 1e-5 of the size), ", text)
+    def test_a_method_in_single_precision_is_judged_by_it(self):
+        judged = lambda made: made.finding.table.set_index("method")["judged at"].to_dict()  # noqa: E731
+        self.assertEqual(set(judged(self.made(failing=("box2d",))[0]).values()), {"1e-12 of the size"})
+        for made in self.made(failing=("box2d",), in_float=("box2d",)):
+            self.assertIn("at 1e-12 of the size", made.finding.headline)
+            self.assertEqual({m for m, at in judged(made).items() if at == "1e-5 of the size"}, {"box2d"})
 
-    def test_where_nobody_fails_the_headline_tells_times_beyond_the_noise(self):
+    def test_without_failures_the_headline_tells_times_beyond_the_noise(self):
         first = self.made()[0]
-        self.assertIn("No method fails at 1e-12 of the size, and no error is above 3e-16", first.finding)
-        self.assertIn("In 2D no method fails, in 4,800 queries; times differ most on box–sphere, where gjk_epa takes 3.0 times "
-                      "the 100 ns", first.headline.text)
-        self.assertIn("of closed_form or sat, which are within the noise", first.headline.text)
+        self.assertEqual(set(first.finding.table["outcome"]), {"never fails"})
+        self.assertAlmostEqual(first.finding.table["worst error over the size [1]"].max(), 3e-16)
+        self.assertEqual(first.headline.text, "In 2D no method fails; times differ most on box–sphere, where gjk_epa takes 3.0 "
+                         "times the 100 ns of closed_form and sat (tie).")
         with unittest.mock.patch.object(noise, "floor", lambda cells, metric: 10.0):
             self.assertIsNone(self.made()[0].headline, "no difference is beyond the noise")
 
-    def test_where_somebody_fails_the_headline_tells_who_and_how_often(self):
+    def test_failing_methods_stand_in_the_headline_and_in_the_table(self):
         first = self.made(failing=("fcl_libccd", "libccd_mpr", "fcl_indep"))[0]
-        self.assertIn("At 1e-12 of the size, fcl_indep, fcl_libccd and libccd_mpr fail somewhere; the worst error "
-                      "is 0.5 of the size", first.finding)
-        self.assertIn("closed_form (50 ns a query), sat (51 ns a query) and gjk_epa (120 ns a query) never fail, in 600 queries "
-                      "each; the 3 others fail on 8.3% of 96", first.headline.text)
-        self.assertTrue(all(math.isnan(first.headline.values[m]) for m in ("fcl_libccd", "libccd_mpr", "fcl_indep")))
+        table = first.finding.table.set_index("method")
+        failing = ["fcl_indep", "fcl_libccd", "libccd_mpr"]
+        self.assertEqual(list(table.index[-3:]), failing, "they stand last, though they are fast")
+        self.assertEqual(set(table.loc[failing, "outcome"]), {"fails on 3 of 3 pairs"})
+        self.assertEqual(set(table.loc[failing, "worst error over the size [1]"]), {0.5})
+        self.assertIn("3 of 6 methods never fail at 1e-12 of the size", first.finding.headline)
+        self.assertEqual(first.headline.text, "On sphere–sphere in 2D 3 of 6 methods fail, on 8.3% of the queries; fastest without "
+                         "a failure are closed_form and sat (50 ns).")
+        self.assertTrue(all(math.isnan(first.headline.values[m]) for m in failing))
 
     @undrawn.drawn
     def test_shares_have_the_number_of_queries_beside_them(self):
         rates = self.made(failing=("fcl_libccd",))[1]
-        self.assertIn("fcl_libccd fails most often, on sphere–sphere: 8 of 96 (8.3%)", rates.finding)
-        self.assertIn("queries of each pair of shapes: 96 to fcl_libccd, 600 to closed_form, gjk_epa and sat", rates.finding)
-        self.assertIn("up to 0.5% at 600 queries may have stayed unseen", rates.note)
+        self.assertEqual(rates.finding.headline, "In 2D 3 of 4 methods never fail at 1e-12 of the size; fcl_libccd fails most "
+                         "often, on sphere–sphere: 8 of 96 (8.3%).")
+        table = rates.finding.table.set_index("method")
+        self.assertEqual(list(table["queries of a pair"]), ["600", "600", "600", "96"])
+        self.assertEqual(list(table["unseen share, at most"]), ["0.5%", "0.5%", "0.5%", ""])
+        self.assertEqual(table.at["fcl_libccd", "failures there"], "8 of 96")
         labels = [label.get_text() for label in rates.figure.axes[0].get_yticklabels()]
         self.assertEqual(labels, ["closed_form, 600", "fcl_libccd (witness), 96", "gjk_epa, 600", "sat, 600"])
 
@@ -127,9 +143,9 @@ class PairQueries(undrawn.Undrawn):
     def test_what_is_not_asked_or_not_declared_has_its_word_in_the_legend(self):
         legend = lambda made: [text.get_text() for text in made.figure.legends[0].get_texts()]  # noqa: E731
         asked, blank = self.made()[1], self.made(missing=(("sat", "box", "box"),))[1]
-        self.assertIn("no: does not declare it", legend(asked))
-        self.assertNotIn("blank: was not asked", legend(asked))
-        self.assertIn("blank: was not asked", legend(blank))
+        self.assertIn("no: not declared", legend(asked))
+        self.assertNotIn("blank: not asked", legend(asked))
+        self.assertIn("blank: not asked", legend(blank))
 
     @undrawn.drawn
     def test_a_pair_that_is_not_declared_takes_no_room_on_the_axes(self):

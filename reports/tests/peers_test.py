@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the chart of ours beside packaged libraries: who fails is never a peer that is right, and no lead within the
-noise. Run by ctest, or python3 reports/tests/peers_test.py."""
+"""Tests of the chart of LPC and packaged libraries: a failing library is never the comparison, and no lead inside the noise. Run
+by ctest, or python3 reports/tests/peers_test.py."""
 
 import sys
 import unittest
@@ -44,30 +44,38 @@ class Peers(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
+    @staticmethod
+    def counts(made):
+        return dict(zip(made.finding.table["outcome"], made.finding.table["questions"]))
+
     @undrawn.drawn
-    def test_who_fails_is_no_peer_that_is_right(self):
+    def test_a_failing_library_is_not_the_comparison(self):
         made = self.one()
-        self.assertEqual(made.finding, "Of 3 questions that ours answer without a failure, on 2 a library fails nowhere, either: "
-                         "ours is faster than the fastest such on 1 (2.1 times, on box–box, 3D against libccd_mpr), slower "
-                         "on 0, within the noise on 1; on 1 every library fails, and on 1 of these one is faster than ours.")
-        self.assertIn("On box–box, 3D, sat takes 1/2.1 of the time of libccd_mpr", made.headline.text)
+        self.assertEqual(made.finding.headline, "Against the fastest library without failures LPC is faster on 1 of 3 questions, "
+                         "slower on 0, tied on 1; on 1 every library fails.")
+        self.assertEqual(self.counts(made), {"LPC faster": 1, "tie: inside the noise": 1, "every library fails, one is faster": 1})
+        ahead = made.finding.table.set_index("outcome").loc["LPC faster"]
+        self.assertAlmostEqual(ahead["most [1]"], 2.1)
+        self.assertEqual((ahead["largest difference on"], ahead["LPC's method"], ahead["library"]),
+                         ("box–box, 3D", "sat", "libccd_mpr"))
+        self.assertEqual(made.headline.text, "On box–box, 3D, libccd_mpr takes 2.1 times as long as sat; neither fails.")
         row = made.table[(made.table["question"] == "box–box, 3D") & (made.table["library"] == "fcl")].iloc[0]
-        self.assertEqual((row["ours"], row["failures [1]"]), ("sat", 5))  # closed_form is faster, and fails
+        self.assertEqual((row["LPC's method"], row["failures [1]"]), ("sat", 5))  # closed_form is faster, and fails
         self.assertAlmostEqual(row["ratio [1]"], 0.4, places=1)
         hollow = [line for line in made.figure.axes[0].lines if line.get_markerfacecolor() == "none"]
         self.assertEqual(len(hollow), 2)
         with unittest.mock.patch.object(pair_queries, "right", lambda row: row["peers"][0]):
-            self.assertIn("slower on 2", self.one().finding, "the planted bug: whoever is fastest is right")
+            self.assertEqual(self.counts(self.one())["LPC slower"], 2, "the planted bug: the fastest library counts as right")
 
-    def test_no_lead_within_the_noise(self):
+    def test_no_lead_inside_the_noise(self):
         with unittest.mock.patch.object(noise, "tells", lambda a, b, metric, least: True):
-            self.assertIn("faster than the fastest such on 2", self.one().finding, "the planted bug: every difference counts")
+            self.assertEqual(self.counts(self.one())["LPC faster"], 2, "the planted bug: every difference counts")
 
     def test_another_precision_is_another_question(self):
-        self.assertEqual(self.one(precisions=("f64", "f32")).finding.split(":")[0],
-                         self.one().finding.split(":")[0], "who is fast in f32 would be ours, and libraries answer in f64")
+        self.assertEqual(self.counts(self.one(precisions=("f64", "f32"))), self.counts(self.one()),
+                         "a fast f32 method would count as LPC's, and libraries answer in f64")
 
-    def test_who_was_asked_nothing_is_no_row(self):
+    def test_a_cell_without_queries_is_no_row(self):
         self.assertEqual([chart.figure for chart in self.made(peers, lambda maker: fill(maker, asked=0))], [None])
 
 

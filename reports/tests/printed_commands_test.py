@@ -129,7 +129,7 @@ class PrintedCommands(unittest.TestCase):
         with sqlite3.connect(self.folder / "s.db") as db:
             db.execute("DELETE FROM trial WHERE json_extract(canonical, '$.broadphase') = 'planted_slow'")
         (sentence, lines), = pages.missing(self.opened(), "s.db")
-        self.assertEqual(sentence, "1 of 3 trials of boxes are missing: it was stopped, or still runs.")
+        self.assertEqual(sentence, "1 of 3 trials of boxes are missing: the sweep was stopped, or still runs.")
         make.main(["--store", str(self.folder / "s.db"), "--out", str(self.folder / "out")])
         page = html.unescape((self.folder / "out" / "index.html").read_text(encoding="utf-8"))
         self.assertLess(page.index(sentence), page.index('id="contents"'), "on the first screen")

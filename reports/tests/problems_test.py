@@ -18,8 +18,7 @@ from charts import problems  # noqa: E402
 from charts.problems import frozen_problems  # noqa: E402
 
 def invented(maker, dear=False, ns=None, swept=()):
-    """`ns`: {method: time of an iteration}, of a sweep that is timed; `swept`: methods that leave half of their rows to
-    Gauss-Seidel."""
+    """`ns`: {method: time of an iteration} of a timed sweep; `swept`: methods that leave half of their rows to Gauss-Seidel."""
     maker.sweep("mine", "problems", "catto", velocity="stage", problems="run", start="run", order="run", friction="run")
 
     def trial(name, method, rate, friction="on", order="recorded", predicted=math.nan, outcome="ok", each=10.0):
@@ -47,47 +46,57 @@ def invented(maker, dear=False, ns=None, swept=()):
 
 class Problems(with_store.WithStore):
     @undrawn.drawn
-    def test_who_solves_how_much_at_which_cost(self):
+    def test_residuals_profile_and_rates(self):
         curves, profile, rates = self.made(frozen_problems, invented)
-        self.assertEqual(curves.finding, "Of 2 problems, with all iterations, the least is left by nncg on 2 and catto on 1.",
-                         "0.5^40 is rounding as 0.25^40 is")
+        self.assertEqual(curves.finding.headline, "After all iterations nncg has the smallest residual on 2 of 2 problems.")
+        found = curves.finding.table.set_index("method")
+        self.assertEqual(found["smallest or tied on [1]"].to_dict(), {"nncg": 2, "catto": 1}, "0.5^40 is rounding as 0.25^40 is")
+        self.assertAlmostEqual(found.at["catto", "median residual [1]"], 0.99**40 / 2)
         self.assertEqual([ax.get_title("left") or ax.get_title() for ax in curves.figure.axes if ax.get_visible()],
                          ["easy", "hard"])
-        self.assertEqual(profile.finding, "Of 2 problems nncg solves most, 100 %. nncg is the cheapest for 100 %.")
-        table = profile.table.set_index("method")
-        self.assertEqual(list(table.index), ["catto", "nncg"], "not what is unsupported")
+        self.assertEqual(profile.finding.headline, "nncg solves the largest share of 2 problems (100 %) and is cheapest most often "
+                         "(100 %).")
+        table = profile.finding.table.set_index("method")
+        self.assertEqual(list(table.index), ["nncg", "catto"], "unsupported methods have no row")
         self.assertEqual(table.loc["catto", "share solved"], 0.5)
         self.assertEqual(table.loc["catto", "median multiple"], 2)
-        # (1 - 0.85) / (1 - 0.9): the planted rate that is not the predicted one is told.
-        self.assertEqual(rates.finding, "On 2 frictionless cells the matrix tells catto's number of iterations to within "
-                         "1.5 times.")
+        # (1 - 0.85) / (1 - 0.9): the planted difference of the rates shows.
+        self.assertEqual(rates.finding.headline, "On 2 frictionless cells the spectral radius predicts catto's number of iterations "
+                         "to within 1.5 times.")
+        self.assertEqual(rates.finding.table[["order of rows", "iterations, measured over predicted"]].to_numpy().tolist(),
+                         [["coloured", "1.5"], ["recorded", "1"]])
 
-    def test_what_left_rows_to_gauss_seidel_solves_nothing(self):
+    def test_a_method_that_leaves_rows_to_gauss_seidel_has_no_rank(self):
         ns = {"catto": 1000.0, "nncg": 1250.0, "soft_step": 1.0}
         for about in ({}, {"ns": ns}):
             made = self.made(frozen_problems, lambda maker, about=about: invented(maker, swept=("nncg",), **about))
             for chart in made[:-1]:
-                self.assertTrue(chart.finding.endswith("Not ranked: nncg on 2 of 2 (50 % Gauss-Seidel)."), chart.finding)
-                self.assertNotIn("nncg", chart.finding.split(" Not ranked")[0], chart.id)
-            self.assertIn("catto solves most, 50 %.", made[-2].finding)
+                table = chart.finding.table.set_index("method")
+                self.assertEqual(table.at["nncg", "outcome"], "not ranked on 2 of 2: 50 % Gauss-Seidel")
+                self.assertEqual(table.index[-1], "nncg")
+                self.assertNotIn("nncg", chart.finding.headline, chart.id)
+            self.assertIn("catto solves the largest share of 2 problems (50 %)", made[-2].finding.headline)
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
             found = self.made(frozen_problems, lambda maker: invented(maker, swept=("nncg",)))
-            self.assertIn("left by nncg on 2", found[0].finding)
+            self.assertIn("nncg has the smallest residual on 2", found[0].finding.headline)
 
-    def test_who_solves_beyond_the_chart_is_named(self):
+    def test_costs_beyond_the_axis_are_listed(self):
         self.assertEqual(self.made(frozen_problems, invented)[1].holes, [])
         profile = self.made(frozen_problems, lambda maker: invented(maker, dear=True))[1]
-        self.assertIn("direct_lcp and nncg solve most, 100 %", profile.finding)
+        self.assertIn("direct_lcp and nncg solve the largest share of 2 problems (100 %)", profile.finding.headline)
         self.assertEqual(profile.holes, ["direct_lcp: 1 more of 2 problems at 200 times the best, not drawn"])
 
     @undrawn.drawn
-    def test_what_is_timed_has_curves_over_time(self):
+    def test_a_timed_sweep_has_curves_over_time(self):
         # On easy catto has 10 iterations to a thousandth and nncg 5: 1.6 times the time. On hard nncg is alone.
         ns = {"catto": 1000.0, "nncg": 1250.0, "soft_step": 1.0}
         curves, over_time, *_ = self.made(frozen_problems, lambda maker: invented(maker, ns=ns))
         self.assertEqual((curves.id, over_time.id), ("mine_cold_curves", "mine_cold_times"))
-        self.assertEqual(over_time.finding, "Of 2 problems, less than 0.001 g dt is left in less than 2 times the time of the "
-                         "first by nncg on 2 and catto on 1.")
+        self.assertEqual(over_time.finding.headline, "nncg solves 2 of 2 problems to 0.001 g dt within 2 times the fastest method's "
+                         "time.")
+        counts = over_time.finding.table.set_index("method")["fastest or tied on [1]"].to_dict()
+        self.assertEqual(counts, {"nncg": 2, "catto": 1})
+        self.assertEqual(list(over_time.finding.table["outcome"]), ["", "no result on 1 of 2"])
         panels = [ax for ax in over_time.figure.axes if ax.get_visible()]
         self.assertEqual([ax.get_title("left") for ax in panels], ["easy", "hard"])
         self.assertEqual({ax.get_xlabel() for ax in panels}, {"time per solve"})
@@ -98,23 +107,23 @@ class Problems(with_store.WithStore):
         self.assertEqual(list(table)[:4], [1e-5, 6.25e-6, math.inf, 1.25e-5])
         # Beside a cheaper catto nncg takes 2.1 times as long on easy.
         dear = self.made(frozen_problems, lambda maker: invented(maker, ns={**ns, "catto": 300.0}))[1]
-        self.assertTrue(dear.finding.endswith("catto on 1 and nncg on 1."), dear.finding)
+        self.assertEqual(dear.finding.table.set_index("method")["fastest or tied on [1]"].to_dict(), {"catto": 1, "nncg": 1})
         self.assertEqual([chart.id for chart in self.made(frozen_problems, invented) if "times" in chart.id], [],
                          "nothing was timed")
 
-    def test_the_time_to_a_residual_is_that_from_which_on_it_stays(self):
+    def test_the_time_to_a_residual_counts_from_where_it_stays(self):
         time, left = [math.nan, 1.0, 2.0, 3.0, 4.0], [1.0, 1e-4, 1e-2, 1e-4, 1e-5]
         self.assertEqual(problems.time_to(1e-3, time, left), 3)
         self.assertEqual(problems.time_to(1e-3, time, [1.0, 1e-4, 1e-4, 1e-4, math.nan]), math.inf, "no number solves nothing")
-        self.assertEqual(problems.time_to(1e-3, time, [0.0] * 5), 1, "solved before it begins, which has no time")
+        self.assertEqual(problems.time_to(1e-3, time, [0.0] * 5), 1, "solved without iterations, which has no time")
         # The planted bug, the first time below, is seen.
         self.assertNotEqual(problems.time_to(1e-3, time, left), next(t for t, value in zip(time, left) if value < 1e-3))
 
-    def test_a_problem_that_nobody_solves_counts_and_the_best_is_one(self):
+    def test_a_problem_that_no_method_solves_counts_and_the_best_is_one(self):
         found = problems.profile({"a": [10, 100, math.inf], "b": [20, 50, math.inf]})
         self.assertEqual([list(part) for part in found["a"]], [[1, 2], [1 / 3, 2 / 3]])
         self.assertEqual([list(part) for part in found["b"]], [[1, 2], [1 / 3, 2 / 3]])
-        # The planted bug, times over the best of all problems and not of each, is seen: a would have 10 and not 2.
+        # The planted bug, ratios to the best of all problems instead of each, is seen: a would have 10 instead of 2.
         self.assertNotIn(10, found["a"][0])
 
 

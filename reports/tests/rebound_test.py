@@ -15,6 +15,7 @@ import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import contacts  # noqa: E402
 from charts.contacts import rebound  # noqa: E402
+from with_store import row  # noqa: E402
 
 
 def track(fall, back):
@@ -50,8 +51,13 @@ class Rebound(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding, "In 2D, springy throws the body back by up to 2 m (at 20 m/s), at all from 20 m/s on; "
-                                       "calm and other throw it back by no more than 1 µm at any speed up to 20 m/s.")
+        self.assertEqual(made.finding.headline, "In 2D springy throws a body without restitution back by up to 2 m at 20 m/s; "
+                                                "calm "
+                                                "and other do not.")
+        self.assertEqual(made.headline.text, made.finding.headline)
+        found = row(made, "springy")
+        self.assertEqual((found["rebound, at most"], found["bounces from"], found["tried up to"]), ("2 m", "20 m/s", "20 m/s"))
+        self.assertEqual(row(made, "calm")["rebound, at most"], "0 m")
         self.assertEqual(made.headline.values, {"calm": 0.0, "other": 0.0, "springy": 2.0})
         rows = made.table[made.table["method"] == "springy"]
         self.assertAlmostEqual(rows["share of the energy [1]"].iloc[1], 0.1)
@@ -68,14 +74,16 @@ class Rebound(with_store.WithStore):
 
     def test_who_failed_has_no_number(self):
         made = self.one(back={"springy": (0, None), "calm": (0, 0.2)})
-        self.assertEqual(made.finding, "In 2D, calm throws the body back by up to 4 m (at 20 m/s), at all from 20 m/s on; "
-                                       "springy throws it back by no more than 1 µm at any speed up to 5 m/s.")
-        self.assertTrue(math.isnan(made.table[made.table["method"] == "springy"]["thrown back [m]"].iloc[1]))
+        self.assertEqual(made.finding.headline, "In 2D calm throws a body without restitution back by up to 4 m at 20 m/s; "
+                                                "springy "
+                                                "does not.")
+        self.assertEqual(row(made, "springy")["tried up to"], "5 m/s", "it failed at 20 m/s")
+        self.assertTrue(math.isnan(made.table[made.table["method"] == "springy"]["rebound [m]"].iloc[1]))
         self.assertIn("exploded", " ".join(made.holes))
 
     def test_who_sinks_is_told(self):
         made = self.one(deeper={"other": 0.3})
-        self.assertTrue(made.finding.endswith("; other leaves it up to 300 mm deeper than others do."), made.finding)
+        self.assertEqual(row(made, "other")["left deeper than by others"], "300 mm")
         self.assertAlmostEqual(made.table["speed [m/s]"].max(), 20.0, msg="the planted bug: who sinks fell faster")
 
     def test_only_where_a_sweep_asks(self):

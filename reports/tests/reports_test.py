@@ -280,14 +280,17 @@ class Findings(WithStore):
         # 0.9 n^2 = 95 n^1.08 of synthetic_store.BROADPHASES
         for n in tree["n"]:
             self.assertAlmostEqual(n, (95 / 0.9)**(1 / 0.92), delta=1)
-        text = broadphase.finding(cross, "naive", 2, broadphase.leaders(cells, "naive", 1.0), 1.0)
-        # The method of the report's own figure is told where another one has been named; without it the finding is as it was.
+        ahead = broadphase.leaders(cells, "naive", 1.0)
+        told = lambda asked="": broadphase.found(cells, cross, "naive", 2, ahead, 1.0, asked)[0]  # noqa: E731
+        text = told().text()
+        # The method of the report's own figure has a row where another one is marked; without it the finding is as it was.
         asked = cross[cross["kind"].eq("crosses") & ~cross.index.isin(broadphase.crossing_methods(cross).index)].iloc[0]
-        with_it = broadphase.finding(cross, "naive", 2, broadphase.leaders(cells, "naive", 1.0), 1.0, asked["method"])
-        self.assertIn(f"on {asked['distribution']} boxes {asked['method']} overtakes naive at about {asked['n']:,.0f} ", with_it)
-        self.assertGreater(len(with_it), len(text))
-        self.assertIn("uniform_grid overtakes naive at about 76 (between 50 and 200)", text)
-        self.assertNotIn("uniform_grid on cluster", text.split("fastest at the largest size")[1], "it has no cell there")
+        with_it = told(asked["method"]).text()
+        self.assertIn(f"{asked['distribution']}; {asked['method']}; faster from; {asked['n']:.3g}; ", with_it)
+        self.assertEqual(with_it.count("\n"), text.count("\n") + len(cross[cross["method"].eq(asked["method"])]))
+        self.assertIn("uniform_grid; faster from; 75.9; 50 and 200 bodies", text)
+        cluster = next(line for line in text.split("\n") if line.startswith("cluster"))
+        self.assertIn("; 2,000; sort_and_sweep; 26 times; ", cluster, "uniform_grid has no cell there")
 
     def test_no_question_of_the_ledger_vanishes(self):
         questions = self.store.ledger()
@@ -376,7 +379,10 @@ class Findings(WithStore):
         self.assertIn("broken on uniform/100: did not start", made.holes)
         row = made.table.set_index("algorithm").loc["naive"]
         self.assertAlmostEqual(row["uniform/1000 [s]"], 0.9e-9 * 1e6, delta=1e-18)
-        self.assertIn("sort_and_sweep", made.finding)
+        found = made.finding.table.set_index("algorithm")
+        self.assertEqual(list(found.loc[["sort_and_sweep", "broken"], "fastest on"]), ["4 of 4", "0 of 4"])
+        self.assertEqual(found.at["broken", "outcome"], "no time on 4")
+        self.assertIn("sort_and_sweep is the fastest broadphase 2D on 4 of 4 calls", made.finding.headline)
         style.plt.close(made.figure)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of a script's profile under the names of 2009: known phases, counts and ratios. Run by ctest, or
+"""Tests of the phases of the 2009 report over a script: known phases, counts and ratios. Run by ctest, or
 python3 reports/tests/script_profile_test.py [PICTURE.png]."""
 
 import sys
@@ -25,7 +25,7 @@ RUNS = {"first": (100, 200, 40), "second": (30, 50, 2)}
 class ScriptProfile(with_store.WithStore):
     @staticmethod
     def scripts(runs=None, repeats=4, report=("script_profile",), failed=(), slow=None):
-        """`slow`: {repeat: how many times as slow it is in its last tenth}, where every repeat stores its times."""
+        """`slow`: {repeat: factor of the times of its last tenth}; every repeat then stores its times."""
         def fill(maker):
             maker.sweep("heritage_sleeping", "world", resolver="label", report=list(report))
             half = np.arange(STEPS) >= STEPS // 2
@@ -57,41 +57,45 @@ class ScriptProfile(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding, "On director_1, 2D first: 100 µs a step and 1.2 contact points a body before the half, "
-                         "200 µs at the peak, 200 µs in the last tenth, 40 of 50 bodies awake in the end and at least 40 in "
-                         "each step of the second half; second: 30 µs a step and 1.2 contact points a body before the half, "
-                         "50 µs at the peak, 50 µs in the last tenth, 2 of 50 bodies awake in the end and at least 2 in each "
-                         "step of the second half. By the median step of the whole run, and first as 1: second 0.27 times. "
-                         "These times are of one repeat, where whatever else the machine did shows.")
+        table = made.finding.table.set_index("run")
+        columns = ["before the half [s]", "peak [s]", "last tenth [s]", "contact points per body [1]",
+                   "awake in the second half, least [1]", "repeats [1]"]
+        for run, numbers in (("first", (100e-6, 200e-6, 200e-6, 1.2, 40, 1)), ("second", (30e-6, 50e-6, 50e-6, 1.2, 2, 1))):
+            for column, number in zip(columns, numbers):
+                self.assertAlmostEqual(table.at[run, column], number, msg=column)
+        self.assertEqual(list(table["awake at the end"]), ["40 of 50", "2 of 50"])
+        self.assertEqual(list(table["median step over the first run's"]), [1.0, 0.27])
         self.assertEqual(made.headline.text, "At the end of director_1, 2D a step takes 200 µs with first (40 bodies awake) and "
                                              "50 µs with second (2).")
-        self.assertIn("The report has a peak just over 7 ms", made.note)
+        self.assertIn("just over 7 ms at the peak", made.note)
         share = made.table[made.table["run"] == "first"].set_index("phase")["share of the time [1]"]
         self.assertAlmostEqual(share["resolveVelocities"], 0.4)
         self.assertAlmostEqual(share["other"], 0.2)
 
-    def test_the_planted_bug_a_ratio_without_repeats_is_not_told(self):
+    def test_the_planted_bug_a_ratio_without_repeats_is_a_tie(self):
         runs = {"first": (100, 100, 3), "second": (70, 70, 3)}
-        self.assertIn("second with too few repeats to measure a difference", self.one(runs=runs, repeats=1).finding)
+        ratio = lambda: self.one(runs=runs, repeats=1).finding.table["median step over the first run's"].iloc[1]  # noqa: E731
+        self.assertEqual(ratio(), "tie: too few repeats")
         real, stages.noise.said = stages.noise.said, lambda a, b, metric, least: "0.70"
         try:
-            self.assertIn("second 0.70 times", self.one(runs=runs, repeats=1).finding)
+            self.assertEqual(ratio(), 0.7)
         finally:
             stages.noise.said = real
 
     def test_times_of_several_repeats_are_medians_with_their_range(self):
-        even = self.one(slow={}).finding
-        self.assertIn("200 µs (200 µs to 200 µs) in the last tenth", even)
-        self.assertIn("Each step's time is the median of 4 repeats", even)
-        made = self.one(slow={0: 2, 1: 1.1})
-        self.assertIn("210 µs (200 µs to 400 µs) in the last tenth", made.finding)
+        last = lambda slow: self.one(slow=slow).finding.table.set_index("run").loc["first"]  # noqa: E731
+        even, uneven = last({}), last({0: 2, 1: 1.1})
+        self.assertEqual((even["range, last tenth"], even["repeats [1]"]), ("200 µs", 4))
+        self.assertEqual(uneven["range, last tenth"], "200 µs to 400 µs")
+        self.assertAlmostEqual(uneven["last tenth [s]"], 210e-6)
 
     def test_the_planted_bug_a_slow_first_repeat_moves_the_range_alone(self):
         def check():
             made = self.one(slow={0: 2})
             share = made.table[made.table["run"] == "first"].set_index("phase")
-            return ("100 µs (100 µs to 100 µs) a step and 1.2 contact points a body before the half, 200 µs (200 µs to 400 µs) "
-                    "at the peak, 200 µs (200 µs to 400 µs) in the last tenth" in made.finding,
+            row = made.finding.table.set_index("run").loc["first"]
+            return (abs(row["last tenth [s]"] - 200e-6) < 1e-9 and list(row[["range, before the half", "range, peak",
+                    "range, last tenth"]]) == ["100 µs", "200 µs to 400 µs", "200 µs to 400 µs"],
                     made.headline.text == self.one(slow={}).headline.text,
                     abs(share.at["resolveVelocities", "median of the last tenth [s]"] - 80e-6) < 1e-9,
                     abs(share.at["whole step", "median of the last tenth [s]"] - 200e-6) < 1e-9)
@@ -102,9 +106,9 @@ class ScriptProfile(with_store.WithStore):
         finally:
             stages.wholes = real
 
-    def test_what_failed_has_no_end_to_compare(self):
+    def test_a_failed_run_has_no_end_to_compare(self):
         made = self.one(failed=("second",))
-        self.assertNotIn("second:", made.finding)
+        self.assertEqual(list(made.finding.table["run"]), ["first"])
         self.assertIsNone(made.headline)
         self.assertIn("exploded at step 999", " ".join(made.holes))
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of waves, touches and slow rollers: runs whose answers are known. Run by ctest, or
+"""Tests of waking waves, touches and slow rollers: runs with known answers. Run by ctest, or
 python3 reports/tests/sleep_scenes_test.py [PICTURE.png]."""
 
+import math
 import sys
 import unittest
 from pathlib import Path
@@ -32,7 +33,7 @@ class SleepScenes(with_store.WithStore):
                 axes = {"kind": "world", "dimension": 2, "precision": "f64", "policy": policy}
                 outcome = ((outcomes or {}).get(policy, "ok"),)
                 about = {"extra": {"pipeline": f"sleep={policy}"}}
-                # Nothing that a chart of savings could be made of: of these runs another chart is tested.
+                # Without work there is no chart of savings, which another test covers.
                 found = {"work_multiply_adds": 0, "awake_mean": 1}
                 maker.trial("sleeping", {**axes, "scene": "sleep_wave", "n": 5},
                             {**found, "woken": wave[0], "wake_steps": wave[1]}, *outcome, **about)
@@ -49,40 +50,40 @@ class SleepScenes(with_store.WithStore):
         return found[0]
 
     @undrawn.drawn
-    def test_what_each_policy_does(self):
+    def test_results_of_each_policy(self):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding, "In 2D a sleeping stack of 5 boxes whose support goes is awake within 4 steps under "
-                         "millington and split_average and 0 steps under timer_island; a touch at 0.05 m/s wakes 0 of a stack "
-                         "under millington and split_average and 5 of a stack under timer_island; a roller of 0.001 m/s sleeps "
-                         "from step 60 under millington, from step 1 under split_average and from step 29 under timer_island; a "
-                         "roller of 0.1 m/s sleeps from step 68 under millington and never under split_average and timer_island. "
-                         "That splitting the average lets slow rollers sleep sooner (6.5.1) does not hold everywhere: at 0.001 "
-                         "m/s split_average sleeps sooner than millington and at 0.1 m/s split_average never sleeps, millington "
-                         "does.")
-        table = made.table.set_index(["scene", "boxes, or speed in m/s", "policy"])["told"]
+        self.assertEqual(made.finding.headline, "In 2D split_average lets a slow roller sleep sooner than millington at 1 of 2 speeds, "
+                         "later or never at 1 (2009 report, 6.5.1).")
+        found = made.finding.table.set_index("policy")
+        self.assertEqual(list(found.columns), ["5 boxes: steps until all wake", "touch at 0.05 m/s: boxes woken",
+                                               "roller at 0.001 m/s: asleep from", "roller at 0.1 m/s: asleep from"])
+        self.assertEqual([list(row) for row in found.to_numpy()],
+                         [["no sleep", "0", "never", "never"], ["4", "0", "step 60", "step 68"], ["4", "0", "step 1", "never"],
+                          ["0", "5", "step 29", "never"]])
+        table = made.table.set_index(["scene", "boxes, or speed in m/s", "policy"])["result"]
         self.assertEqual(table["sleep_wave", 5, "none"], "no sleep")
         self.assertEqual(table["sleep_roll", 0.1, "split_average"], "never")
 
-    def test_where_it_holds_and_where_not(self):
+    def test_speeds_at_which_two_averages_help_are_counted(self):
         said = lambda single, split: sleep_scenes.rollers(  # noqa: E731
             [{"scene": "sleep_roll", "method": method, "at": at, "number": number} for method, numbers in
-             (("millington", single), ("split_average", split)) for at, number in enumerate(numbers)])
-        self.assertIn(" holds: ", said((5, 6), (1, 2)))
-        self.assertIn(" does not hold: ", said((5, 6), (7, 8)))
-        self.assertIn(" does not hold: at 0 m/s split_average sleeps no sooner and at", said((5, 6), (5, 6)))
-        self.assertEqual(said((), ()), "")
+             (("millington", single), ("split_average", split)) for at, number in enumerate(numbers)], 2)
+        self.assertIn(" at 2 of 2 speeds, later or never at 0 ", said((5, 6), (1, 2)))
+        self.assertIn(" at 0 of 2 speeds, later or never at 2 ", said((5, 6), (7, 8)))
+        self.assertIn(" at 0 of 2 speeds, later or never at 1 ", said((5, 6), (5, math.inf)))
+        self.assertIn(" have no roller to compare.", said((), ()))
 
-    def test_the_planted_bug_who_wakes_again_does_not_sleep(self):
+    def test_the_planted_bug_a_body_that_wakes_again_does_not_sleep(self):
         self.assertEqual(sleep_scenes.asleep_from([1, 1, 0, 1, 0, 0]), 4)
         self.assertIsNone(sleep_scenes.asleep_from([1, 0, 1]))
         self.assertEqual(sleep_scenes.asleep_from([0, 0]), 0)
-        self.assertEqual([1, 1, 0, 1, 0, 0].index(0), 2, "as the first step without anybody awake would have it")
+        self.assertEqual([1, 1, 0, 1, 0, 0].index(0), 2, "the planted bug: the first step without an awake body")
 
-    def test_what_failed_is_told(self):
+    def test_failures_are_listed(self):
         made = self.one(outcomes={"timer_island": "exploded"})
-        self.assertEqual(set(made.table[made.table["policy"] == "timer_island"]["told"]), {"exploded"})
+        self.assertEqual(set(made.table[made.table["policy"] == "timer_island"]["result"]), {"exploded"})
 
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None

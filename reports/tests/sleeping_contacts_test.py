@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the chart of contacts of sleepers: what is saved by leaving them, in queries and in time, and what changes. Run by
-ctest, or python3 reports/tests/sleeping_contacts_test.py."""
+"""Tests of the chart of kept and renewed contacts of sleeping bodies: queries and time saved, and what changes. Run by ctest, or
+python3 reports/tests/sleeping_contacts_test.py."""
 
 import sys
 import unittest
@@ -13,7 +13,7 @@ import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import sleeping  # noqa: E402
 
-# policy: pair queries and ms with contacts left and made anew, how far the second body ends apart, steps of the wave with each
+# policy: pair queries and ms with contacts kept and renewed, distance of the second body's ends, steps of the wave with each
 POLICIES = {"none": (100, 100, 1.0, 1.0, 0.0, (0, 0)), "quick": (20, 100, 0.2, 0.8, 0.0, (3, 3)),
             "slow": (50, 100, 0.5, 0.8, 0.002, (3, 5))}
 
@@ -43,58 +43,64 @@ class SleepingContacts(with_store.WithStore):
         return fill
 
     @undrawn.drawn
-    def test_what_is_saved_and_what_it_changes(self):
+    def test_savings_and_changes(self):
         made = self.made(sleeping.sleeping_contacts, self.stack())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding, "Contacts of sleepers that are left as they were save at most 80 % of the pair queries "
-                         "(quick on stack); made anew they make a step at most 4.0 times as dear (quick on stack), and differ in "
-                         "time beyond the noise in 2 of 2 pairs; the end is the same to the bit in 1 of 2 pairs, and a body "
-                         "elsewhere by 2 mm at the most (slow on stack); which bodies wake, and when, is not the same for slow "
-                         "on stack.")
+        self.assertEqual(made[0].finding.headline, "Keeping contacts of sleeping bodies saves up to 80 % of the pair queries (quick on "
+                         "stack); 1 of 2 runs end in the same bits.")
+        found = made[0].finding.table.set_index("policy")
+        self.assertEqual(list(found.index), ["quick", "slow"])
+        self.assertEqual(list(found["time of a step, renewed over kept"]), [4.0, 1.6])
+        self.assertEqual(list(found["same bits"]), ["yes", "no"])
+        self.assertAlmostEqual(found.at["slow", "largest distance of the ends [m]"], 0.002)
+        self.assertEqual(list(found["wakes"]), ["the same", "not the same"])
         table = made[0].table.set_index("policy")
         self.assertEqual(list(table.index), ["quick", "slow"])
         self.assertAlmostEqual(table.at["quick", "pair queries saved [1]"], 0.8)
-        self.assertAlmostEqual(table.at["slow", "ends apart, largest [m]"], 0.002)
-        self.assertAlmostEqual(table.at["slow", "from the end without sleep, made anew [m]"], 0.002)
-        self.assertAlmostEqual(table.at["slow", "from the end without sleep, left as they were [m]"], 0)
-        self.assertAlmostEqual(table.at["slow", "time per step, made anew [s]"], 0.000804)
+        self.assertAlmostEqual(table.at["slow", "largest distance of the ends [m]"], 0.002)
+        self.assertAlmostEqual(table.at["slow", "from the end without sleep, renewed [m]"], 0.002)
+        self.assertAlmostEqual(table.at["slow", "from the end without sleep, kept [m]"], 0)
+        self.assertAlmostEqual(table.at["slow", "time per step, renewed [s]"], 0.000804)
         self.assertEqual(list(table["same bits"]), ["yes", "no"])
         self.assertEqual(len(made[0].figure.axes), 3)
-        self.assertIn("by quick 4.0 times as dear, for the same bits", made[0].headline.text)
+        self.assertEqual(made[0].headline.text, "On stack a step of quick takes 4.0 times as long where contacts of sleeping bodies are "
+                         "renewed; the final state is the same.")
 
     def test_the_planted_bug_that_the_first_poses_are_compared_would_be_seen(self):
         made, = self.made(sleeping.sleeping_contacts, self.stack())
-        self.assertAlmostEqual(made.table["ends apart, largest [m]"].max(), 0.002)
+        self.assertAlmostEqual(made.table["largest distance of the ends [m]"].max(), 0.002)
 
     @undrawn.drawn
-    def test_times_within_the_noise_are_no_headline(self):
+    def test_times_inside_the_noise_are_no_headline(self):
         same = {name: (kept, anew, 1.0, 1.001, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
         made = self.made(sleeping.sleeping_contacts, self.stack(same))[0]
-        self.assertIn("in time they differ in none of 2 pairs (within the noise)", made.finding)
-        self.assertTrue(made.finding.endswith("the end is the same to the bit in all of 2 pairs; which bodies wake, and when, "
-                                              "is the same everywhere."), made.finding)
+        self.assertEqual(list(made.finding.table["time of a step, renewed over kept"]), ["tie: inside the noise"] * 2)
+        self.assertEqual(list(made.finding.table["same bits"]), ["yes", "yes"])
+        self.assertEqual(list(made.finding.table["wakes"]), ["the same", "the same"])
+        self.assertTrue(made.finding.headline.endswith("2 of 2 runs end in the same bits."), made.finding.headline)
         self.assertIsNone(made.headline)
         self.assertEqual(len(made.figure.axes), 2, "no panel of zeros")
 
-    def test_too_few_repeats_are_told(self):
+    def test_too_few_repeats_are_a_tie(self):
         slight = {name: (kept, anew, 1.0, 1.3, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
-        self.assertIn("too few repeats", self.made(sleeping.sleeping_contacts, self.stack(slight, repeats=2))[0].finding)
+        found = self.made(sleeping.sleeping_contacts, self.stack(slight, repeats=2))[0].finding.table
+        self.assertEqual(list(found["time of a step, renewed over kept"]), ["tie: too few repeats"] * 2)
 
-    def test_what_failed_is_told(self):
+    def test_failures_are_listed(self):
         made = self.made(sleeping.sleeping_contacts, self.stack(fails=[("slow", 1)]))[0]
-        self.assertTrue(made.finding.endswith("not both finish of slow on stack."), made.finding)
-        self.assertTrue(made.table.set_index("policy")["ends apart, largest [m]"].isna()["slow"])
+        self.assertEqual(list(made.finding.table["outcome"]), ["ok", "failed: renewed: exploded"])
+        self.assertTrue(made.table.set_index("policy")["largest distance of the ends [m]"].isna()["slow"])
         made = self.made(sleeping.sleeping_contacts, self.stack(fails=[("slow", 1), ("quick", 0)]))[0]
-        self.assertTrue(made.finding.startswith("No policy that lets bodies sleep finishes"), made.finding)
+        self.assertTrue(made.finding.headline.startswith("No policy that lets bodies sleep finishes"), made.finding.headline)
 
     def test_runs_that_end_elsewhere_in_time_have_no_distance(self):
         made = self.made(sleeping.sleeping_contacts, self.stack(ends=500))[0]
-        self.assertTrue(made.table["ends apart, largest [m]"].isna().all())
+        self.assertTrue(made.table["largest distance of the ends [m]"].isna().all())
 
-    def test_where_nobody_sleeps_nothing_is_ranked(self):
+    def test_without_sleeping_bodies_nothing_is_ranked(self):
         awake = {name: (100, 100, 1.0, 1.0, 0.0, (0, 0)) for name in POLICIES}
         made = self.made(sleeping.sleeping_contacts, self.stack(awake))[0]
-        self.assertEqual(made.finding, "No body falls asleep where contacts of sleepers were left as they were and made anew.")
+        self.assertEqual(made.finding.headline, "No body falls asleep in the sweep of kept and renewed contacts of sleeping bodies.")
 
     def test_a_sweep_without_the_switch_has_no_chart(self):
         self.assertEqual(self.made(sleeping.sleeping_contacts, self.stack(values=(0,))), [sleeping.sleeping_contacts.absent])

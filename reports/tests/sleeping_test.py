@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the chart of sleeping: what is saved, how far bodies end from where they would, and how late they wake. Run by ctest,
-or python3 reports/tests/sleeping_test.py."""
+"""Tests of the chart of sleeping: savings, distances from the run without sleep, and steps until bodies wake. Run by ctest, or
+python3 reports/tests/sleeping_test.py."""
 
 import sys
 import unittest
@@ -13,7 +13,7 @@ import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import sleeping  # noqa: E402
 
-# policy: multiply-adds, bodies awake, woken, steps until all are, and how far its second body ends from the baseline's
+# policy: multiply-adds, bodies awake, woken, steps until all are awake, distance of its second body from the baseline's end
 POLICIES = {"none": (100, 5, 0, 0, 0.0), "quick": (40, 2, 5, 0, 0.0), "slow": (20, 1, 5, 4, 0.03)}
 
 
@@ -44,28 +44,39 @@ class Sleeping(with_store.WithStore):
     def test_savings_distances_and_the_wave(self):
         made = self.made(sleeping.sleeping, self.stack())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding, "On stack, 2D slow saves most, 80 % of the multiply-adds; its bodies end at most 30 mm "
-                         "from where they end awake; quick moves no body; those that wake do so within 0 steps by quick and 4 by "
-                         "slow.")
+        self.assertEqual(made[0].finding.headline, "On stack, 2D slow saves most, 80 % of the multiply-adds; it moves bodies by up to "
+                         "30 mm.")
+        found = made[0].finding.table.set_index("policy")
+        self.assertEqual(list(found.index), ["slow", "quick"])
+        self.assertEqual(found.at["quick", "outcome"], "all bodies end in place")
+        self.assertEqual(found["steps until all are awake [1]"].to_dict(), {"slow": 4, "quick": 0})
+        self.assertAlmostEqual(found.at["slow", "largest distance from the end without sleep [m]"], 0.03)
         table = made[0].table.set_index("policy")
         self.assertAlmostEqual(table.at["quick", "multiply-adds saved [1]"], 0.6)
         self.assertAlmostEqual(table.at["slow", "largest distance from the end without sleep [m]"], 0.03)
         self.assertAlmostEqual(table.at["slow", "median over bodies [m]"], 0)
         self.assertEqual(len(made[0].figure.axes), 2)
-        self.assertIn("by slow 80 % and 30 mm", made[0].headline.text)
+        self.assertIn("; slow saves 80 % and moves them 30 mm.", made[0].headline.text)
 
     @undrawn.drawn
-    def test_time_saved_where_it_was_timed_with_the_count_beside_it(self):
+    def test_a_timed_sweep_has_time_saved_and_the_count(self):
         times = {"none": (10, 10, 10), "quick": (6, 6, 6), "slow": (2, 3, 9)}
         made = self.made(sleeping.sleeping, self.stack(times=times))[0]
-        self.assertIn("slow saves most, 80 % of the multiply-adds and 70 % of the time, 10 to 80 over 3 repeats", made.finding)
+        self.assertIn("slow saves most, 80 % of the multiply-adds and 70 % of the time;", made.finding.headline)
+        self.assertEqual(made.finding.table.set_index("policy").at["slow", "range of repeats"], "0.1 to 0.8")
         self.assertEqual({ax.get_xlabel() for ax in made.figure.axes}, {"time saved (%)"})
         table = made.table.set_index("policy")
         self.assertAlmostEqual(table.at["slow", "time saved [1]"], 0.7)
         self.assertAlmostEqual(table.at["slow", "multiply-adds saved [1]"], 0.8)
         untimed = self.made(sleeping.sleeping, self.stack(times={"none": (10,), "quick": (6,)}))[0]
         self.assertEqual({ax.get_xlabel() for ax in untimed.figure.axes}, {"multiply-adds saved (%)"})
-        self.assertNotIn("of the time", untimed.finding)
+        self.assertNotIn("of the time", untimed.finding.headline)
+
+    def test_equal_savings_tie(self):
+        made = self.made(sleeping.sleeping, self.stack({**POLICIES, "quick": (20, 1, 5, 0, 0.01)}))[0]
+        self.assertEqual(made.finding.headline, "On stack, 2D quick and slow save most, 80 % of the multiply-adds; they move bodies by "
+                         "up to 30 mm.")
+        self.assertEqual(list(made.finding.table["outcome"]), ["tie with the best"] * 2)
 
     @undrawn.drawn
     def test_no_mark_is_cut_by_the_frame(self):
@@ -84,15 +95,15 @@ class Sleeping(with_store.WithStore):
             made = self.made(sleeping.sleeping, fill)[0]
             self.assertTrue(made.table.set_index("policy")["largest distance from the end without sleep [m]"].isna()["slow"])
 
-    def test_what_failed_saves_nothing_and_is_told(self):
+    def test_a_failed_policy_saves_nothing_and_is_listed(self):
         made = self.made(sleeping.sleeping, self.stack(outcomes={"slow": "exploded"}))[0]
-        self.assertTrue(made.finding.startswith("On stack, 2D quick saves most, 60 %"), made.finding)
-        self.assertTrue(made.finding.endswith("slow fails."), made.finding)
+        self.assertTrue(made.finding.headline.startswith("On stack, 2D quick saves most, 60 %"), made.finding.headline)
+        self.assertEqual(made.finding.table.set_index("policy").at["slow", "outcome"], "failed: exploded")
         self.assertIsNone(made.headline)
 
-    def test_where_nobody_sleeps_nothing_is_ranked(self):
+    def test_without_sleeping_bodies_nothing_is_ranked(self):
         made = self.made(sleeping.sleeping, self.stack({name: (100, 5, 0, 0, 0.0) for name in POLICIES}))[0]
-        self.assertEqual(made.finding, "On stack, 2D no body falls asleep.")
+        self.assertEqual(made.finding.headline, "On stack, 2D no body falls asleep.")
         self.assertIsNone(made.headline)
 
     def test_a_sweep_of_something_else_has_no_chart(self):
@@ -101,7 +112,7 @@ class Sleeping(with_store.WithStore):
             context.store.trials.at[key, "canonical"]["pipeline"] = "sleep=none"
         self.assertEqual(sleeping.sleeping.make(context, context.cells("mine")), [])
 
-    def test_a_baseline_that_sleeps_is_none(self):
+    def test_a_baseline_with_sleeping_bodies_makes_no_chart(self):
         for fill in (self.stack(baseline="quick"), self.stack(baseline="none", outcomes={"none": "exploded"})):
             self.assertEqual(self.made(sleeping.sleeping, fill), [sleeping.sleeping.absent])
 

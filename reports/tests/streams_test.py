@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the chart of pair queries on streams: ranks part where both orders are told, and nowhere else. Run by ctest, or
+"""Tests of the chart of pair queries on streams: ranks change only where both orders are beyond the noise. Run by ctest, or
 python3 reports/tests/streams_test.py [PICTURE.png]."""
 
 import math
@@ -17,7 +17,7 @@ import with_store  # noqa: E402
 from charts import pair_times  # noqa: E402
 from charts.pair_times import streams  # noqa: E402
 
-# Scene: {method: ns a query on drawn pairs, cold, warm (None: it remembers nothing)}
+# Scene: {method: ns a query on drawn pairs, cold, warm (None: no cached data)}
 SCENES = {"pile": {"sat": (200, 90, None), "gjk_epa": (100, 160, 120), "closed_form": (50, 40, None)},
           "tower": {"sat": (90, 80, None), "gjk_epa": (200, 202, 201), "closed_form": (None, None, None)}}
 
@@ -56,40 +56,47 @@ class Streams(with_store.WithStore):
         return found[0]
 
     @undrawn.drawn
-    def test_ranks_that_part_are_told_with_both_ratios(self):
+    def test_changed_ranks_have_both_ratios(self):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding, "In 3D ranks part: on pile sat takes 0.8 times the time of gjk_epa, on drawn pairs "
-                         "2.0 times; no rank parts beyond the noise on tower. Cold, gjk_epa takes 1.3 times its time with what "
-                         "it "
-                         "remembers, on 1 of 2 scenes beyond the noise.")
-        self.assertEqual(made.headline.text, "pile, 3D: on drawn pairs gjk_epa is 2.0 times as fast as sat, on the pairs of "
-                         "the world sat is 1.3 times as fast as gjk_epa.")
+        self.assertEqual(made.finding.headline, "In 3D methods change ranks between drawn pairs and a world's pairs on 1 of 2 "
+                         "scenes, beyond the noise.")
+        table = made.finding.table.set_index(["comparison", "scene"])
+        row = table.loc[("sat over gjk_epa", "pile")]
+        self.assertEqual([round(row[c], 2) for c in ("time, drawn pairs", "time, pairs of the world")], [2.0, 0.75])
+        self.assertEqual(row["outcome"], "rank changes")
+        self.assertEqual(table.loc[("all methods", "tower"), "outcome"], "no rank changes beyond the noise")
+        self.assertEqual(table.loc[("gjk_epa: no cache over cached data", "1 of 2 scenes"), "time, pairs of the world"], "1.3")
+        self.assertEqual(len(table), 3)
+        self.assertEqual(made.headline.text, "On pile in 3D gjk_epa is 2.0 times as fast as sat on drawn pairs, but sat is 1.3 times "
+                         "as fast on the pairs of the world.")
         self.assertEqual([made.headline.values[m] for m in ("gjk_epa", "sat")], [120.6, 90.45])
-        self.assertNotIn("sat", " ".join(made.holes), "who remembers nothing is no hole")
+        self.assertNotIn("sat", " ".join(made.holes), "a method without cached data is no hole")
         self.assertIn("tower, closed_form, stream=cold: unsupported (it remembers nothing of a pair)", made.holes)
         self.assertEqual([ax.get_xlabel() for ax in made.figure.axes if ax.get_xlabel()],
                          [title for title in ("time per query", "support calls", "axis tests") for _ in range(2)])
 
     def test_the_planted_bug_an_order_within_the_noise_is_no_rank(self):
         about = {"of": {"pile": {"sat": (105, 90, None), "gjk_epa": (100, 95, 95)}}, "noisy": 0.3}
-        self.assertEqual(self.one(**about).finding, "In 3D no rank parts beyond the noise on pile. What gjk_epa remembers "
-                         "changes its time beyond the noise on none of 1 scenes.")
+        found = self.one(**about).finding
+        self.assertEqual(found.headline, "In 3D methods change ranks between drawn pairs and a world's pairs on 0 of 1 scene, beyond "
+                         "the noise.")
+        self.assertEqual(list(found.table["outcome"]), ["no rank changes beyond the noise", "inside the noise"])
         self.assertIsNone(self.one(**about).headline)
         real, noise.tells = noise.tells, lambda a, b, metric, least: True
         try:
-            self.assertIn("ranks part", self.one(**about).finding)
+            self.assertIn("rank changes", list(self.one(**about).finding.table["outcome"]))
         finally:
             noise.tells = real
 
     @undrawn.drawn
-    def test_who_fails_has_a_ring(self):
+    def test_a_failing_method_has_a_ring(self):
         rings = lambda made: sum(line.get_markersize() == 11 for ax in made.figure.axes for line in ax.lines)  # noqa: E731
         self.assertEqual(rings(self.one()), 0)
         made = self.one(wrong=(("sat", "pile", "cold"),))
-        self.assertIn("on drawn pairs 2.0 times (but sat fails somewhere)", made.finding)
-        self.assertIsNone(made.headline, "a rank of who fails is no headline")
+        self.assertIn("rank changes; sat fails", list(made.finding.table["outcome"]))
+        self.assertIsNone(made.headline, "the rank of a failing method is no headline")
         self.assertEqual(rings(made), 2, "beside its time and its axis tests")
 
     def test_a_chart_for_each_dimension_and_none_without_streams(self):
@@ -98,7 +105,7 @@ class Streams(with_store.WithStore):
 
     def test_one_method_has_no_rank(self):
         made = self.one(of={"pile": {"sat": (105, 90, None)}})
-        self.assertEqual(made.finding, "In 3D no scene has two methods with a time on drawn pairs and in its world.")
+        self.assertEqual(made.finding.headline, "In 3D no scene has two methods with times on drawn pairs and in its world.")
         self.assertTrue(math.isnan(made.table[made.table["stream"] == "warm"]["time per query [s]"].iloc[0]))
 
 

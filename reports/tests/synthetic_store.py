@@ -7,6 +7,10 @@ import sqlite3
 
 import numpy as np
 
+import finding
+
+finding.strict = True  # in every test that makes a store
+
 SCHEMA = """
 CREATE TABLE meta(key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE machine(id INTEGER PRIMARY KEY, description TEXT UNIQUE);

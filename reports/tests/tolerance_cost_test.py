@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the chart of a tolerance: what it is in a label, what it saves beyond the noise. Run by ctest, or python3
+"""Tests of the chart of time over a tolerance: how a label is read, and savings beyond the noise. Run by ctest, or python3
 reports/tests/tolerance_cost_test.py [PICTURE.png]."""
 
 import math
@@ -55,20 +55,19 @@ class Tolerance(with_store.WithStore):
         return found[0]
 
     @undrawn.drawn
-    def test_the_sentence_and_the_numbers(self):
+    def test_headline_and_numbers(self):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertTrue(made.finding.startswith("In 3D gjk_epa{faces=64} at 0.001 instead of 0: on box–box 0.5 times the time, "
-                                                "20 "
-                                                "support points become 15, the worst error goes from 1e-16 to 0.00033 of the "
-                                                "size; on box–sphere"), made.finding)
-        self.assertEqual(made.headline.text, "box–box, 3D: a tolerance of 0.001 saves gjk_epa{faces=64} 50 % of its time, for a "
-                         "worst error of 0.00033 of the size instead of 1e-16.")
+        self.assertEqual(made.headline.text, "On box–box in 3D a tolerance of 0.001 saves gjk_epa{faces=64} 50 % of its time; its "
+                         "worst error is 0.00033 of the size instead of 1e-16.")
+        self.assertEqual(made.finding.headline, made.headline.text)
+        self.assertEqual(made.finding.table.to_numpy().tolist(), [
+            ["gjk_epa{faces=64}", pair, "0 to 0.001", 0.5, "20 to 15", "1e-16 to 0.00033"] for pair in ("box–box", "box–sphere")])
         self.assertEqual(list(made.table["tolerance [1]"][:4]), list(LOOSE))
         self.assertNotIn("mpr", " ".join(made.table["method"]), "one value is no curve")
 
-    def test_what_is_as_exact_as_was_asked_is_not_wrong(self):
+    def test_an_answer_inside_the_asked_tolerance_is_not_wrong(self):
         made = self.one()
         self.assertEqual(set(made.table["outcome"]), {"ok"})
         context = self.context(self.loosened())
@@ -93,9 +92,11 @@ class Tolerance(with_store.WithStore):
         self.assertFalse(load.within_asked({"max_error": 2e-2}, 1e-2))
         self.assertFalse(load.within_asked({}, 1e-2))
 
-    def test_the_planted_bug_what_is_within_the_noise_saves_nothing(self):
+    def test_the_planted_bug_a_difference_inside_the_noise_saves_nothing(self):
         about = {"gain": 0.9, "noisy": 0.3}
-        self.assertIn("on box–box within the noise, 20 support points become 15", self.one(**about).finding)
+        found = self.one(**about).finding
+        self.assertEqual(found.headline, "In 3D a looser tolerance saves no time beyond the noise.")
+        self.assertEqual(list(found.table["time, loosest over tightest"]), ["tie: inside the noise"] * 2)
         self.assertIsNone(self.one(**about).headline)
         real, noise.tells = noise.tells, lambda a, b, metric, least: True
         try:
@@ -111,8 +112,8 @@ class Tolerance(with_store.WithStore):
 
     def test_no_chart_without_a_curve(self):
         asked = self.made(tolerance_cost, self.loosened(values=(0, 1e-3)))
-        self.assertIn("tolerance_cost asks for this chart and has not what it needs: a method with 3 values of its tolerance",
-                      asked[0].finding)
+        self.assertEqual(asked[0].finding.headline, "The `report` of tolerance_cost lists this chart, but the sweep lacks its data.")
+        self.assertEqual(asked[0].holes, ["The chart needs a method with 3 values of its tolerance."])
         self.assertEqual(self.made(tolerance_cost, synthetic_store.queries), [tolerance_cost.absent])
 
 

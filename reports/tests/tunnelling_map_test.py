@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the map of who passes through: shares, ratios of times and sentences on runs that are known. Run by ctest, or python3
+"""Tests of the tunnelling map: shares, ratios of times and findings of known runs. Run by ctest, or python3
 reports/tests/tunnelling_map_test.py [PICTURE.png]."""
 
 import math
@@ -17,7 +17,7 @@ import with_store  # noqa: E402
 from charts.tunnelling_map import tunnelling_map  # noqa: E402
 
 SPEEDS, WALLS = (25, 100, 400), (0.001, 0.01)
-# Method: us of a step, and of 20 bullets those that pass, walls from the thinnest on, speeds from the slowest on.
+# Method: us of a step, and how many of 20 bullets tunnel, walls from the thinnest on, speeds from the slowest on.
 METHODS = {"none": (10.0, ((10, 17, 19), (8, 16, 18))), "speculative": (12.0, ((0, 0, 1), (0, 0, 0))),
            "ray": (15.0, ((0, 0, 0), (0, 0, 0))), "cast": (30.0, ((0, 0, 0), (0, 0, 0))),
            "cast+bilateral": (10.1, ((0, 0, 0), (0, 0, 0)))}
@@ -68,7 +68,7 @@ class Map(with_store.WithStore):
         return table[(table["method"] == method) & (table["speed [m/s]"] == speed) &
                      (table["thickness of the wall [m]"] == wall)].iloc[0]
 
-    def test_shares_ratios_and_the_sentence(self):
+    def test_shares_ratios_and_the_finding(self):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
@@ -77,15 +77,18 @@ class Map(with_store.WithStore):
         self.assertAlmostEqual(self.at(made, "cast", 100, 0.01)[RATIO], 3.0)
         self.assertTrue(math.isnan(self.at(made, "none", 25, 0.01)[RATIO]))
         self.assertEqual(self.at(made, "speculative", 25, 0.001)["lost time [s]"], 0.5)
-        self.assertEqual(made.finding, "bullet_wall, 2D. Of 20 bullets at 25 m/s to 400 m/s and walls of 1 mm to 10 mm: none "
-                         "lets through up to 95 % (400 m/s, 1 mm), some in 6 of 6 cells; speculative lets through up to 5 % (400 "
-                         "m/s, 1 mm), some in 1 of 6 cells; cast, cast+bilateral and ray let no bullet through in any of 6 "
-                         "cells. The time of a step, over that of none in the same cell: with cast 3.0 times, with "
-                         "cast+bilateral within the noise in all 6 cells, with ray 1.5 times, with speculative 1.2 times.")
-        self.assertEqual(made.headline.text, "bullet_wall, 2D: none lets up to 95 % of the bullets through a wall of 1 mm; cast, "
-                         "cast+bilateral and ray let no bullet through at any speed and thickness tried.")
+        self.assertEqual(made.finding.headline, "bullet_wall, 2D: no bullet tunnels with cast, cast+bilateral and 1 more; up to 95 % "
+                         "tunnel with the method none.")
+        table = made.finding.table.set_index("method")
+        self.assertEqual(list(table.index), ["cast", "cast+bilateral", "ray", "speculative", "none"])
+        self.assertEqual(list(table["cells with tunnelling"]), ["0 of 6", "0 of 6", "0 of 6", "1 of 6", "6 of 6"])
+        self.assertEqual(list(table.loc["none", ["largest share that tunnels [1]", "speed [m/s]", "thickness [m]"]]),
+                         [0.95, 400, 0.001])
+        self.assertEqual(list(table["time of a step over the baseline's"]),
+                         ["3.0", "tie: inside the noise in 6 of 6 cells", "1.5", "1.2", "baseline"])
+        self.assertEqual(made.headline.text, made.finding.headline)
         self.assertEqual(made.headline.values, {"none": 0.95, "speculative": 0.05, "ray": 0, "cast": 0, "cast+bilateral": 0})
-        self.assertIn("“≈”: within the noise.", made.note)
+        self.assertIn(f"“≈”: {noise.IN_WORDS[noise.NOISE]}.", made.note)
         self.assertNotIn("“=”", made.note)
 
     @undrawn.drawn
@@ -103,53 +106,57 @@ class Map(with_store.WithStore):
         few = {patch.get_facecolor() for patch in panels[4].patches}
         self.assertEqual((len(greens), len(few - greens)), (1, 1), "one of twenty looks like none")
 
-    def test_the_planted_bug_a_difference_within_the_noise_is_not_told(self):
+    def test_the_planted_bug_a_difference_inside_the_noise_is_a_tie(self):
         made = self.one()
         told = self.at(made, "cast+bilateral", 25, 0.001)
-        self.assertEqual((told["which is"], self.at(made, "ray", 25, 0.001)["which is"]), ("within the noise", "told"))
+        self.assertEqual((told["ratio is"], self.at(made, "ray", 25, 0.001)["ratio is"]),
+                         (noise.IN_WORDS[noise.NOISE], "beyond the noise"))
         real, noise.said = noise.said, lambda a, b, metric, least: f"{noise.ratio(a, b, metric):.2f}"
         try:
-            self.assertNotIn("within the noise in all", self.one().finding)
+            self.assertFalse(self.one().finding.table["time of a step over the baseline's"].str.contains("tie").any())
         finally:
             noise.said = real
 
-    def test_few_repeats_tell_only_what_is_beyond_two(self):
+    def test_few_repeats_give_ratios_beyond_two_only(self):
         made = self.one(repeats=2)
-        self.assertIn("with cast 3.0 times, with cast+bilateral with too few repeats to measure a difference in all 6 cells",
-                      made.finding)
-        self.assertIn("“?”: with too few repeats", made.note)
+        times = made.finding.table.set_index("method")["time of a step over the baseline's"]
+        self.assertEqual((times["cast"], times["cast+bilateral"]), ("3.0", "tie: too few repeats in 6 of 6 cells"))
+        self.assertIn(f"“?”: {noise.IN_WORDS[noise.FEW]}", made.note)
 
     @undrawn.drawn
-    def test_untimed_there_is_no_word_of_times(self):
+    def test_an_untimed_sweep_has_no_times(self):
         made = self.one(repeats=0)
-        self.assertTrue(made.finding.endswith("let no bullet through in any of 6 cells."), made.finding)
+        self.assertNotIn("time of a step over the baseline's", made.finding.table)
         self.assertEqual(sum(ax.get_visible() for ax in made.figure.axes), 5)
         self.assertNotIn(RATIO, made.table)
 
     @undrawn.drawn
-    def test_what_failed_is_a_letter_and_no_zero(self):
+    def test_a_failure_is_a_letter_and_no_zero(self):
         made = self.one(fell=(("ray", 400), ("none", 25)))
         panels = {ax.get_title("left"): ax for ax in made.figure.axes if ax.get_visible()}
         self.assertEqual(sorted(text.get_text() for text in panels["ray"].texts), ["0"] * 4 + ["E"] * 2)
-        self.assertIn("cast and cast+bilateral let no bullet through in any of 6 cells; ray lets no bullet through in any of 4 "
-                      "cells; none has no result in 2 of 6 cells; ray has no result in 2 of 6 cells", made.finding)
+        table = made.finding.table.set_index("method")
+        self.assertEqual(list(table.index), ["cast", "cast+bilateral", "speculative", "ray", "none"], "failures stand last")
+        self.assertEqual(list(table.loc[["ray", "none"], "outcome"]), ["no result in 2 of 6 cells"] * 2)
+        self.assertEqual(list(table.loc[["cast", "ray"], "cells with tunnelling"]), ["0 of 6", "0 of 4"])
         self.assertTrue(math.isnan(made.headline.values["ray"]))
         self.assertNotIn("ray", made.headline.text)
         self.assertIn("ray, speed=400, thickness=0.001: exploded at step 7 (speed)", made.holes)
         self.assertTrue(math.isnan(self.at(made, "ray", 400, 0.001)[SHARE]))
         self.assertTrue(math.isnan(self.at(made, "cast", 25, 0.001)[RATIO]), "over a baseline that failed")
 
-    def test_of_several_seeds_the_worst_counts(self):
+    def test_the_worst_seed_counts(self):
         made = self.one(seeds={1: 0, 2: 1})
         self.assertEqual(self.at(made, "ray", 25, 0.001)[SHARE], 0.05)
         self.assertEqual(self.at(made, "none", 400, 0.001)[SHARE], 1.0)
-        self.assertNotIn("no bullet through", made.finding)
+        self.assertIn("no method stops all bullets", made.finding.headline)
 
-    def test_ghost_hits_are_told_where_there_are_some(self):
-        self.assertIn("Pushed what would have missed, at most so often in a cell: speculative (7).", self.one(ghosts=7).finding)
-        self.assertNotIn("missed", self.one().finding)
+    def test_ghost_hits_are_listed(self):
+        ghosts = self.one(ghosts=7).finding.table.set_index("method")["ghost hits in a cell, most [1]"]
+        self.assertEqual((ghosts["speculative"], ghosts["cast"]), (7, 0))
+        self.assertNotIn("ghost hits in a cell, most [1]", self.one().finding.table)
 
-    def test_all_alike_is_no_headline(self):
+    def test_equal_shares_are_no_headline(self):
         self.assertIsNone(self.one(of={m: (us, ((0, 0, 0), (0, 0, 0))) for m, (us, _) in METHODS.items()}).headline)
 
     def test_a_chart_for_each_dimension(self):
@@ -166,9 +173,9 @@ class Map(with_store.WithStore):
         self.assertEqual(self.made(tunnelling_map, self.bullets(counted=False, report=())), [tunnelling_map.absent])
         self.assertEqual(self.made(tunnelling_map, self.bullets(n=None, report=())), [tunnelling_map.absent])
         asked = self.made(tunnelling_map, self.bullets(counted=False))
-        self.assertIn("mine asks for this chart and has not what it needs", asked[0].finding)
+        self.assertEqual(asked[0].finding.headline, "The `report` of mine lists this chart, but the sweep lacks its data.")
 
-    def test_made_of_whatever_has_the_axes(self):
+    def test_a_sweep_with_the_axes_makes_a_chart(self):
         self.assertEqual(len(self.made(tunnelling_map, self.bullets(report=()))), 1)
         self.assertEqual(self.made(tunnelling_map, synthetic_store.resolvers), [tunnelling_map.absent])
 

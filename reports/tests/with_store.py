@@ -9,7 +9,15 @@ import load
 import overlap
 import style
 import synthetic_store
+import table
 import undrawn
+
+
+def row(made, name):
+    """{title: text for eyes} of the first row of a finding's table that has this value."""
+    rows = [entry for entry in made.finding.rows() if name in entry.values()]
+    assert rows, f"no row {name} in: {made.finding.text()}"
+    return {table.heading(title)[0]: text for title, text in zip(rows[0], table.texts(rows[0]))}
 
 
 class WithStore(undrawn.Undrawn):
