@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Zlib
 """When a difference of times counts: the noise floor, measured over repeats. Ranks over seeds are in ranking.py.
 
-Times of one cell differ from repeat to repeat. The *noise floor* is the ratio by which a method differs from itself: the median of
-its even repeats against that of its odd ones. Both were measured in the same rounds as all other methods. A ratio of two times
+Times of one cell differ from repeat to repeat. The *noise floor* is the ratio by which a method differs from itself: the median
+of its even repeats against that of its odd ones. Both were measured in the same rounds as all other methods. A ratio of two times
 counts if it exceeds the floor and the intervals of the two medians do not overlap. Otherwise the difference is noise.
 
 The floor is that of the whole sweep, whichever cells a chart shows. Each role has its own floor, because a method in a separate
@@ -172,8 +172,8 @@ def rule(least):
     known = {role: v for role, v in least.of_role.items() if v != UNMEASURED} if isinstance(least, Floor) else {}
     noise = f"{percent(least)} %" if len(known) < 2 else ", ".join(f"{percent(v)} % ({role})"
                                                                         for role, v in known.items())
-    return (f"A method differs from itself by up to {noise} in {LIKELY} of 100 cells. A ratio counts if it exceeds that and the two "
-            "whiskers do not overlap; otherwise it is noise.")
+    return (f"A method differs from itself by up to {noise} in {LIKELY} of 100 cells. A ratio counts if it exceeds that and the "
+            "two whiskers do not overlap; otherwise it is noise.")
 
 
 def idle_seeds(cells):

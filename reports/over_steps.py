@@ -20,8 +20,8 @@ ONE_COURSE = f"one seed and fewer than {LADDER} values of each parameter"  # wha
 
 
 def elsewhere(context, cells):
-    """Whether a sweep belongs to other charts: many values of a parameter ask for the breaking point, and one run says little about
-    an ensemble of seeds."""
+    """Whether a sweep belongs to other charts: many values of a parameter ask for the breaking point, and one run says little
+    about an ensemble of seeds."""
     return any(cells[axis].nunique() >= LADDER for axis in context.parameters(cells)) or (cells["seeds"].map(len) > 1).any()
 
 

@@ -13,8 +13,8 @@ SLACK = 0.75  # points by which the boxes of two texts may overlap, because a bo
 
 
 def overlaps(figure):
-    """(pairs of texts that overlap, texts cut off by the edge), measured in the layout of the SVG. The letters of failed runs, which
-    the edge of their axes cuts off, and the handles of legends count as texts."""
+    """(pairs of texts that overlap, texts cut off by the edge), measured in the layout of the SVG. The letters of failed runs,
+    which the edge of their axes cuts off, and the handles of legends count as texts."""
     dpi = figure.dpi
     figure.set_dpi(72)  # as SVG: one dot is one point
     wide, high = figure.bbox.width, figure.bbox.height
@@ -46,7 +46,7 @@ class Measuring(RendererSVG):
 
 
 def near(boxes):
-    """The pairs of boxes, in order, whose axis-aligned bounds overlap: the few of hundreds that need the test of oriented boxes."""
+    """The pairs of boxes, in order, whose axis-aligned bounds overlap: the few of hundreds that need the exact test."""
     if not boxes:
         return []
     corners = np.array([box.corners for box in boxes])

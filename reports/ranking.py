@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Zlib
 """Which method is significantly better: the rules of all charts that rank.
 
-Methods are compared seed by seed, because runs with one seed start alike. The statistic is the median of log(b / a) over the seeds.
-Its interval consists of order statistics, which are valid for any distribution; a zero or a failure is the end of the scale.
+Methods are compared seed by seed, because runs with one seed start alike. The statistic is the median of log(b / a) over the
+seeds. Its interval consists of order statistics, which are valid for any distribution; a zero or a failure is the end of the scale.
 k methods make k (k - 1) / 2 pairs, so each interval uses LEVEL divided by the number of pairs (Bonferroni): all of them hold
 together with 95 %. Two methods tie if the interval of their ratio contains 1.
 
@@ -14,8 +14,8 @@ from collections import Counter
 
 import measured
 import metrics
+from finding import Line
 from sentences import listing, plural
-
 
 LEVEL = 0.05  # probability that any interval of a ranking misses its median
 START, TOUCHING = "penetration_start", 1e-6  # m
@@ -182,6 +182,20 @@ def beside(name, why):
     return f"{name[:-1]}, {why})" if name.endswith(")") else f"{name} ({why})"
 
 
+def lines(why, also=lambda name: {}):
+    """Lines of a finding's table for methods without a value or rank, one line per reason. `why`: {name: reason}; `also`: more
+    columns of a line, by the first of its names."""
+    groups = {}
+    for name, said in why.items():
+        groups.setdefault(said, []).append(name)
+    return [Line(listing(names), outcome=said, more=also(names[0])) for said, names in groups.items()]
+
+
+def not_ranked(why):
+    """{name: why it has no rank}, as outcomes of a finding's table."""
+    return {name: f"not ranked: {said}" for name, said in why.items()}
+
+
 def tail(context, cells):
     """A sentence on what has no rank; empty where all have one."""
     return told(unranked(context, cells))
@@ -222,5 +236,5 @@ def rule_of_pairs(seeds, *many):
         return "One seed: this is an order of single runs; a ranking needs more seeds."
     if seeds < fewest(most):
         return f"{seeds} seeds cannot decide {pairs}, which takes {fewest(most)}: all methods tie."
-    return (f"A method is better if it wins under {seeds - left_out(seeds, most)} of {seeds} seeds, paired; otherwise the two tie. "
-            f"Then the interval of the median ratio excludes 1, with 95 % for {pairs} together (order statistics, Bonferroni).")
+    return (f"A method is better if it wins under {seeds - left_out(seeds, most)} of {seeds} seeds, paired; otherwise the two "
+            f"tie. Then the interval of the median ratio excludes 1, with 95 % for {pairs} together (order statistics, Bonferroni).")
