@@ -118,7 +118,7 @@ def ends(low, high, unit):
     """A range in words: "1 mm to 3 mm"; empty where it is unknown."""
     if not (math.isfinite(low) or math.isfinite(high)):
         return ""
-    return " to ".join(dict.fromkeys((si(low, unit), si(high, unit))))
+    return " to ".join(dict.fromkeys(si(v, unit) if math.isfinite(v) else "?" for v in (low, high)))
 
 
 def told(said):

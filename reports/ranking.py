@@ -2,7 +2,8 @@
 """Which method is significantly better: the rules of all charts that rank.
 
 Methods are compared seed by seed, because runs with one seed start alike. The statistic is the median of log(b / a) over the
-seeds. Its interval consists of order statistics, which are valid for any distribution; a zero or a failure is the end of the scale.
+seeds. Its interval consists of order statistics, which are valid for any distribution; a zero or a failure is an end of the
+scale.
 k methods make k (k - 1) / 2 pairs, so each interval uses LEVEL divided by the number of pairs (Bonferroni): all of them hold
 together with 95 %. Two methods tie if the interval of their ratio contains 1.
 
@@ -217,7 +218,7 @@ def told(why):
 
 def raw(context, error):
     """For the note of a chart: which of two depths ranks."""
-    return (f" Ranks use the raw depth, {context.title(error)}; the table also has the depth beyond each method's slop."
+    return (f" Ranks use the raw depth, {context.title(error)}; the numbers also have the depth beyond each method's slop."
             if error in metrics.BEYOND_SLOP else "")
 
 

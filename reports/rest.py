@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Limits of holding a scene: how far a run may have sunk by its end, as a share of the scene's smallest body. The limits are those
-of experiments/trial/measure/rest.h. The outcome uses the strictest, so a run that is ok satisfies all of them."""
+"""Limits of holding a scene: how far a run may have sunk by its end, as a share of the scene's smallest body. The limits are
+those of experiments/trial/measure/rest.h. The outcome uses the strictest, so a run that is ok satisfies all of them."""
 
 import math
 
