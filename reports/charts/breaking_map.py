@@ -183,8 +183,8 @@ def _chart(context, cells, questions):
     limits = [f"{name}: {about['limit']}" for name, about in questions.items() if about["limit"]]
     seeds, few, starts = (listing(dict.fromkeys(figures(about.get(key, about["seeds"])) for about in questions.values()))
                           for key in ("seeds", "few", "perturb"))
-    note = ("A cell: the value at which half of the seeds fail, its 95 % interval (Wilson; “?”: open end), the cost there, and a "
-            f"dot for each value tried. {seeds} seeds ran at the last value that holds and the first that fails, {few} at the "
+    note = ("A cell: the value at which half of the seeds fail, its 95 % interval (Wilson; “?”: open end), the cost there, and "
+            f"a dot for each value tried. {seeds} seeds ran at the last value that holds and the first that fails, {few} at the "
             f"others, with start positions perturbed by up to {starts} m and rad.")
     if any(found.laxer for _, _, column in columns for found in column.values()):
         note += f" {rest.WORDS}; the breaking points by these two stand in grey."

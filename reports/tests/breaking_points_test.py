@@ -66,8 +66,8 @@ class Ladders(undrawn.Undrawn):
     @undrawn.drawn
     def test_a_calibrated_ladder_is_one_per_budget_and_names_it(self):
         made = self.made({"catto": (10, 20), "naive": (5, 10)}, budgets=(800.0, 2400.0))
-        self.assertEqual(made.finding.headline, "On stack in 2D with 800 row updates per step naive fails first, at n = 10; catto "
-                         "fails last, at 20.")
+        self.assertEqual(made.finding.headline, "On stack in 2D with 800 row updates per step naive fails first, at n = 10; "
+                         "catto fails last, at 20.")
         self.assertEqual(self.rows(made), [("catto", 10, 20, "collapsed"), ("naive", 5, 10, "collapsed"),
                                            ("catto", 20, None, "holds to the last value tried"), ("naive", 10, 20, "collapsed")])
         self.assertEqual([row["scene, parameter, setting"] for row in made.finding.rows()][1:3],
@@ -76,8 +76,8 @@ class Ladders(undrawn.Undrawn):
                          ["800 row updates per step", "2,400 row updates per step"])
         self.assertEqual(len(made.table), 4, "no rung is lost because the iterations differ")
         self.assertEqual(list(made.table["largest that held"]), [10, 5, 20, 10])
-        self.assertIn("compared at equal cost: at each value the runner gives each method iterations, the most within the budget, "
-                      "at most 256.", made.note)
+        self.assertIn("compared at equal cost: at each value the runner gives each method iterations, the most within the "
+                      "budget, at most 256.", made.note)
 
     def test_a_method_that_left_its_rows_to_gauss_seidel_up_to_its_failure_has_no_rank(self):
         heights, left = {"admm": (20,), "catto": (10,), "naive": (5,)}, {("admm", 10), ("naive", 20)}

@@ -25,7 +25,8 @@ SIZES = (4, 8, 16, 24)
 class CacheSolver(with_store.WithStore):
     @staticmethod
     def towers(heights=None, timed=False, fallbacks=()):
-        """`heights`: (resolver, cache) -> the largest size that stands; `fallbacks`: pairs that leave all rows to Gauss-Seidel."""
+        """`heights`: (resolver, cache) -> the largest size that stands; `fallbacks`: pairs that leave all rows to
+        Gauss-Seidel."""
         def fill(maker):
             maker.sweep("mine", resolver="label", cache="stage", n="parameter", iterations="setting", budget="run",
                         calibrate=EQUAL)
@@ -44,8 +45,8 @@ class CacheSolver(with_store.WithStore):
     def test_the_headline_names_the_choice_that_matters_more(self):
         made = self.made(cache_solver, self.towers())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding.headline, "On stack, 2D, at 2,400 row updates per step the cache matters more: in the "
-                         "median another cache changes the largest n that holds by 14, another resolver by 4.")
+        self.assertEqual(made[0].finding.headline, "On stack, 2D, at 2,400 row updates per step the cache matters more: another cache changes "
+                         "the largest n that holds by 14, another resolver by 4 (medians).")
         self.assertEqual(self.rows(made[0]), [
             ("soft_step with recycling", 24, "", "best"),
             ("catto with by_feature, catto with recycling and soft_step with by_feature", 8, "", "0.3 times"),
@@ -67,7 +68,8 @@ class CacheSolver(with_store.WithStore):
     def test_a_pair_that_left_its_rows_to_gauss_seidel_has_no_rank(self):
         best = {("soft_step", "recycling")}
         made = self.made(cache_solver, self.towers(fallbacks=best))[0]
-        self.assertIn(("catto with by_feature, catto with recycling and soft_step with by_feature", 8, "", "best"), self.rows(made))
+        self.assertIn(("catto with by_feature, catto with recycling and soft_step with by_feature", 8, "", "best"),
+                      self.rows(made))
         self.assertIn(("soft_step with recycling", None, "", "not ranked: 100 % Gauss-Seidel"), self.rows(made))
         self.assertNotIn("recycling", made.headline.text)
         self.assertIn("100 % GS", [text.get_text() for text in made.figure.axes[0].texts])
