@@ -301,8 +301,8 @@ def finding_of_caches(found, unranked, raised, where, top):
                        f"{', the largest value tried' if best == top else ''}.", table)
     a, b = float(np.median(cache)), float(np.median(resolver))
     more = "cache and resolver matter alike" if a == b else f"the {'cache' if a > b else 'resolver'} matters more"
-    return Finding(f"On {where} {more}: another cache changes the largest {raised} that holds by {a:g}, another resolver by {b:g} "
-                   "(medians).", table)
+    return Finding(f"On {where} {more}: another cache changes the largest {raised} that holds by {a:g}, another resolver by "
+                   f"{b:g} (medians).", table)
 
 
 def headline_of_caches(found, raised, where):

@@ -45,8 +45,8 @@ class CacheSolver(with_store.WithStore):
     def test_the_headline_names_the_choice_that_matters_more(self):
         made = self.made(cache_solver, self.towers())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding.headline, "On stack, 2D, at 2,400 row updates per step the cache matters more: another cache changes "
-                         "the largest n that holds by 14, another resolver by 4 (medians).")
+        self.assertEqual(made[0].finding.headline, "On stack, 2D, at 2,400 row updates per step the cache matters more: another "
+                         "cache changes the largest n that holds by 14, another resolver by 4 (medians).")
         self.assertEqual(self.rows(made[0]), [
             ("soft_step with recycling", 24, "", "best"),
             ("catto with by_feature, catto with recycling and soft_step with by_feature", 8, "", "0.3 times"),
