@@ -218,7 +218,7 @@ def told(why):
 
 def raw(context, error):
     """For the note of a chart: which of two depths ranks."""
-    return (f" Ranks use the raw depth, {context.title(error)}; the numbers also have the depth beyond each method's slop."
+    return (f" Ranks use the raw depth, {context.title(error)}; the numbers have the depth beyond each method's slop, too."
             if error in metrics.BEYOND_SLOP else "")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""How runs fall: pictures of the last run to fall of each kind, with its energy and penetration. Which methods hold hard scenes."""
+"""How runs fall: pictures of the last run to fall of each kind, with energy and penetration. Which methods hold hard scenes."""
 
 import math
 
