@@ -238,4 +238,5 @@ def rule_of_pairs(seeds, *many):
     if seeds < fewest(most):
         return f"{seeds} seeds cannot decide {pairs}, which takes {fewest(most)}: all methods tie."
     return (f"A method is better if it wins under {seeds - left_out(seeds, most)} of {seeds} seeds, paired; otherwise the two "
-            f"tie. Then the interval of the median ratio excludes 1, with 95 % for {pairs} together (order statistics, Bonferroni).")
+            f"tie. Then the interval of the median ratio excludes 1, with 95 % for {pairs} together (order statistics, "
+            "Bonferroni).")

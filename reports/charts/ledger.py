@@ -335,7 +335,8 @@ def _cost_finding(rows, dimension, precision):
     first = max(sorted(set(alone)), key=alone.count, default="")
     said = [first and f"{first} is the fastest without a failure on {alone.count(first)}",
             near and f"several methods are within {noise.UNMEASURED:g} times the fastest on {near}",
-            only and f"{some(sorted(set(only.values())))} alone {verb(len(set(only.values())), 'have')} no failure on {len(only)}"]
+            only and f"{some(sorted(set(only.values())))} alone {verb(len(set(only.values())), 'have')} no failure on "
+                     f"{len(only)}"]
     return Finding(f"{where} of {pairs}, {listing(filter(None, said))}.", table)
 
 
@@ -356,8 +357,8 @@ def ledger_clean(context):
 
 
 def counted(rows):
-    """Numbers of questions: a row per stage, dimension and method, with its precisions; a column per pair of shapes, or per family
-    of inputs if a stage has no shapes."""
+    """Numbers of questions: a row per stage, dimension and method, with its precisions; a column per pair of shapes, or per
+    family of inputs if a stage has no shapes."""
     rows = rows.assign(pair=["–".join((a, b)) if a or b else "" for a, b in zip(rows["kind_a"], rows["kind_b"])])
     kinds = rows[(rows["axis"] == "all") & (rows["pair"] != "")].assign(column=lambda part: part["pair"])
     families = rows[(rows["axis"] == "family") & (rows["pair"] == "")].assign(column=lambda part: part["value"])

@@ -101,10 +101,12 @@ class Findings(with_store.WithStore):
                         maker.world("ensemble", axes, 1.0, 1e-3, repeats=0,
                                     hash=f"{perturb} {seed}" + ("" if seed in alike else label))
         found = chart.made(distinctness, self.context(fill))[0]
-        self.assertIn("No two methods end in the same bits in most of the runs", found.finding)
+        self.assertIn("No two methods end in the same bits in most of their common runs", found.finding.headline)
         self.assertEqual(found.table[["cells", "equal"]].to_numpy().tolist(), [[20, 2]])
         found = chart.made(distinctness, self.context(lambda maker: fill(maker, range(1, 9))))[0]
-        self.assertIn("catto and naive are one path (16 of 20 comparisons", found.finding)
+        self.assertEqual(found.finding.headline, "In ensemble catto and naive are one path: 16 of 20 comparisons end in the same "
+                         "bits.")
+        self.assertEqual([tuple(row.values()) for row in found.finding.rows()], [("ensemble", "catto and naive", 16, 20)])
 
     @staticmethod
     def cut(runs):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the report: noise over repeats, ranks over seeds. Run by ctest, or python3 reports/tests/noise_test.py. Every
-check that guards a promise is seen to fail on a planted bug."""
+"""Tests of the report: noise over repeats, ranks over seeds. Run by ctest, or python3 reports/tests/noise_test.py. Each check is
+seen to fail on a planted bug."""
 
 import math
 import random
@@ -39,7 +39,7 @@ def cell(runs, **more):
 
 
 def check_interval(interval_of):
-    """It holds the median of the distribution at least as often as it promises, whatever the distribution."""
+    """The interval contains the median with at least the promised probability, for any distribution."""
     source = random.Random(4)
     for size in (5, 8, 10):
         for draw, median in ((source.random, 0.5), (lambda: source.expovariate(1.0), math.log(2))):
@@ -51,7 +51,7 @@ def check_interval(interval_of):
 
 
 class Noise(unittest.TestCase):
-    def test_an_interval_holds_the_median(self):
+    def test_an_interval_contains_the_median(self):
         self.assertEqual(check_interval(noise.interval), "")
         quartiles = lambda values: (float(np.percentile(values, 25)), float(np.percentile(values, 75)))  # noqa: E731
         self.assertNotEqual(check_interval(quartiles), "", "quartiles were not seen")
@@ -59,7 +59,7 @@ class Noise(unittest.TestCase):
         self.assertEqual(noise.interval(range(10)), (1, 8))
         self.assertEqual([noise.certainty(n) for n in (2, 3, 4, 5, 10)], [50, 75, 87, 90, 90])
 
-    def test_a_ratio_is_told_only_beyond_the_floor_and_with_intervals_apart(self):
+    def test_a_ratio_counts_only_beyond_the_floor_and_with_disjoint_intervals(self):
         base = cell([1.0, 1.01, 1.02, 1.03, 1.04])
         for runs, least, told in (([1.5, 1.51, 1.52, 1.53, 1.54], 1.1, "1.49"), ([1.05, 1.06, 1.07, 1.08, 1.09], 1.1, "noise"),
                                   ([0.9, 1.5, 1.5, 1.5, 1.6], 1.1, "noise"), ([math.nan] * 5, 1.1, "")):
@@ -71,9 +71,9 @@ class Noise(unittest.TestCase):
         self.assertEqual(noise.said(base, cell(other, work_row_updates=700.0), COST, 1.05), "identical work")
         self.assertEqual(noise.said(base, cell(other, work_row_updates=701.0), COST, 1.05), "0.80")
         self.assertEqual(noise.said(base, {**cell(other, work_row_updates=700.0), "arithmetic": (2, "f32")}, COST, 1.05), "0.80")
-        self.assertEqual(noise.said(base, cell(other), COST, 1.05), "0.80", "nobody counted")
+        self.assertEqual(noise.said(base, cell(other), COST, 1.05), "0.80", "no work counts")
 
-    def test_too_few_repeats_are_not_called_noise(self):
+    def test_few_repeats_are_not_called_noise(self):
         few, many = cell([1.0, 1.02, 1.01]), cell([1.03, 1.02, 1.0, 1.01, 1.04])
         for a, b, least, told in ((few, few, noise.UNMEASURED, noise.FEW), (few, many, 1.1, noise.FEW),
                                   (many, many, 1.1, noise.NOISE), (many, many, noise.UNMEASURED, noise.FEW)):
@@ -92,19 +92,20 @@ class OfStores(with_store.WithStore):
         return fill
 
     def test_identical_work_is_never_a_finding(self):
-        """A scene without joints cannot be 0.81 times with joints."""
+        """A scene without joints cannot take 0.81 times the time with joints."""
         found = self.made(unneeded, self.features(1.0))[0]
-        self.assertIn("+cache 1.3", found.finding)
-        self.assertIn("identical work with +joints", found.finding)
-        self.assertIn("within the noise +friction", found.finding)
-        self.assertNotIn("0.8", found.finding)
+        rows = {row["feature"]: (row["time, times that of minimal [1]"], row["remark"]) for row in found.finding.rows()}
+        self.assertRegex(found.finding.headline, r"^slope, 2D does not need \+cache, which takes 1\.\d+ times the time of minimal\.$")
+        self.assertAlmostEqual(rows.pop("+cache")[0], 1.3, delta=0.05)
+        self.assertEqual(rows, {"+joints": (None, "identical work"), "+friction": (None, "inside the noise")})
         told = found.table.set_index("run")
         self.assertTrue(math.isnan(told.loc["+joints", "ratio of time per step [1]"]))
         self.assertEqual(told.loc["+joints", "time per step: why no ratio"], "identical work")
         self.assertIn("+cache", found.headline.text)
         with unittest.mock.patch.object(noise, "same_work", lambda a, b: False):
             bad = self.made(unneeded, self.features(1.0))[0]
-        self.assertRegex(bad.finding, r"\+joints 0\.8\d", "the planted bug was not seen")
+        ratio = next(row["time, times that of minimal [1]"] for row in bad.finding.rows() if row["feature"] == "+joints")
+        self.assertAlmostEqual(ratio, 0.81, delta=0.05, msg="the planted bug was not seen")
 
     def test_all_repeats_are_kept(self):
         context = self.context(self.features(1.0))
@@ -124,21 +125,26 @@ class OfStores(with_store.WithStore):
         few = context.store.cells("noisy").assign(measured=[{COST: Measured((1.0, 1.1, 1.0))}])
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
         row = chart.made(noise_floor, context)[0]
-        self.assertIn("a method differs by at most 20 % in noisy (95 of 100 cells of each)", row.finding)
+        self.assertEqual(row.finding.headline, "A method differs from itself by at most 20 % (noisy) in 95 of 100 cells.")
+        self.assertEqual([(found["sweep"], found["noise floor"], found["cells"]) for found in row.finding.rows()],
+                         [("noisy", "20 %", 1)])
         drawn = [x for line in row.figure.axes[0].lines for x in line.get_xdata()]
-        self.assertAlmostEqual(max(drawn), 20.0, msg="percent of the ratio, as in the finding")
+        self.assertAlmostEqual(max(drawn), 20.0, msg="percent, as in the finding")
         self.assertIn("noisy, 1 cell", [label.get_text() for label in row.figure.axes[0].get_yticklabels()])
 
-    def test_precisions_within_the_noise_are_said_to_be(self):
+    def test_precisions_within_the_noise_have_no_ratio(self):
         def fill(maker, ratio=1.01):
             for name in ("f64", "f32"):
                 maker.world("precision", {"scene": "stack", "dimension": 2, "resolver": "catto", "precision": name},
                             1.0 if name == "f64" else ratio, 1e-3)
-        self.assertIn("the same time within the noise", self.made(precision, fill)[0].finding)
-        found = self.made(precision, lambda maker: fill(maker, 0.5))[0]
-        self.assertRegex(found.finding, "f32 takes 0.[45]")
+        found = self.made(precision, fill)[0].finding
+        self.assertEqual(found.headline, "Steps in f32 and f64 take the same time within the noise (1 pair); no outcome differs.")
+        self.assertEqual(found.rows()[0]["remark"], "inside the noise")
+        found = self.made(precision, lambda maker: fill(maker, 0.5))[0].finding
+        self.assertRegex(found.headline, "A step in f32 takes 0.[45]")
+        self.assertAlmostEqual(found.rows()[0]["time, times that of f64 [1]"], 0.5, delta=0.05)
 
-    def test_a_median_over_precisions_takes_all_pairs(self):
+    def test_a_median_over_precisions_is_that_of_all_pairs(self):
         def fill(maker):
             for scene, ratio in (("a", 0.5), ("b", 0.52), ("c", 1.0), ("d", 1.0), ("e", 0.54)):
                 for name in ("f64", "f32"):
@@ -148,11 +154,12 @@ class OfStores(with_store.WithStore):
                         ms = (ratio if name == "f32" else 1.0) * (1 + 0.01 * (repeat % 2))
                         maker.trial("precision", axes, {COST: ms, "lean": 1e-3})
         found = self.made(precision, fill)[0]
-        for text in (found.finding, found.headline.text):
-            self.assertIn("0.54 times", text)
-            self.assertRegex(text, "5 pairs.* 3 (of them )?differ beyond the noise")
+        self.assertEqual(found.finding.headline, "A step in f32 takes 0.54 times the time of one in f64 (median of 5 pairs, 3 beyond "
+                         "the noise); no outcome differs.")
+        self.assertEqual(found.headline.text, found.finding.headline)
+        self.assertEqual([row["remark"] for row in found.finding.rows()], ["", "", "", "inside the noise", "inside the noise"])
         for least in (1.1, noise.UNMEASURED):
-            self.assertIn("and the whiskers of the two are apart", noise.rule(least))
+            self.assertIn("two whiskers do not overlap", noise.rule(least))
 
     @undrawn.drawn
     def test_the_fastest_broadphases_within_the_noise_are_all_named(self):
@@ -280,11 +287,11 @@ class OfStores(with_store.WithStore):
         self.assertIn("2 % (competitor), 90 % (witness) in 95", noise.rule(least))
         self.assertEqual([noise.percent(v) for v in (1.0234, 1.9, 2.6)], ["2.3", "90", "160"])
         found = chart.made(noise_floor, context)[0]
-        self.assertIn("2 % in pairs", found.finding)
-        self.assertIn("in pairs (witness)", found.finding)
-        self.assertIn("drawn at it: marks of pairs (witness) (a factor of up to 1.9)", found.note)
+        self.assertEqual({row["sweep"]: row["noise floor"] for row in found.finding.rows()},
+                         {"pairs": "2 %", "pairs (witness)": "90 %"})
+        self.assertIn("Drawn at the edge of the first panel: marks of pairs (witness) (a factor of up to 1.9)", found.note)
         with unittest.mock.patch.object(measurements, "WIDEST", 200.0):
-            self.assertNotIn("drawn at it", chart.made(noise_floor, context)[0].note)
+            self.assertNotIn("Drawn at the edge", chart.made(noise_floor, context)[0].note)
 
     def test_a_cell_of_few_repeats_is_not_judged_as_if_it_had_many(self):
         many = cell([1.0, 1.01, 1.02, 1.01, 1.0])

@@ -245,7 +245,7 @@ class Loading(WithStore):
             self.assertEqual(store.superseded, 1)
             self.assertEqual(list(store.cells("resolvers")["max_penetration"]), [2.0])
             made = coverage_of_plan.make(chart.Context(store))[0]
-            self.assertIn("1 older plan of the same cells", made.finding)
+            self.assertIn("1 older plan of the same cells", made.note)
             style.plt.close(made.figure)
 
     def test_one_name_is_one_metric(self):
