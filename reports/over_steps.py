@@ -4,10 +4,12 @@
 import math
 
 import numpy as np
+import pandas as pd
 from matplotlib.lines import Line2D
 
 import ranking
 from chart import describe
+from finding import ROWS
 from load import split, varying
 from sentences import listing
 from style import HALO, fallen, grid_of_axes, legend_right, legend_room
@@ -50,6 +52,28 @@ def at_middle(cells, setting):
         return cells
     values, cells = sorted(cells[setting].dropna().unique()), own_setting(cells, setting)
     return cells[cells[setting].isna() | (cells[setting] == values[len(values) // 2])]
+
+
+def at_setting(cells, setting):
+    """The value of the setting of cells `at_middle`, as words after "In 2D"; empty if there is no setting."""
+    values = sorted(cells[setting].dropna().unique()) if setting else []
+    return f" at {setting}={listing(f'{v:g}' if isinstance(v, float) else str(v) for v in values)}" if values else ""
+
+
+def without_setting(cells, setting):
+    """For the note: the methods that have no such setting; empty if there is none."""
+    names = sorted(set(cells["method"][cells[setting].isna()])) if setting and cells[setting].notna().any() else []
+    return f" Without {setting}: {listing(names)}." if names else ""
+
+
+def by_scene(parts):
+    """One table of a finding from [(scene, rows -> table of at most so many rows)]; the scene is the first column if there are
+    several."""
+    tables = [table(ROWS // len(parts)) for _, table in parts]
+    if len(parts) > 1:
+        tables = [pd.concat([pd.Series([where] * len(table), index=table.index, name="scene"), table], axis=1)
+                  for (where, _), table in zip(parts, tables)]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
 
 
 def setting_of(cells, setting):

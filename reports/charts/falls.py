@@ -332,7 +332,7 @@ def facts(where, column, baseline, everyone, least):
         first = sorted(cell["method"] for cell in noise.leaders(timed.reset_index(), TIME, least))
         row[f"cheapest besides {baseline}"] = methods(first, everyone) + (" (tie)" if len(first) > 1 else "")
         row[f"its time over that of {baseline}"] = f"{times(min(slower(column, m, baseline) for m in first))} times"
-    row["not ranked"] = "; ".join(f"{line.name} ({line.outcome})" for line in ranking.lines({
+    row["remark"] = "; ".join(f"not ranked: {line.name} ({line.outcome})" for line in ranking.lines({
         m: f"{column[EXCUSE][m]}{'' if column['outcome'][m] == 'ok' else ', ' + column['outcome'][m]}"
         for m in column.index if column[EXCUSE][m]}))
     return row

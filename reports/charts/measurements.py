@@ -142,10 +142,9 @@ def noise_floor(context):
                            "load average, median": float(np.median(row["loads"])) if row["loads"] else math.nan,
                            "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
     return [Chart("noise", NOISY, "The same method against itself", finding_of_noise(rows), "", figure, table,
-                  [],
-                  "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, from the "
-                  f"same rounds. The bar is the noise floor, with {noise.LIKELY} of 100 cells inside. In charts a ratio counts if it "
-                  "exceeds the floor and the two whiskers do not overlap. Other libraries and engines have their own floors."
+                  [], "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, "
+                  f"from the same rounds. The bar is the noise floor, with {noise.LIKELY} of 100 cells inside. A ratio counts "
+                  "in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries and engines have their own floors."
                   + beyond(rows) + " Load is the mean of a minute.")]
 
 

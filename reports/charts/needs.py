@@ -186,8 +186,8 @@ def _chart(context, sweep):
     return Chart(sweep, SECTION, f"What {scene} needs", _finding(seen, table, scene), sweep, _figure(context, seen, table), table,
                  holes, "A row is the scene with one switch of its model changed, against its own model (minimal): dots are "
                  f"medians over {plural(seen.seeds, 'seed')}, whiskers all seeds. The band is minimal run again: ratios that "
-                 "overlap it are noise. Right: distance of final positions from those under minimal; another seed starts each body a little "
-                 "elsewhere (dotted: its farthest body).",
+                 "overlap it are noise. Right: distance of final positions from those under minimal; another seed starts each "
+                 "body a little elsewhere (dotted: its farthest body).",
                  headline=_headline(seen, table, scene))
 
 

@@ -169,18 +169,20 @@ class Findings(with_store.WithStore):
         self.assertEqual([entry[-1] for entry in told[:4]], [4e-3, 4e-3, 2e-3, 1e-3])
         self.assertRegex(told[4][0], r"^[\d,]+ multiply-adds per step$")
 
-    def test_what_is_below_rounding_has_no_rank_in_rest(self):
-        said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
-                                  ["catto", "soft_step", "millington", "naive"])
-        self.assertEqual(said, "on pyramid catto and soft_step come to rest (below 1 nm/s in the last quarter); it is most "
-                         "restless with millington (100 mm/s); naive fails")
-        said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 0.0}, [], ["catto", "soft_step"])
-        self.assertEqual(said, "on pyramid catto and soft_step come to rest (below 1 nm/s in the last quarter)")
+    def test_speeds_below_rounding_are_at_rest(self):
+        speeds = {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}
+        self.assertEqual(standing.headline("pyramid", speeds, ["naive"]).text, "On pyramid catto and soft_step come to rest; "
+                         "millington is most restless, 100 mm/s, and naive fails.")
+        rows = standing.table_of_steadiness(speeds, {"naive": "failed: collapsed"}, [*speeds, "naive"]).values.tolist()
+        self.assertEqual([(row[0], row[2]) for row in rows], [("catto and soft_step", "at rest"), ("millington", "+100 mm/s"),
+                                                              ("naive", "failed: collapsed")])
+        speeds = {"catto": 6.6e-13, "soft_step": 0.0}
+        self.assertEqual(standing.headline("pyramid", speeds).text, "On pyramid catto and soft_step come to rest.")
         with unittest.mock.patch.object(standing, "at_rest", lambda speeds: speeds):
-            bad = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13}, [], ["catto", "soft_step"])
-        self.assertIn("calmest with soft_step", bad, "the planted bug was not seen")
+            bad = standing.headline("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13}).text
+        self.assertIn("soft_step is calmest", bad, "the planted bug was not seen")
 
-    def test_who_fails_is_told_beside_the_speeds_of_the_others(self):
+    def test_failed_methods_are_named_beside_the_speeds_of_the_others(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
             for label, restless in (("catto", 1e-2), ("naive", 9.0), ("soft_step", 1e-3)):
@@ -189,10 +191,12 @@ class Findings(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 1.0, 1e-3, *failed, restless=restless)
         found = self.made(steadiness, fill)[0]
-        self.assertRegex(found.headline.text, r"^On stack in 2D at iterations=10, by the RMS of .* in the last quarter, .*; of "
-                         r"those that finish, the fastest goes at .* with catto; naive fails\.$")
+        self.assertRegex(found.finding.headline, r"^On stack in 2D at iterations=10 soft_step is calmest, .* m/s, and catto most "
+                         r"restless, .* m/s; naive fails\.$")
+        self.assertEqual(found.headline.text, found.finding.headline)
         self.assertTrue(math.isnan(found.headline.values["naive"]))
-        self.assertRegex(found.finding, r"^In 2D at iterations=10 on stack .*; naive fails\.$")
+        self.assertEqual([(row["method"], row["against the best"]) for row in found.finding.rows()][::2],
+                         [("soft_step", "best"), ("naive", "failed: collapsed")])
 
     def test_who_solves_the_contacts_is_not_ranked_by_the_start(self):
         def fill(maker):

@@ -83,8 +83,8 @@ class Held(with_store.WithStore):
         chart, = self.made(held, self.fill(fallbacks="newton"))
         self.assertEqual(chart.finding.headline, "In 2D 1 of 2 scenes is held by a ranked method.")
         self.assertEqual([tuple(row.values()) for row in chart.finding.rows()], [
-            ("tower, n=10", "catto", "", "newton (62 % Gauss-Seidel)"), ("tower, n=100", "none", "catto",
-                                                                         "newton (62 % Gauss-Seidel)")])
+            ("tower, n=10", "catto", "", "not ranked: newton (62 % Gauss-Seidel)"),
+            ("tower, n=100", "none", "catto", "not ranked: newton (62 % Gauss-Seidel)")])
         self.assertIsNone(chart.headline)
         self.assertIn("62 % Gauss-Seidel", [text.get_text() for text in chart.figure.axes[0].texts])
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):

@@ -95,7 +95,8 @@ class OfStores(with_store.WithStore):
         """A scene without joints cannot take 0.81 times the time with joints."""
         found = self.made(unneeded, self.features(1.0))[0]
         rows = {row["feature"]: (row["time, times that of minimal [1]"], row["remark"]) for row in found.finding.rows()}
-        self.assertRegex(found.finding.headline, r"^slope, 2D does not need \+cache, which takes 1\.\d+ times the time of minimal\.$")
+        self.assertRegex(found.finding.headline,
+                         r"^slope does not need \+cache, which takes 1\.\d+ times the time of minimal\.$")
         self.assertAlmostEqual(rows.pop("+cache")[0], 1.3, delta=0.05)
         self.assertEqual(rows, {"+joints": (None, "identical work"), "+friction": (None, "inside the noise")})
         told = found.table.set_index("run")
@@ -154,8 +155,8 @@ class OfStores(with_store.WithStore):
                         ms = (ratio if name == "f32" else 1.0) * (1 + 0.01 * (repeat % 2))
                         maker.trial("precision", axes, {COST: ms, "lean": 1e-3})
         found = self.made(precision, fill)[0]
-        self.assertEqual(found.finding.headline, "A step in f32 takes 0.54 times the time of one in f64 (median of 5 pairs, 3 beyond "
-                         "the noise); no outcome differs.")
+        self.assertEqual(found.finding.headline, "A step in f32 takes 0.54 times the time of one in f64 (median of 5 pairs, 3 "
+                         "beyond the noise); no outcome differs.")
         self.assertEqual(found.headline.text, found.finding.headline)
         self.assertEqual([row["remark"] for row in found.finding.rows()], ["", "", "", "inside the noise", "inside the noise"])
         for least in (1.1, noise.UNMEASURED):
