@@ -54,7 +54,7 @@ def at_middle(cells, setting):
     return cells[cells[setting].isna() | (cells[setting] == values[len(values) // 2])]
 
 
-def at_setting(cells, setting):
+def setting_of(cells, setting):
     """The value of the setting of cells `at_middle`, as words after "In 2D"; empty if there is no setting."""
     values = sorted(cells[setting].dropna().unique()) if setting else []
     return f" at {setting}={listing(f'{v:g}' if isinstance(v, float) else str(v) for v in values)}" if values else ""
@@ -74,15 +74,6 @@ def by_scene(parts):
         tables = [pd.concat([pd.Series([where] * len(table), index=table.index, name="scene"), table], axis=1)
                   for (where, _), table in zip(parts, tables)]
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
-
-
-def setting_of(cells, setting):
-    """The value of the setting of cells `at_middle`, as words after "In 2D", and the methods that have none; empty if there is no
-    setting."""
-    values = sorted(cells[setting].dropna().unique()) if setting else []
-    without = sorted(set(cells["method"][cells[setting].isna()])) if values else []
-    none = f" ({listing(without)} {'has' if len(without) == 1 else 'have'} none)" if without else ""
-    return f" at {setting}={listing(f'{v:g}' if isinstance(v, float) else str(v) for v in values)}{none}" if values else ""
 
 
 def stretches(values, of=np.median):

@@ -144,8 +144,8 @@ def noise_floor(context):
     return [Chart("noise", NOISY, "The same method against itself", finding_of_noise(rows), "", figure, table,
                   [], "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, "
                   f"from the same rounds. The bar is the noise floor, with {noise.LIKELY} of 100 cells inside. A ratio counts "
-                  "in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries and engines have their own floors."
-                  + beyond(rows) + " Load is the mean of a minute.")]
+                  "in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries and engines have their "
+                  "own floors." + beyond(rows) + " Load is the mean of a minute.")]
 
 
 def beyond(rows):

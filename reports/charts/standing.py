@@ -82,7 +82,7 @@ def headline(where, speeds, failed=(), at=""):
 def _steadiness_chart(context, resting, left_out, setting):
     resting = [(scene, part.drop_duplicates("method").sort_values("method")) for scene, part in resting]
     cells = pd.concat([part for _, part in resting])
-    dimension, at = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2, over_steps.at_setting(cells, setting)
+    dimension, at = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2, over_steps.setting_of(cells, setting)
     figure, axes, legend_width = over_steps.grid(context, cells, 2, len(resting))
     labels, rows, shared = sorted(cells["method"].unique()), [], []
     for column, (scene, part) in enumerate(resting):
@@ -350,4 +350,5 @@ def _over_time_chart(context, shown, left_out):
                  Finding(text, over_steps.by_scene(found)), sweep, figure, pd.DataFrame(table),
                  left_out + holes(cells, ["scene", "method"]),
                  f"Lines: in each of {over_steps.STRETCHES} intervals of steps the median height of the highest body, and the "
-                 "largest distance of a body from its start." + "".join(map(verdict, judged)) + caption_of_lines(lines), headline=head)
+                 "largest distance of a body from its start." + "".join(map(verdict, judged)) + caption_of_lines(lines),
+                 headline=head)

@@ -191,8 +191,8 @@ class Findings(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 1.0, 1e-3, *failed, restless=restless)
         found = self.made(steadiness, fill)[0]
-        self.assertRegex(found.finding.headline, r"^On stack in 2D at iterations=10 soft_step is calmest, .* m/s, and catto most "
-                         r"restless, .* m/s; naive fails\.$")
+        self.assertRegex(found.finding.headline, r"^On stack in 2D at iterations=10 soft_step is calmest, .*m/s, and catto most "
+                         r"restless, .*m/s; naive fails\.$")
         self.assertEqual(found.headline.text, found.finding.headline)
         self.assertTrue(math.isnan(found.headline.values["naive"]))
         self.assertEqual([(row["method"], row["against the best"]) for row in found.finding.rows()][::2],

@@ -403,7 +403,7 @@ class OfStores(with_store.WithStore):
         self.assertEqual([row(found, name)["against the best"] for name in ("weld", "hinge", "pivot", "rod")],
                          ["best", *["2.7 times"] * 3])
 
-    def test_slowest_steps_name_the_setting_and_who_is_not_told_apart(self):
+    def test_slowest_steps_have_the_setting_and_ties(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
             for iterations in (4, 10, 30):
@@ -414,8 +414,14 @@ class OfStores(with_store.WithStore):
                         maker.trial("costs", axes, {COST: 1.0, "ms_per_step_p99": 1.2,
                                                     "ms_per_step_worst": worst * (1 + 0.1 * (repeat % 2))})
         found = self.made(step_times, fill)[0]
-        self.assertEqual(found.finding, "In 2D at iterations=10 on stack the slowest step takes 4.1 times the median with c (4.1 "
-                         "ms, 3 of 4 alike over their repeats) and 1.5 times with a (1.5 ms).")
+        self.assertEqual(found.finding.headline, "On stack in 2D at iterations=10 the slowest step takes 4.1 times the median "
+                         "with c (4.1 ms), 1.5 times with a (1.5 ms).")
+        rows = {row["method"]: row for row in found.finding.rows()}
+        self.assertEqual({name: row["against the best"] for name, row in rows.items()},
+                         {"a": "best", "d": "2.6 times", "b": "2.7 times", "c": "2.7 times"})
+        self.assertEqual({name: row["range"] for name, row in rows.items() if name > "a"},
+                         {"b": "4 to 4.4", "c": "4.1 to 4.51", "d": "3.9 to 4.29"})
+        self.assertAlmostEqual(rows["c"]["slowest step [s]"], 4.1e-3)
 
     def test_slowest_steps_and_engines(self):
         def fill(maker):
@@ -423,8 +429,10 @@ class OfStores(with_store.WithStore):
             for label, ms in (("catto", 1.0), ("naive", 0.9), ("box2d", 0.3)):
                 maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label}, ms, 1e-3)
         found = self.made(step_times, fill)[0]
-        self.assertRegex(found.finding, r"the slowest step takes 2\.\d times the median")
-        self.assertRegex(found.finding, r"a step of box2d takes 0\.3\d times the time of our fastest, naive")
+        self.assertRegex(found.finding.headline, r"the slowest step takes 2(\.\d)?( to 2\.\d)? times the median; methods differ")
+        rows = {row["method"]: row["against the best"] for row in found.finding.rows()}
+        self.assertRegex(rows.pop("box2d"), r"^engine: 0\.3\d times the median of naive$")
+        self.assertEqual(sorted(rows.values()), ["best, tie", "tie"])
 
     def test_no_two_ticks_have_one_label(self):
         labels = [style._tick(value, "1") for value in style._ticks(math.log10(1.4e-4), math.log10(8e-4), 8)]
