@@ -33,7 +33,7 @@ def unneeded(context, cells):
             rows.append((describe(row, same) or str(row["scene"]), str(row["model"]), base.iloc[0] if len(base) else None, row))
     least = noise.floor_of(context, cells["sweep"].iloc[0], COST)
     return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_model", NOT_NEEDED, "One unneeded feature at a time",
-                        finding_of_unneeded(rows, base_name, least), cells, rows, base_name, "with the feature", refused,
+                        finding_of_unneeded(rows, base_name, least), cells, rows, base_name, "with feature", refused,
                         f"A row is one scene with one feature that it does not need; blue: the scene with the {base_name} model.",
                         headline_of_unneeded(rows, base_name, least))]
 

@@ -16,6 +16,7 @@ import load  # noqa: E402
 import measured  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
 from charts import cost_against_error  # noqa: E402
 from charts.step_times import step_times  # noqa: E402
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of what charts find: no rank by noise, by rounding, by one seed or by where a run starts. Run by ctest, or
-python3 reports/tests/findings_test.py. Every check that guards a promise is seen to fail on a planted bug."""
+"""Tests of findings: no rank by noise, by rounding, by one seed or by the start of a run. Run by ctest, or
+python3 reports/tests/findings_test.py. Each check is seen to fail on a planted bug."""
 
 import ast
 import math
@@ -39,7 +39,7 @@ PEOPLE = re.compile(r"\b(nobody|somebody|whoever|everyone|who)\b", re.IGNORECASE
 
 
 def of_people(source):
-    """Sentences of a file, which are all of its strings but docstrings, that speak of code as of people."""
+    """Strings of a file, except docstrings, that speak of code as of people."""
     tree = ast.parse(source)
     said = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     return [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str) and

@@ -184,8 +184,8 @@ class OfStores(with_store.WithStore):
         self.assertNotIn("wins", drawn)
         self.assertIn("faster than naive", drawn.replace("\n", " "))
 
-    def test_a_time_that_was_not_taken_is_told_as_that(self):
-        """All ten frames are warm-up: what finished has no time, and is no line and no failure."""
+    def test_a_missing_time_is_neither_a_line_nor_a_failure(self):
+        """All ten frames are warm-up: runs that finished have no time, and are neither a line nor a failure."""
         def fill(maker, time=math.nan):
             maker.sweep("boxes", "boxes", "naive", broadphase="stage")
             for method in ("naive", "widest"):
@@ -238,14 +238,15 @@ class OfStores(with_store.WithStore):
         for kind in (unneeded, cost_against_error, precision, broadphase.broadphase,
                      step_times):
             for made in chart.made(kind, context):
-                self.assertNotIn("within the noise", made.finding + (made.headline.text if made.headline else ""), made.id)
+                told = made.finding.text() + (made.headline.text if made.headline else "")
+                self.assertNotRegex(told, "(within|inside) the noise", made.id)
                 self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
-                said += made.finding
+                said += told
         self.assertGreaterEqual(said.lower().count("too few repeats"), 5, said)
 
     @staticmethod
     def two_scenes(maker, wide=0.2):
-        """One scene whose repeats agree, and one whose repeats do not, in one sweep; naive is 1.1 times as dear."""
+        """A sweep of two scenes, of which one has noisy repeats; naive takes 1.1 times the time of catto."""
         maker.sweep("costs", "world", "naive", resolver="label")
         for scene, spread in (("calm", 0.01), ("busy", wide)):
             for label, ms, error in (("naive", 1.1, 2e-3), ("catto", 1.0, 1e-3), ("soft_step", 0.5, 3e-3)):
@@ -294,7 +295,7 @@ class OfStores(with_store.WithStore):
         with unittest.mock.patch.object(measurements, "WIDEST", 200.0):
             self.assertNotIn("Drawn at the edge", chart.made(noise_floor, context)[0].note)
 
-    def test_a_cell_of_few_repeats_is_not_judged_as_if_it_had_many(self):
+    def test_a_cell_of_few_repeats_is_judged_by_a_larger_floor(self):
         many = cell([1.0, 1.01, 1.02, 1.01, 1.0])
         self.assertEqual(noise.said(many, cell([1.08]), COST, 1.05), noise.FEW)
         self.assertEqual(noise.said(many, cell([2.5]), COST, 1.05), "2.48")
@@ -341,7 +342,7 @@ class OfStores(with_store.WithStore):
 
     def test_the_interval_of_a_chance_of_failure_is_wilsons(self):
         def seen(of):
-            # Wilson 1927, as other programs print them; it holds no less than 0 and no more than 1, and mirrors.
+            # Wilson 1927, as other programs print it: within 0 and 1, and symmetric.
             known = {(0, 20): (0, 0.1611), (1, 20): (0.0089, 0.2361), (10, 20): (0.2993, 0.7007), (20, 20): (0.8389, 1)}
             return [case for case, ends in known.items() if not np.allclose(of(*case), ends, atol=5e-5)]
         self.assertEqual(seen(noise.wilson), [])
@@ -349,7 +350,7 @@ class OfStores(with_store.WithStore):
         self.assertEqual(seen(lambda failed, count: (failed / count - half(failed, count), failed / count + half(failed, count))),
                          [(0, 20), (1, 20), (10, 20), (20, 20)], "the planted bug, a normal distribution, was not seen")
 
-    def test_a_headline_of_seeds_tells_each_perturbation_and_equal_states_are_no_turn(self):
+    def test_a_headline_of_seeds_has_each_perturbation_and_equal_states_tie(self):
         def fill(maker):
             maker.sweep("ensemble", "world", resolver="label", perturb="parameter")
             for perturb, errors in ((1e-6, (1e-3, 1e-3, 2e-3)), (1e-3, (3e-3, 3e-3, 2e-3))):
@@ -367,7 +368,7 @@ class OfStores(with_store.WithStore):
         for errors, alike in (([1.0, 1.0], (2, 2)), ([1.0, 2.0], (1, 1)), ([0.5, 2.0], (0, 0))):
             self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), alike)
 
-    def test_seeds_that_change_nothing_are_told(self):
+    def test_seeds_without_effect_are_reported(self):
         found = self.made(ensembles.ensembles, self.ensemble(idle=True))[0]
         self.assertIn("seeds change nothing here: all 10 end in the same state", " ".join(found.holes))
         found = self.made(ensembles.ensembles, self.ensemble())[0]
@@ -387,7 +388,7 @@ class OfStores(with_store.WithStore):
             self.assertIn(words, found[0].finding.headline)
             self.assertIn("tie" if turned else "2.0 times", row(found[0], "naive")["against the best"])
 
-    def test_errors_within_a_cost_name_the_setting_and_those_that_read_alike(self):
+    def test_errors_within_a_cost_name_the_setting_and_equal_methods(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
             for label, each, errors in (("weld", 1.0, (3e-3, 2e-3, 1e-3)), ("pivot", 0.3, (9e-3, 8e-3, 7e-3)),
