@@ -111,6 +111,7 @@ def ranked(lines, title, unit, ties=(), larger=False, floor=0.0, name="method", 
     for key in dict.fromkeys(key for line in order for key in line.more):
         columns[key] = [line.more.get(key) for line in order]
     kept = [i for i, line in enumerate(order) if line.name in words or line.name in keep]
+    kept = [len(known) - 1] * bool(known) + sorted(kept, key=lambda i: not order[i].outcome)  # the worst, failures, then ties
     return cut(pd.DataFrame(columns), kept, most)
 
 

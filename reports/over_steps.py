@@ -9,10 +9,12 @@ from matplotlib.lines import Line2D
 
 import ranking
 from chart import describe
-from finding import ROWS
+from finding import cut
+from finding import ranked as by_rank
 from load import split, varying
-from sentences import listing
+from sentences import listing, some
 from style import HALO, fallen, grid_of_axes, legend_right, legend_room
+from table import quantity
 
 COLUMNS = 3  # scenes side by side
 STRETCHES = 150
@@ -66,14 +68,27 @@ def without_setting(cells, setting):
     return f" Without {setting}: {listing(names)}." if names else ""
 
 
-def by_scene(parts):
-    """One table of a finding from [(scene, rows -> table of at most so many rows)]; the scene is the first column if there are
-    several."""
-    tables = [table(ROWS // len(parts)) for _, table in parts]
-    if len(parts) > 1:
-        tables = [pd.concat([pd.Series([where] * len(table), index=table.index, name="scene"), table], axis=1)
-                  for (where, _), table in zip(parts, tables)]
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
+def by_scene(parts, title, unit):
+    """The finding's table from [(scene, lines, names that tie with the best)]: all methods of one scene, or the best and the
+    worst method of each of several scenes. Less is better."""
+    if len(parts) == 1:
+        (_, lines, ties), = parts
+        return by_rank(lines, title, unit, ties, keep=[line.name for line in lines if line.outcome])
+    rows = []
+    for where, lines, ties in parts:
+        known = sorted((line for line in lines if not line.outcome), key=lambda line: line.value)
+        first = list(dict.fromkeys([line.name for line in known[:1]] + list(ties)))
+        last = known[-1] if known and known[-1].name not in first else None
+        rows.append({"scene": where, "best": some(first, most=3) if first else "none",
+                     **one(f"{title}, best", unit, known[0].value if known else math.nan), "worst": last.name if last else "",
+                     **one(f"{title}, worst", unit, last.value if last else math.nan),
+                     "remark": "; ".join(f"{line.name}: {line.outcome}" for line in lines if line.outcome)})
+    return cut(pd.DataFrame(rows))
+
+
+def one(title, unit, value):
+    """table.quantity for a single row."""
+    return {name: values[0] for name, values in quantity(title, unit, [value]).items()}
 
 
 def stretches(values, of=np.median):

@@ -10,8 +10,7 @@ from matplotlib.patches import Patch, Rectangle
 import over_steps
 import ranking
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
-from finding import AGAINST, ROWS, Finding, Line, cut
-from finding import ranked as by_rank
+from finding import AGAINST, Finding, Line, cut
 from load import NOT_RUN, split, varying
 from sentences import listing, methods, some, verb
 from style import OUTCOMES, ZeroLog, caption_of_lines, grid_of_axes, legend_right, one_line, same, si
@@ -47,17 +46,20 @@ def at_rest(speeds):
     return {method: 0.0 if v <= REST else v for method, v in speeds.items()}
 
 
-def table_of_steadiness(speeds, why, everyone, most=ROWS):
-    """From the calmest to the most restless; methods at rest share a row. `why`: {method: reason without a speed or rank}."""
+def lines_of_steadiness(speeds, why, everyone):
+    """(lines of the finding's table, no ties); methods at rest share a line. `why`: {method: reason without a speed or rank}."""
     groups = {}
     for method, speed in at_rest(speeds).items():
         groups.setdefault(speed if speed == 0 else (speed, method), []).append(method)
     lines = [Line(methods(names, everyone), 0.0 if speed == 0 else speed[0]) for speed, names in groups.items()]
-    others = ranking.lines(why)
-    resting = [line.name for line in lines if line.value == 0]
-    table = by_rank(lines + others, "RMS speed of the fastest body", "m/s", larger=False,
-                    keep=[line.name for line in others], most=most)
-    table[AGAINST] = ["at rest" if name in resting else text for name, text in zip(table["method"], table[AGAINST])]
+    return lines + ranking.lines(why), ()
+
+
+def table_of_steadiness(found):
+    table = over_steps.by_scene(found, "RMS speed of the fastest body", "m/s")
+    if AGAINST in table:
+        resting = [line.name for _, lines, _ in found for line in lines if line.value == 0]
+        table[AGAINST] = ["at rest" if name in resting else text for name, text in zip(table["method"], table[AGAINST])]
     return table
 
 
@@ -118,7 +120,7 @@ def _steadiness_chart(context, resting, left_out, setting):
                for _, row in part.iterrows() if row["excused"] or row["outcome"] != "ok"}
         part = part[(part["outcome"] == "ok") & np.isfinite(part["restlessness"].astype(float)) & (part["excused"] == "")]
         speeds = dict(zip(part["method"], part["restlessness"].astype(float)))
-        found.append((scene, lambda most, of=speeds, why=why: table_of_steadiness(of, why, labels, most)))
+        found.append((scene, *lines_of_steadiness(speeds, why, labels)))
         if len(part) > 1:
             told.append(headline(f"{scene} in {dimension}D", speeds, sorted(failed["method"]), at))
     first = max(told, key=lambda head: (head.effect, -sum(map(math.isnan, head.values.values()))), default=None)
@@ -126,7 +128,7 @@ def _steadiness_chart(context, resting, left_out, setting):
     table = table.drop(columns="excused").rename(columns={"restlessness": "restlessness [m/s]"})
     moving = first and any(value > 0 for value in first.values.values())
     return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", RESTLESS,
-                 f"The fastest body and the contacts over time, {dimension}D", Finding(text, over_steps.by_scene(found)),
+                 f"The fastest body and the contacts over time, {dimension}D", Finding(text, table_of_steadiness(found)),
                  cells["sweep"].iloc[0], figure, table, left_out + holes(cells, ["scene", "method"]),
                  f"Lines are the largest value of each of {over_steps.STRETCHES} intervals of steps; a letter marks a failed "
                  "run. The finding has the RMS of the fastest body's speed over the last quarter of the steps; up to "
@@ -282,15 +284,19 @@ def verdict(rows):
     return f" The claim of 2009 that piles fall because {TURNS_NONE} rotates no body is {word} by this scene."
 
 
-def table_of_over_time(rows, most=ROWS):
-    """Piles that stand first, then those that fall, the last first."""
-    order = sorted((row for row in rows if not row["why"]), key=lambda row: (-(row["fell"] or math.inf), row["method"]))
-    made = [{"method": row["method"], "half of the height lost at step": "never" if row["fell"] is None else str(row["fell"]),
-             "largest turn at the end [rad]": row["tilt"], "remark": ""} for row in order]
-    made += [{"method": line.name, "remark": line.outcome}
-             for line in ranking.lines({row["method"]: f"not ranked: {row['why']}" for row in rows if row["why"]})]
-    table = pd.DataFrame(made, columns=["method", "half of the height lost at step", "largest turn at the end [rad]", "remark"])
-    return cut(table if (table["remark"] != "").any() else table.drop(columns="remark"), range(len(order), len(made)), most)
+def table_of_over_time(found):
+    """Piles that stand first, then those that fall, the last first. `found`: [(scene, rows)]."""
+    made = []
+    for where, rows in found:
+        order = sorted((row for row in rows if not row["why"]), key=lambda row: (-(row["fell"] or math.inf), row["method"]))
+        made += [{"scene": where, "method": row["method"], "remark": "",
+                  "half of the height lost at step": "never" if row["fell"] is None else str(row["fell"]),
+                  "largest turn at the end [rad]": row["tilt"]} for row in order]
+        made += [{"scene": where, "method": line.name, "remark": line.outcome}
+                 for line in ranking.lines({row["method"]: f"not ranked: {row['why']}" for row in rows if row["why"]})]
+    names = ["scene"] * (len(found) > 1) + ["method", "half of the height lost at step", "largest turn at the end [rad]"]
+    names += ["remark"] * any(row["remark"] for row in made)
+    return cut(pd.DataFrame(made, columns=None if made else names)[names], [i for i, row in enumerate(made) if row["remark"]])
 
 
 def words_of_over_time(where, rows):
@@ -333,7 +339,7 @@ def _over_time_chart(context, shown, left_out):
         axes[0][column].set_xlabel("")
         rows += mine
         judged.append([row for row in mine if not row["why"]])
-        found.append((where, lambda most, mine=mine: table_of_over_time(mine, most)))
+        found.append((where, mine))
     axes[0][0].set_ylabel("highest body (m)")
     axes[1][0].set_ylabel("largest drift")
     over_steps.legend(context, figure, cells, room)
@@ -347,7 +353,7 @@ def _over_time_chart(context, shown, left_out):
     both = len({r["fell"] is None for r in ranked}) == 2 and len(shown) == 1
     head = Headline(text, {r["method"]: r["height"] for r in ranked}, "m", "height at the end", larger=True) if both else None
     return Chart(f"{sweep}_over_time_{dimension}d", STANDS, f"Height and drift over time, {dimension}D",
-                 Finding(text, over_steps.by_scene(found)), sweep, figure, pd.DataFrame(table),
+                 Finding(text, table_of_over_time(found)), sweep, figure, pd.DataFrame(table),
                  left_out + holes(cells, ["scene", "method"]),
                  f"Lines: in each of {over_steps.STRETCHES} intervals of steps the median height of the highest body, and the "
                  "largest distance of a body from its start." + "".join(map(verdict, judged)) + caption_of_lines(lines),

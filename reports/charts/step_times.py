@@ -14,8 +14,7 @@ import noise
 import over_steps
 import ranking
 from chart import Chart, Headline, Needs, dimension_of, holes, of_sweeps
-from finding import NOISE, ROWS, Finding, Line, cut
-from finding import ranked as by_rank
+from finding import NOISE, Finding, Line, cut
 from load import one_machine, split
 from style import ZeroLog, figures, grid_of_axes, legend_right, letter, si, times
 from table import quantity
@@ -47,25 +46,27 @@ def timed(cells):
     return cells[(cells["outcome"] == "ok") & cells[MEDIAN].notna() & cells[WORST].notna()]
 
 
-def table_of(context, cells, most=ROWS):
-    """The slowest step over the median, the smallest ratio first; then engines, and methods without a rank or time."""
+RATIO = "slowest step over the median"
+
+
+def lines_of(context, cells):
+    """(lines of the finding's table, names that tie with the smallest ratio of the slowest step to the median). Engines, and
+    methods without a rank or time, stand last."""
     good = timed(cells)
     engines = good[good["method"].map(context.store.role) == "engine"]
     good = ranking.eligible(context, good).drop(index=engines.index, errors="ignore")
-    order = good.iloc[(good[WORST] / good[MEDIAN]).argsort(kind="stable")] if len(good) else good
+    order = good.assign(ratio=good[WORST] / good[MEDIAN]).sort_values(["ratio", "method"])
     ties = [cell["method"] for _, cell in order.iloc[1:].iterrows() if _spread(cell)[0] <= _spread(order.iloc[0])[1]]
     floor, first = noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN), good.loc[good[MEDIAN].idxmin()] if len(good) else None
     lines = [Line(cell["method"], cell[WORST] / cell[MEDIAN], *_spread(cell), outcome,
-                  {"slowest step [s]": quantity("", "ms", [cell[WORST]])[" [s]"][0]})
+                  over_steps.one("slowest step", "ms", cell[WORST]))
              for part, of in ((order, lambda _: ""), (engines, lambda engine: _beside(first, engine, floor)))
              for _, cell in part.iterrows() for outcome in [of(cell)]]
     excused = ranking.excused(context, cells)
     why = {cell["method"]: f"failed: {cell['outcome']}" if cell["outcome"] != "ok" else
            f"not ranked: {excused[i]}" if i in excused else "no time"
            for i, cell in cells.iterrows() if i not in good.index and i not in engines.index}
-    lines += ranking.lines(why)
-    keep = [line.name for line in lines if line.outcome]
-    return by_rank(lines, "slowest step over the median", "1", ties, keep=keep, most=most)
+    return lines + ranking.lines(why), ties
 
 
 def words(context, where, at, cells):
@@ -78,8 +79,8 @@ def words(context, where, at, cells):
     most, least = good.loc[ratios.idxmax()], good.loc[ratios.idxmin()]
     if len(good) == 1 or _spread(most)[0] <= _spread(least)[1]:  # the order of slowest steps is noise
         ends = " to ".join(dict.fromkeys((times(ratios.min()), times(ratios.max()))))
-        return f"On {where}{at} the slowest step takes {ends} times the median; methods differ inside the noise." if len(
-            good) > 1 else f"On {where}{at} the slowest step of {most['method']} takes {ends} times the median."
+        return (f"On {where}{at} the slowest step takes {ends} times the median; "
+                f"{'all methods tie' if len(good) > 1 else 'only ' + most['method'] + ' finished'}.")
     return (f"On {where}{at} the slowest step takes {times(ratios.max())} times the median with {most['method']} "
             f"({si(most[WORST], 'ms')}), {times(ratios.min())} times with {least['method']} ({si(least[WORST], 'ms')}).")
 
@@ -149,7 +150,7 @@ def _step_times_chart(context, cells, shown, gaps, at, without):
     told = [(_largest_ratio(context, part), words(context, f"{where} in {dimension}D", at, part)) for where, part in shown]
     return Chart(f"{cells['sweep'].iloc[0]}_step_times_{dimension}d", SLOWEST, f"Times of whole steps, {dimension}D",
                  Finding(max(told, key=lambda pair: pair[0])[1], over_steps.by_scene(
-                     [(where, lambda most, part=part: table_of(context, part, most)) for where, part in shown])),
+                     [(where, *lines_of(context, part)) for where, part in shown], RATIO, "1")),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(columns), gaps + holes(drawn, ["scene", "method"]),
                  "Processor time of a step, from broadphase to integration; medians over repeats, without the first ten steps of "
                  "a run." + without + " " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)))

@@ -173,7 +173,8 @@ class Findings(with_store.WithStore):
         speeds = {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}
         self.assertEqual(standing.headline("pyramid", speeds, ["naive"]).text, "On pyramid catto and soft_step come to rest; "
                          "millington is most restless, 100 mm/s, and naive fails.")
-        rows = standing.table_of_steadiness(speeds, {"naive": "failed: collapsed"}, [*speeds, "naive"]).values.tolist()
+        lines = standing.lines_of_steadiness(speeds, {"naive": "failed: collapsed"}, [*speeds, "naive"])
+        rows = standing.table_of_steadiness([("pyramid", *lines)]).values.tolist()
         self.assertEqual([(row[0], row[2]) for row in rows], [("catto and soft_step", "at rest"), ("millington", "+100 mm/s"),
                                                               ("naive", "failed: collapsed")])
         speeds = {"catto": 6.6e-13, "soft_step": 0.0}
