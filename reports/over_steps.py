@@ -82,7 +82,7 @@ def by_scene(parts, title, unit):
         rows.append({"scene": where, "best": some(first, most=3) if first else "none",
                      **one(f"{title}, best", unit, known[0].value if known else math.nan), "worst": last.name if last else "",
                      **one(f"{title}, worst", unit, last.value if last else math.nan),
-                     "remark": "; ".join(f"{line.name}: {line.outcome}" for line in lines if line.outcome)})
+                     "remark": "; ".join(f"{line.name} ({line.outcome})" for line in lines if line.outcome)})
     return cut(pd.DataFrame(rows))
 
 

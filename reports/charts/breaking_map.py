@@ -100,7 +100,7 @@ def table_of_many(columns, labels):
                      "95 % interval": ends(best[0].low, best[0].high, unit_of(name)) if best else "",
                      "worst": methods(last, labels) if last else "", "worst breaks at": at(last),
                      **({"closed form": value_text(name, about["truth"])} if about["truth"] else {}),
-                     "no value or rank": "; ".join(f"{line.name}: {line.outcome}" for line in lines_of(column, about)[1])})
+                     "no value or rank": "; ".join(f"{line.name} ({line.outcome})" for line in lines_of(column, about)[1])})
     return cut(pd.DataFrame(rows).fillna(""))
 
 

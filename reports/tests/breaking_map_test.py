@@ -150,7 +150,7 @@ class Map(undrawn.Undrawn):
             {"question": "Tallest tower, stack", "best": "catto and naive", "best breaks at": "n = 8.49",
              "95 % interval": "4 to 16", "worst": "xpbd", "worst breaks at": "2.83", "no value or rank": ""},
             {"question": "Least n, stack", "best": "catto", "best breaks at": "n = 1.41", "95 % interval": "1 to 2",
-             "worst": "", "worst breaks at": "", "no value or rank": "naive: failed: holds at no value tried"}])
+             "worst": "", "worst breaks at": "", "no value or rank": "naive (failed: holds at no value tried)"}])
 
     def test_a_method_that_never_failed_has_the_seeds_of_the_last_value(self):
         made = self.made({"tallest tower": ABOUT}, {"tallest tower": {"catto": {1: 0, 8: 0}, "naive": {1: 0, 2: 5}}}, few=4)
