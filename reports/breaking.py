@@ -167,5 +167,5 @@ def ties(known, value):
 
 
 def right(known, truth):
-    """Methods whose interval contains the value of the closed form."""
+    """Methods with an interval that contains the value of the closed form."""
     return [m for m, f in known.items() if f.held and span(f)[0] <= truth <= span(f)[1]]

@@ -46,7 +46,7 @@ class Measuring(RendererSVG):
 
 
 def near(boxes):
-    """The pairs of boxes, in order, whose axis-aligned bounds overlap: the few of hundreds that need the exact test."""
+    """The pairs of boxes, in order, with overlapping axis-aligned bounds: the few of hundreds that need the exact test."""
     if not boxes:
         return []
     corners = np.array([box.corners for box in boxes])

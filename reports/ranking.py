@@ -7,7 +7,7 @@ scale.
 k methods make k (k - 1) / 2 pairs, so each interval uses LEVEL divided by the number of pairs (Bonferroni): all of them hold
 together with 95 %. Two methods tie if the interval of their ratio contains 1.
 
-A method whose rows were solved by its fallback, Gauss-Seidel, has no rank. Nor has a method in f32 among methods in f64.
+A method that left rows to its fallback, Gauss-Seidel, has no rank. Nor has a method in f32 among methods in f64.
 """
 
 import math
@@ -166,7 +166,7 @@ def largest(said):
 
 
 def whole(context, cells):
-    """The cells of methods whose cells all have a rank, for charts with one number per method."""
+    """The cells of methods with a rank in all cells, for charts with one number per method."""
     return cells[~cells["method"].isin(list(unranked(context, cells)))]
 
 

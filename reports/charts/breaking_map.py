@@ -232,7 +232,7 @@ def _place(title):
 
 
 def headline(title, column, about, labels):
-    """For the first screen: one question whose methods differ."""
+    """For the first screen: one question, if its methods differ."""
     held = {m: edge(f) for m, f in ranked(column).items()}
     if len(held) < 2 or not any(value == value for value in held.values()) or len(set(held.values())) < 2:
         return None

@@ -172,7 +172,7 @@ def _points_chart(context, cells, found, dimension):
     table["unit"] = ["s" if raised == "dt" else "" for raised in table["raised"]]
     table = table[["scene", "raised", "unit", "spent", "method", "held", "fell", "outcome", "step", "not ranked"]]
     table = table.rename(columns={"held": "largest that held", "fell": "first that failed"})
-    first, text = max(told, key=lambda pair: pair[0].effect if pair[0] else 0)  # the ladder whose methods differ most
+    first, text = max(told, key=lambda pair: pair[0].effect if pair[0] else 0)  # the ladder with the largest difference
     return Chart(f"{cells['sweep'].iloc[0]}_raised_{dimension}d", FALLS, f"Breaking points, {dimension}D",
                  Finding(text, cut(pd.concat(lines, ignore_index=True))), cells["sweep"].iloc[0], figure, table,
                  holes(cells[cells["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],

@@ -110,9 +110,9 @@ def _falls_chart(context, cells, runs, fallen, drawn, left_out):
     return Chart(f"{sweep}_falls", SECTION, "How runs fall", Finding(text, cut(short)), sweep, figure,
                  table.drop(columns="which"), holes=left_out,
                  note="Each row is the last run of a scene and dimension that fell, at most six of a sweep "
-                      f"({means}). Pictures: the start, the fall, and between them the last steps at which a body is 60 %, 30 % "
-                      "and 10 % of the largest distance from its last position; the last step in sight if a body leaves the view. "
-                      "Energy is kinetic and gravitational.")
+                      f"({means}). Pictures: the start, the fall, and between them the last steps at which a body is 60 %, "
+                      "30 % and 10 % of the largest distance from its last position; the last step in sight if a body leaves "
+                      "the view. Energy is kinetic and gravitational.")
 
 
 def _share(context, cells, run):

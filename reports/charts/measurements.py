@@ -137,7 +137,7 @@ def noise_floor(context):
     if not rows:
         return []
     figure = _drawn(rows) if any(row["ratios"] or row["loads"] for row in rows) else None  # old stores have neither
-    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "cells of the bar": len(row["ratios"]),
+    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "cells with enough repeats": len(row["ratios"]),
                            "noise floor [1]": row["floor"] - 1 if row["ratios"] else math.nan,
                            "load average, median": float(np.median(row["loads"])) if row["loads"] else math.nan,
                            "load average, largest": max(row["loads"], default=math.nan)} for row in rows])

@@ -23,7 +23,7 @@ SWITCHED = {"cache": "cache", "continuous": "continuous", "sleeping": "sleep"}  
 COST, ROWS = "ms_per_step_median", "work_multiply_adds"
 WITHIN, UNKNOWN, EQUAL = "time within the noise", "too few seeds to measure the noise", "equal work counts"
 IDLE = "nothing to measure"
-TIME, FARTHEST = "time, times that of minimal [1]", "distance of final positions, farthest [m]"  # columns
+TIME, FARTHEST = "time over that of minimal [1]", "distance of final positions, farthest [m]"  # columns
 INK, FAR = "#0072B2", "#D55E00"
 
 
@@ -162,10 +162,10 @@ def table_of(seen):
                for row in rows]
     return pd.DataFrame({
         "model": [row.name for row in rows],
-        **quantity("time, times that of minimal", "1", [middle(row.time) for row in rows]),
+        **quantity("time over that of minimal", "1", [middle(row.time) for row in rows]),
         **quantity("least over seeds", "1", [span(row.time)[0] for row in rows]),
         **quantity("most over seeds", "1", [span(row.time)[1] for row in rows]),
-        **quantity("multiply-adds, times those of minimal", "1", [middle(row.rows) for row in rows]),
+        **quantity("multiply-adds over those of minimal", "1", [middle(row.rows) for row in rows]),
         **quantity("distance of final positions, median", "m", [middle(row.median) for row in rows]),
         **quantity("distance of final positions, farthest", "m", [span(row.largest)[1] for row in rows]),
         "remark": remarks})
@@ -203,7 +203,7 @@ def _told(table):
 
 
 def _finding(seen, table, scene):
-    """The switch that changes the time most; all models from the dearest to the cheapest."""
+    """The switch that changes the time most; all models from the most to the least expensive."""
     told = _told(table)
     if told:
         model, ratio = max(told, key=lambda pair: abs(math.log(pair[1])))
@@ -241,8 +241,8 @@ def _figure(context, seen, table):
                Patch(color="#E8E8E8", label=AGAIN),
                Line2D([], [], ls="none", color=INK, marker="o", label="median body"),
                Line2D([], [], ls="none", color=FAR, marker="D", label="farthest body")]
-    for ax, name, label in ((axes[0][0], "time", "time per step, times minimal's"),
-                            (axes[0][1], "rows", "multiply-adds, times minimal's")):
+    for ax, name, label in ((axes[0][0], "time", "time per step / minimal"),
+                            (axes[0][1], "rows", "multiply-adds / minimal")):
         values = [value for model in seen.models for value in getattr(model, name)] + [1.0]
         scale = ZeroLog(ax, "x", values, "1", failures=failed, failed_name="none")
         if name == "time" and AGAIN in models and models[AGAIN].time:

@@ -13,7 +13,7 @@ from finding import NOISE, Finding, cut
 from load import one_machine, split, varying
 from sentences import plural, verb
 
-NOT_NEEDED = "What does a feature cost that a scene does not need?"
+NOT_NEEDED = "What does an unneeded feature cost?"
 COST = "ms_per_step_median"
 
 
@@ -49,13 +49,13 @@ def told_of(base, row, least):
 
 
 def finding_of_unneeded(rows, base_name, least):
-    """The feature that makes its scene dearest; all from the dearest to the cheapest."""
+    """The feature that costs most; all from the most to the least expensive."""
     found = []
     for place, model, base, row in rows:
         ratio, why = told_of(base, row, least)
-        found.append({"scene": place, "feature": model, f"time, times that of {base_name} [1]": ratio, "remark": why})
-    table = pd.DataFrame(found, columns=["scene", "feature", f"time, times that of {base_name} [1]", "remark"])
-    table = table.sort_values(f"time, times that of {base_name} [1]", ascending=False, kind="stable")
+        found.append({"scene": place, "feature": model, f"time over that of {base_name} [1]": ratio, "remark": why})
+    table = pd.DataFrame(found, columns=["scene", "feature", f"time over that of {base_name} [1]", "remark"])
+    table = table.sort_values(f"time over that of {base_name} [1]", ascending=False, kind="stable")
     head = headline_of_unneeded(rows, base_name, least)
     few = any(why == noise.FEW for why in table["remark"])
     return Finding(head.text if head else f"No timed pair of {base_name} and one more feature finished." if not len(table) or
@@ -65,7 +65,7 @@ def finding_of_unneeded(rows, base_name, least):
 
 
 def headline_of_unneeded(rows, base_name, least):
-    """For the first screen: the feature that makes its scene dearest."""
+    """For the first screen: the feature that costs most."""
     told = [(told_of(base, row, least)[0], place, model, base, row) for place, model, base, row in rows]
     told = [found for found in told if found[0] > 1]
     if not told:
@@ -108,8 +108,8 @@ def finding_of_precision(context, rows, error, least):
     told = [told_of(base, row, least) for *_, base, row in both]
     beyond = [ratio for ratio, _ in told if math.isfinite(ratio)]
     found = pd.DataFrame([{
-        "scene": place, "run": name, "time, times that of f64 [1]": ratio,
-        f"{context.title(error)}, times that of f64 [1]": twins.ratio_of(base, row, error),
+        "scene": place, "run": name, "time over that of f64 [1]": ratio,
+        f"{context.title(error)} over that of f64 [1]": twins.ratio_of(base, row, error),
         "remark": why if base["outcome"] == row["outcome"] else f"{base['outcome']} in f64, {row['outcome']} in f32"}
         for (place, name, base, row), (ratio, why) in zip(both, told)])
     few = any(why == noise.FEW for _, why in told)
@@ -124,7 +124,7 @@ def finding_of_precision(context, rows, error, least):
     else:
         text = "There are too few repeats to compare the times of f32 and f64" if ratios else "No timed pair finished"
     if len(found):
-        found = found.sort_values("time, times that of f64 [1]", kind="stable")
+        found = found.sort_values("time over that of f64 [1]", kind="stable")
         worst = found[found.columns[3]].map(lambda v: abs(math.log(v)) if v > 0 else -1).to_numpy()
         keep = [i for i, why in enumerate(found["remark"]) if " in f32" in why]
         found = cut(found, [*keep, *([int(worst.argmax())] if worst.max() > math.log(SAME_ERROR) else [])])

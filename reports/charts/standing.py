@@ -141,7 +141,7 @@ RESTS = "rest_since"
 
 
 @of_sweeps("stability", 31, STANDS,
-           Needs("world", methods=(2, math.inf), also="`report` that names it"),
+           Needs("world", methods=(2, math.inf), also="a `report` that lists it"),
            "Outcome of scenes under each method",
            "This store has no sweep whose `report` lists this chart; experiments/run heritage makes one.", "heritage_stability")
 def stability(context, cells):
@@ -235,7 +235,7 @@ LOST = 0.5  # share of the height at the start: a pile below it has fallen
 
 
 @of_sweeps("over_time", 33, STANDS,
-           Needs("world", methods=(2, math.inf), series=("height", "drift"), also="`report` that names it"),
+           Needs("world", methods=(2, math.inf), series=("height", "drift"), also="a `report` that lists it"),
            "Height and drift over time",
            "This store has no sweep whose `report` lists this chart; experiments/run heritage makes one.", "heritage_positions")
 def over_time(context, cells):
@@ -256,7 +256,7 @@ def fallen_at(heights):
 
 
 def drawn_alike(ax, curves, place, of):
-    """{method: the first method whose curve is everywhere within SEEN of the panel's height}: such lines are drawn once."""
+    """{method: the first method with a curve that is everywhere within SEEN of the panel's height}: such lines are drawn once."""
     firsts, there = {}, {}
     share = lambda v: ax.transAxes.inverted().transform(ax.transData.transform((0, place(v))))[1]  # noqa: E731
     for method, points in curves.items():

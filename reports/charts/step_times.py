@@ -162,7 +162,7 @@ WITHIN, TOP, BELOW, UNKNOWN = "within the sizes run", "at least the largest size
 
 
 @of_sweeps("bodies_at_rate", 39, SIXTY,
-           Needs("world", methods=(1, math.inf), metrics=(MEDIAN,), also="`report` that names it"),
+           Needs("world", methods=(1, math.inf), metrics=(MEDIAN,), also="a `report` that lists it"),
            "Bodies at sixty steps a second",
            "This store has no timed sweep whose `report` lists this chart; experiments/run heritage makes one.",
            "heritage_bodies")
@@ -290,7 +290,7 @@ def _ladders(cells):
 
 
 def _headline(rows):
-    """For the first screen: the scene with the largest ratio between methods whose number of bodies is known."""
+    """For the first screen: the scene with the largest ratio between methods with a known number of bodies."""
     best = None
     for place in dict.fromkeys((row["scene"], row["dimension"]) for row in rows):
         known = {row["method"]: row["slow"] for row in rows if (row["scene"], row["dimension"]) == place and

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of how many bodies keep sixty steps a second: ladders whose answer is known. Run by ctest, or
+"""Tests of how many bodies keep sixty steps a second: sizes and times with known answers. Run by ctest, or
 python3 reports/tests/bodies_at_rate_test.py [PICTURE.png]."""
 
 import math

@@ -94,7 +94,7 @@ class OfStores(with_store.WithStore):
     def test_identical_work_is_never_a_finding(self):
         """A scene without joints cannot take 0.81 times the time with joints."""
         found = self.made(unneeded, self.features(1.0))[0]
-        rows = {row["feature"]: (row["time, times that of minimal [1]"], row["remark"]) for row in found.finding.rows()}
+        rows = {row["feature"]: (row["time over that of minimal [1]"], row["remark"]) for row in found.finding.rows()}
         self.assertRegex(found.finding.headline,
                          r"^slope does not need \+cache, which takes 1\.\d+ times the time of minimal\.$")
         self.assertAlmostEqual(rows.pop("+cache")[0], 1.3, delta=0.05)
@@ -105,7 +105,7 @@ class OfStores(with_store.WithStore):
         self.assertIn("+cache", found.headline.text)
         with unittest.mock.patch.object(noise, "same_work", lambda a, b: False):
             bad = self.made(unneeded, self.features(1.0))[0]
-        ratio = next(row["time, times that of minimal [1]"] for row in bad.finding.rows() if row["feature"] == "+joints")
+        ratio = next(row["time over that of minimal [1]"] for row in bad.finding.rows() if row["feature"] == "+joints")
         self.assertAlmostEqual(ratio, 0.81, delta=0.05, msg="the planted bug was not seen")
 
     def test_all_repeats_are_kept(self):
@@ -143,7 +143,7 @@ class OfStores(with_store.WithStore):
         self.assertEqual(found.rows()[0]["remark"], "inside the noise")
         found = self.made(precision, lambda maker: fill(maker, 0.5))[0].finding
         self.assertRegex(found.headline, "A step in f32 takes 0.[45]")
-        self.assertAlmostEqual(found.rows()[0]["time, times that of f64 [1]"], 0.5, delta=0.05)
+        self.assertAlmostEqual(found.rows()[0]["time over that of f64 [1]"], 0.5, delta=0.05)
 
     def test_a_median_over_precisions_is_that_of_all_pairs(self):
         def fill(maker):

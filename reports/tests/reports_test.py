@@ -82,7 +82,7 @@ def check_crossover(crossover_of):
 
 
 def pareto_without_zero(cost, error):
-    """Planted bug, as in ann-benchmarks: `if not x or not y: continue` drops points whose cost or error is exactly 0."""
+    """Planted bug, as in ann-benchmarks: `if not x or not y: continue` drops points with a cost or error of exactly 0."""
     return [i for i in metrics.pareto(cost, error) if cost[i] and error[i]]
 
 
