@@ -334,7 +334,8 @@ def _cost_finding(rows, dimension, precision):
     pairs, near = plural(len(leaders), "pair of shapes", "pairs of shapes"), sum(len(found) > 1 for found in leaders.values())
     first = max(sorted(set(alone)), key=alone.count, default="")
     said = [first and f"{first} is the fastest without a failure on {alone.count(first)}",
-            near and f"several methods are within {noise.UNMEASURED:g} times the fastest on {near}",
+            near and f"several methods are within {noise.UNMEASURED:g} times the fastest on "
+                     f"{'all' if near == len(leaders) else near}",
             only and f"{some(sorted(set(only.values())))} alone {verb(len(set(only.values())), 'have')} no failure on "
                      f"{len(only)}"]
     return Finding(f"{where} of {pairs}, {listing(filter(None, said))}.", table)

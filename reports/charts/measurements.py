@@ -92,9 +92,11 @@ def finding_of_alike(table, swept):
         text = f"No two methods end in the same bits in most of their common runs, in {plural(sweeps, 'sweep')}."
     else:
         sweep, _, equal, cells, group = max(same, key=lambda row: (len(row[4]), row[2]))
-        text = f"In {sweep} {some(group)} are one path: {equal} of {cells} comparisons end in the same bits."
-    found = pd.DataFrame([row[:4] for row in rows], columns=["sweep", "one path", "comparisons with equal bits", "comparisons"])
-    return Finding(text, cut(found))
+        ends = (f"they end in the same bits in {equal} of {cells} common runs" if len(group) == 2 else
+                "each ends in the same bits as another of them in most common runs")
+        text = f"In {sweep} {some(group)} are one path: {ends}."
+    columns = ["sweep", "one path", "pairs of runs with equal bits", "pairs of runs"]
+    return Finding(text, cut(pd.DataFrame([row[:4] for row in rows], columns=columns)))
 
 
 def _chart(table, swept):

@@ -306,7 +306,7 @@ def words_of_over_time(where, rows):
     if not ranked:
         return f"On {where} {'no method has a rank' if rows else 'nothing was run'}."
     parts = [f"{word} with {some(names)}" for word, names in (("falls", fell), ("stands", stand)) if names]
-    return f"On {where} the pile {' and '.join(parts)}."
+    return f"On {where} the pile {'; it '.join(parts)}."
 
 
 def _over_time_chart(context, shown, left_out):

@@ -104,8 +104,8 @@ class Findings(with_store.WithStore):
         self.assertIn("No two methods end in the same bits in most of their common runs", found.finding.headline)
         self.assertEqual(found.table[["cells", "equal"]].to_numpy().tolist(), [[20, 2]])
         found = chart.made(distinctness, self.context(lambda maker: fill(maker, range(1, 9))))[0]
-        self.assertEqual(found.finding.headline, "In ensemble catto and naive are one path: 16 of 20 comparisons end in the same "
-                         "bits.")
+        self.assertEqual(found.finding.headline, "In ensemble catto and naive are one path: they end in the same bits in 16 "
+                         "of 20 common runs.")
         self.assertEqual([tuple(row.values()) for row in found.finding.rows()], [("ensemble", "catto and naive", 16, 20)])
 
     @staticmethod

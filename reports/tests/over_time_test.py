@@ -45,7 +45,7 @@ class OverTime(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding.headline, "On falling_stack in 2D the pile falls with naive+linear and stands with "
+        self.assertEqual(made.finding.headline, "On falling_stack in 2D the pile falls with naive+linear; it stands with "
                          "catto+linear and catto+ngs.")
         self.assertEqual([tuple(row.values()) for row in made.finding.rows()], [
             ("catto+linear", "never", 0.01), ("catto+ngs", "never", 0.01), ("naive+linear", "100", 1.5)])
