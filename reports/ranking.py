@@ -197,25 +197,6 @@ def not_ranked(why):
     return {name: f"not ranked: {said}" for name, said in why.items()}
 
 
-def tail(context, cells):
-    """A sentence on what has no rank; empty where all have one."""
-    return told(unranked(context, cells))
-
-
-def tail_of(context, places):
-    """The same of [(where, cells)]: where several places have ranks of their own, it says where."""
-    return told({method + (f" on {where}" if len(places) > 1 else ""): why for where, cells in places
-                 for method, why in unranked(context, cells).items()})
-
-
-def told(why):
-    """`why`: {name: why it has no rank}; those with one reason are told together."""
-    groups = {}
-    for name, said in why.items():
-        groups.setdefault(said, []).append(name)
-    return f" Not ranked: {'; '.join(f'{listing(names)} ({said})' for said, names in groups.items())}." if why else ""
-
-
 def raw(context, error):
     """For the note of a chart: which of two depths ranks."""
     return (f" Ranks use the raw depth, {context.title(error)}; the numbers have the depth beyond each method's slop, too."
