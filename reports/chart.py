@@ -258,7 +258,7 @@ class Context:
         return self._looks_of(self._groups().get(stage, stage))
 
     def _groups(self):
-        """Stage -> group of stages whose methods share charts."""
+        """Stage -> group; methods of stages of one group share charts."""
         return {entry["stage"]: entry["group"] for entry in self.store.algorithms}
 
     def _group_of(self, sweep):

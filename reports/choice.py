@@ -29,7 +29,7 @@ LEFT = "mean_penetration_poses_end"  # the overlap that remains at the end
 ALONE = "ms_of_stage"  # time of a stage that changes no result; a column made here
 TOGETHER = "together"  # axis of a sweep of whole pipelines, which runs the combined choice
 OWN = ("work_box_tests", "work_node_visits", "work_sort_moves")  # counted by broadphases only
-AS_RIGHT = 2.0  # methods whose errors differ by at most this ratio err equally
+AS_RIGHT = 2.0  # methods err equally up to this ratio of their errors
 TURNS = "not told from chance over the seeds"
 COMMON = "is in the pipeline that all sweeps share"
 ORDER = ("take", "tie", "slower", "errs more", "not ranked")
@@ -388,7 +388,7 @@ def _advice(context, where, found):
 
 
 def to_run(context):
-    """The combined pipeline of the first scene whose combined pipeline has not run; empty where all have."""
+    """The combined pipeline of the first scene where it has not run; empty where all have run."""
     for advice in advices(context):
         if advice.pipeline and advice.run is None:
             return short(advice.pipeline, context.store.algorithms)

@@ -111,6 +111,7 @@ def ranked(lines, title, unit, ties=(), larger=False, floor=0.0, name="method", 
     for key in dict.fromkeys(key for line in order for key in line.more):
         columns[key] = [line.more.get(key) for line in order]
     kept = [i for i, line in enumerate(order) if line.name in words or line.name in keep]
+    kept = [len(known) - 1] * bool(known) + sorted(kept, key=lambda i: not order[i].outcome)  # the worst, failures, then ties
     return cut(pd.DataFrame(columns), kept, most)
 
 
@@ -118,7 +119,7 @@ def ends(low, high, unit):
     """A range in words: "1 mm to 3 mm"; empty where it is unknown."""
     if not (math.isfinite(low) or math.isfinite(high)):
         return ""
-    return " to ".join(dict.fromkeys((si(low, unit), si(high, unit))))
+    return " to ".join(dict.fromkeys(si(v, unit) if math.isfinite(v) else "?" for v in (low, high)))
 
 
 def told(said):

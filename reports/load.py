@@ -198,7 +198,7 @@ class Store:
         return self._roles.get(label) or theirs(entry["role"] for entry in self.algorithms if entry["name"] in parts)
 
     def judged(self, label, precision):
-        """The precision whose tolerance applies to a method asked in `precision`: f32 for a method that computes in f32."""
+        """The precision that gives the tolerance of a method asked in `precision`: f32 for a method that computes in f32."""
         part = family(str(label))
         return "f32" if any(entry["name"] == part and entry.get("in_float") for entry in self.algorithms) else precision
 

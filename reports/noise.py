@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Zlib
-"""What a difference must be to be told: noise of times over repeats, and of results over seeds.
+"""When a difference of times counts: the noise floor, measured over repeats. Ranks over seeds are in ranking.py.
 
-Times of one cell differ from repeat to repeat. The *floor* is how far apart the same method is from itself, entered twice
-in the same sweep: its even repeats against its odd ones, which were made in the same rounds as everybody else's. A ratio
-of two times is told when it is beyond the floor and the intervals of the two medians are apart; else it is noise. The floor
-is that of the whole sweep, whatever a chart shows of it, and each role has its own: what runs in a process of its own is
-noisier than what does not. Ranks over seeds are in ranking.py.
+Times of one cell differ from repeat to repeat. The *noise floor* is the ratio by which a method differs from itself: the median
+of its even repeats against that of its odd ones. Both were measured in the same rounds as all other methods. A ratio of two times
+counts if it exceeds the floor and the intervals of the two medians do not overlap. Otherwise the difference is noise.
+
+The floor is that of the whole sweep, whichever cells a chart shows. Each role has its own floor, because a method in a separate
+process is noisier.
 """
 
 import math
@@ -15,17 +16,17 @@ import numpy as np
 
 import measured
 
-UNMEASURED = 2.0  # the floor where nothing was repeated often enough to measure one: below this ratio nothing is told
-FEWEST = 4  # repeats of a cell from which a floor can be measured: two of each kind
-SURE = 0.9  # least probability with which an interval holds the median
-LIKELY = 95  # percent of the comparisons of a method with itself that are below the floor
-NOISE, FEW, SAME_WORK = "noise", "too few repeats", "identical work"  # why there is no ratio (said)
+UNMEASURED = 2.0  # the floor if too few repeats measure one: smaller ratios never count
+FEWEST = 4  # repeats of a cell that measure a floor: two even and two odd
+SURE = 0.9  # least probability that an interval contains the median
+LIKELY = 95  # percent of the comparisons of a method with itself that lie below the floor
+NOISE, FEW, SAME_WORK = "noise", "too few repeats", "identical work"  # why no ratio is reported (said)
 IN_WORDS = {NOISE: "within the noise", FEW: "with too few repeats to measure a difference"}
 
 
 def interval(found):
-    """(low, high): order statistics that hold the median with at least SURE, whatever the distribution (from five values
-    on: the smallest and the largest of five, the second and ninth of ten). Fewer give all they span."""
+    """(low, high): order statistics that contain the median with probability SURE or more, for any distribution: the smallest and
+    largest of five values, the second and ninth of ten. Fewer than five values give their whole span."""
     ordered = sorted(found)
     if not ordered:
         return math.nan, math.nan
@@ -36,8 +37,8 @@ def interval(found):
 
 
 def wilson(failed, count):
-    """(low, high): Wilson's interval, which holds the chance of a failure with 95 %. Also where nothing failed: of 20 that stand
-    one in six may fall."""
+    """(low, high): Wilson's interval, which contains the probability of a failure with 95 %. After 0 failures of 20 that
+    probability may still be one in six."""
     z = 1.959964  # of 95 %
     share, scale = failed / count, 1 + z * z / count
     middle = (share + z * z / (2 * count)) / scale
@@ -46,12 +47,12 @@ def wilson(failed, count):
 
 
 def certainty(count):
-    """How surely, in per cent, the interval of so many values holds the median."""
+    """The probability, in percent, that the interval of `count` values contains the median."""
     return math.floor(100 * min(SURE, 1 - 2 / 2**count))
 
 
 def with_itself(cells, metric):
-    """Ratios of a cell's even repeats to its odd ones: the same method entered twice, one ratio per cell."""
+    """Ratios of the median of a cell's even repeats to that of its odd ones, one ratio per cell."""
     found = []
     for _, cell in cells.iterrows():
         mine = measured.runs(cell, metric)
@@ -61,14 +62,14 @@ def with_itself(cells, metric):
 
 
 def floor(cells, metric):
-    """The ratio below which two times of these cells are one: LIKELY percent of those of methods with themselves are nearer
-    to 1. UNMEASURED where there are too few repeats."""
+    """The ratio below which two times of these cells count as equal: LIKELY percent of the ratios of methods to themselves are
+    nearer to 1. UNMEASURED if there are too few repeats."""
     ratios = [abs(math.log(ratio)) for ratio in with_itself(cells, metric)]
     return math.exp(float(np.percentile(ratios, LIKELY, method="higher"))) if ratios else UNMEASURED
 
 
 class Floor(float):
-    """The floor of a sweep: a number, the largest that was measured, and of two methods the larger of their roles'."""
+    """The floor of a sweep: the largest that was measured. For two methods `between` gives the larger floor of their roles."""
 
     def __new__(cls, of_role, role_of):
         self = super().__new__(cls, max([v for v in of_role.values() if v != UNMEASURED], default=UNMEASURED))
@@ -80,7 +81,7 @@ class Floor(float):
 
 
 def floor_of(context, sweep, metric):
-    """The floor of a sweep. No chart measures one on the cells that it shows: of a few, it is that of the luckiest."""
+    """The floor of a sweep. Charts never measure a floor on the cells that they show: few cells give too small a floor."""
     if (sweep, metric) not in context.floors:
         context.floors[sweep, metric] = Floor({role: floor(part, metric) for role, part in by_role(context, sweep)},
                                               context.store.role)
@@ -95,58 +96,58 @@ def by_role(context, sweep):
 
 
 def between(least, a, b, metric):
-    """The floor of two cells: `least`, or theirs of it; never below UNMEASURED where one of them has too few repeats."""
+    """The floor for two cells: `least`, or that of their roles. At least UNMEASURED if one of them has too few repeats."""
     few = any(0 < len(measured.runs(cell, metric)) < FEWEST for cell in (a, b))
     return max(least.between(a, b) if isinstance(least, Floor) else least, UNMEASURED if few else 1.0)
 
 
 def silence(least):
-    """NOISE where the floor of the sweep was measured; else nobody knows whether it is noise."""
+    """Why no ratio is reported: NOISE if the floor of the sweep was measured, otherwise FEW."""
     return FEW if least == UNMEASURED else NOISE
 
 
 def work(cell):
-    """What a cell counted, by name."""
+    """The work counts of a cell, by name."""
     return {name: value for name, value in cell.items() if isinstance(name, str) and name.startswith("work_") and
             isinstance(value, numbers.Real) and math.isfinite(value)}
 
 
 def same_work(a, b):
-    """Whether two cells did the same by all counts, in the same dimension and precision: their times can differ by noise only,
-    or by what is not counted."""
+    """Whether all work counts of two cells are equal, in the same dimension and precision. Their times then differ by noise or by
+    uncounted work only."""
     mine, other = work(a), work(b)
     return a.get("arithmetic") == b.get("arithmetic") and bool(mine) and any(mine.values()) and mine == other
 
 
 def ratio(a, b, metric):
-    """b over a; NaN where one is unknown."""
+    """b / a; NaN if one of them is unknown."""
     before, after = (float(cell[metric]) if cell is not None and cell.get(metric) is not None else math.nan for cell in (a, b))
     return after / before if before > 0 else math.nan
 
 
 def tells(a, b, metric, least):
-    """Whether the ratio of two cells' times is more than noise; `least` is the floor of their sweep."""
+    """Whether the ratio of two cells' times exceeds the noise; `least` is the floor of their sweep."""
     found = ratio(a, b, metric)
     if not math.isfinite(found) or found <= 0 or max(found, 1 / found) <= between(least, a, b, metric):
         return False
     (low_a, high_a), (low_b, high_b) = interval(measured.runs(a, metric)), interval(measured.runs(b, metric))
-    return not (low_a <= high_b and low_b <= high_a)  # unknown intervals tell by the floor alone
+    return not (low_a <= high_b and low_b <= high_a)  # with unknown intervals only the floor decides
 
 
 def above(cell, metric, bound, least):
-    """Whether a time is above a bound by more than noise."""
+    """Whether a time exceeds a bound by more than the noise."""
     value, (low, _) = float(cell[metric]), interval(measured.runs(cell, metric))
     return value > bound and value > bound * between(least, cell, cell, metric) and not low <= bound
 
 
 def leaders(cells, metric, least):
-    """The fastest of these cells and all that are not told from it, the fastest first."""
+    """The fastest of these cells and those that tie with it, the fastest first."""
     found = sorted((cell for _, cell in cells.iterrows() if math.isfinite(float(cell[metric]))), key=lambda cell: cell[metric])
     return [cell for cell in found if cell is found[0] or not tells(found[0], cell, metric, least)]
 
 
 def said(a, b, metric, least):
-    """A ratio of times in words, or why there is none: "1.43", NOISE, FEW, SAME_WORK; empty where one is unknown."""
+    """A ratio of times as text, or why there is none: "1.43", NOISE, FEW, SAME_WORK; empty if a time is unknown."""
     found = ratio(a, b, metric)
     if not math.isfinite(found):
         return ""
@@ -158,28 +159,28 @@ def said(a, b, metric, least):
 
 
 def percent(least):
-    """A floor in percent, for a sentence."""
+    """A floor in percent, as text."""
     share = 100 * (least - 1)
     return f"{share:.2g}" if share < 100 else f"{share:,.0f}"
 
 
 def rule(least):
-    """What a reader must know of the ratios of a chart."""
+    """For the note of a chart: which ratios count."""
     if least == UNMEASURED:
-        return (f"Too few repeats to measure the noise: a ratio is told when it is beyond {UNMEASURED:g} and the whiskers of the "
-                "two are apart.")
+        return (f"Too few repeats to measure the noise: a ratio counts if it exceeds {UNMEASURED:g} and the two whiskers do not "
+                "overlap.")
     known = {role: v for role, v in least.of_role.items() if v != UNMEASURED} if isinstance(least, Floor) else {}
     noise = f"{percent(least)} %" if len(known) < 2 else ", ".join(f"{percent(v)} % ({role})"
                                                                         for role, v in known.items())
-    return (f"The same method against itself differs by up to {noise} in {LIKELY} of 100 cells: a ratio is told "
-            "when it is beyond that and the whiskers of the two are apart; else it is noise.")
+    return (f"A method differs from itself by up to {noise} in {LIKELY} of 100 cells. A ratio counts if it exceeds that and the "
+            "two whiskers do not overlap; otherwise it is noise.")
 
 
 def idle_seeds(cells):
-    """A sentence where several seeds give the same final state in every cell: they decide nothing."""
+    """A warning if all seeds give the same final state in every cell."""
     several = [(len(found), len(set(found))) for found in ([h for h in hashes if h] for hashes in cells["hashes"])
                if len(found) > 1]
     if not several or any(different > 1 for _, different in several):
         return []
-    return [f"seeds change nothing here: all {max(planned for planned, _ in several)} end in the same state, bit for bit "
-            "(a scene's parameter `perturb` would start each elsewhere)"]
+    return [f"seeds change nothing here: all {max(planned for planned, _ in several)} end in the same state, bit for bit (the "
+            "scene parameter `perturb` would start each seed from other positions)"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Faults that an eye sees in a picture at once: letters on letters, and letters that are cut off."""
+"""Finds texts of a figure that overlap or are cut off."""
 
 import io
 import math
@@ -9,14 +9,14 @@ import numpy as np
 from matplotlib.backends.backend_svg import RendererSVG
 from matplotlib.legend import Legend
 
-SLACK = 0.75  # points by which the boxes of two texts may overlap: a box is a little larger than its letters
+SLACK = 0.75  # points by which the boxes of two texts may overlap, because a box is a little larger than its letters
 
 
 def overlaps(figure):
-    """(pairs of texts that overlap, texts cut off by the edge), measured as the figure is drawn as SVG. Letters that stand for
-    failed runs are texts, too, which the edge of their axes cuts off; so are the handles of legends."""
+    """(pairs of texts that overlap, texts cut off by the edge), measured in the layout of the SVG. The letters of failed runs,
+    which the edge of their axes cuts off, and the handles of legends count as texts."""
     dpi = figure.dpi
-    figure.set_dpi(72)  # of SVG: a dot is a point
+    figure.set_dpi(72)  # as SVG: one dot is one point
     wide, high = figure.bbox.width, figure.bbox.height
     renderer = Measuring(wide, high, io.StringIO(), image_dpi=72)
     figure.draw(renderer)
@@ -37,7 +37,7 @@ def overlaps(figure):
 
 
 class Measuring(RendererSVG):
-    """Lays out as SVG does, and writes no letters and no lines."""
+    """An SVG renderer that measures texts and draws nothing."""
 
     def draw_path(self, *arguments, **options):
         pass
@@ -46,8 +46,7 @@ class Measuring(RendererSVG):
 
 
 def near(boxes):
-    """The pairs of boxes, in their order, that the upright rectangles round them do not keep apart: of hundreds the few that are
-    worth a look at their turned sides."""
+    """The pairs of boxes, in order, with overlapping axis-aligned bounds: the few of hundreds that need the exact test."""
     if not boxes:
         return []
     corners = np.array([box.corners for box in boxes])
@@ -57,7 +56,7 @@ def near(boxes):
 
 
 class Box:
-    """A rectangle round words, turned by an angle."""
+    """An oriented rectangle around words."""
 
     def __init__(self, words, centre, wide, high, angle=0.0):
         self.words = words
@@ -67,14 +66,14 @@ class Box:
         self.corners = np.array([centre + a * half[0] + b * half[1] for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))])
 
     def meets(self, other):
-        """Whether no side of this box lies between the two."""
+        """Whether no axis of this box separates the two."""
         mine, theirs = self.corners @ self.sides.T, other.corners @ self.sides.T
         deep = np.minimum(mine.max(axis=0), theirs.max(axis=0)) - np.maximum(mine.min(axis=0), theirs.min(axis=0))
         return bool((deep > SLACK).all())
 
 
 def _box(text, renderer):
-    """Round the middle of what is round the turned text; as wide and high as the text is when it is not turned."""
+    """The oriented box of a text: the centre of its bounds, with the size of the unrotated text."""
     around, angle = text.get_window_extent(renderer), text.get_rotation()
     centre = np.array([(around.x0 + around.x1) / 2, (around.y0 + around.y1) / 2])
     text.set_rotation(0)
@@ -84,7 +83,7 @@ def _box(text, renderer):
 
 
 def _letters(line):
-    """Markers that are letters; thirteen at one place are one blot."""
+    """Boxes of the markers that are letters."""
     marker = line.get_marker()
     if not isinstance(marker, str) or not marker.startswith("$") or not line.get_visible():
         return []
@@ -99,13 +98,13 @@ def _within(box, area):
 
 
 def _handle(handle, renderer):
-    """Of a legend: what stands beside its words, as wide as it is drawn."""
+    """The box of a legend's symbol, as wide as it is drawn."""
     around = handle.get_window_extent(renderer)
     return Box("a handle", np.array([around.x0 + around.x1, around.y0 + around.y1]) / 2, around.width, around.height)
 
 
 def _hidden(figure):
-    """Matplotlib keeps label objects of ticks outside the limits; they are not drawn."""
+    """Ids of texts that are not drawn: matplotlib keeps the labels of ticks outside the limits."""
     hidden = set()
     for ax in figure.axes:
         for axis, limits in ((ax.xaxis, sorted(ax.get_xlim())), (ax.yaxis, sorted(ax.get_ylim()))):

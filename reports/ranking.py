@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Zlib
-"""Which method is better beyond doubt: what all charts that rank have in common.
+"""Which method is significantly better: the rules of all charts that rank.
 
-Methods are compared seed by seed, since runs of one seed start alike. What is told is the median of log(b / a) over the seeds,
-with an interval of order statistics: it holds the median whatever the distribution is, and a zero or a failure is only the end
-of the scale. Of k methods each of the k (k - 1) / 2 pairs is compared, so each interval leaves out LEVEL divided by so many
-(Bonferroni): all of them together hold with 95 %. A ratio whose interval holds 1 is a tie.
+Methods are compared seed by seed, because runs with one seed start alike. The statistic is the median of log(b / a) over the
+seeds. Its interval consists of order statistics, which are valid for any distribution; a zero or a failure is an end of the
+scale.
+k methods make k (k - 1) / 2 pairs, so each interval uses LEVEL divided by the number of pairs (Bonferroni): all of them hold
+together with 95 %. Two methods tie if the interval of their ratio contains 1.
 
-A rank is that of a method. What another method has computed in its place has none (`fallbacks`), and numbers of 24 bits have none
-among those of 53.
+A method that left rows to its fallback, Gauss-Seidel, has no rank. Nor has a method in f32 among methods in f64.
 """
 
 import math
@@ -15,23 +15,23 @@ from collections import Counter
 
 import measured
 import metrics
+from finding import Line
 from sentences import listing, plural
 
-
-LEVEL = 0.05  # chance that one interval or more of a rank does not hold its median
+LEVEL = 0.05  # probability that any interval of a ranking misses its median
 START, TOUCHING = "penetration_start", 1e-6  # m
-FALLBACKS, FROZEN = "work_fallbacks", "fallbacks"  # rows left to Gauss-Seidel: per step of a world, of a frozen problem
-ENOUGH = 20  # seeds of a sweep that ranks: they tell of 21 methods who is better under 19 of 20
+FALLBACKS, FROZEN = "work_fallbacks", "fallbacks"  # rows left to Gauss-Seidel: mean per step of a world; of a frozen problem
+ENOUGH = 20  # seeds of a sweep that ranks: with 21 methods, the better one must win under 19 of 20 seeds
 
 
 def comparisons(count):
-    """Of so many methods, all pairs; of fewer than two, one."""
+    """The number of pairs of `count` methods, at least one."""
     return max(1, count * (count - 1) // 2)
 
 
 def left_out(count, many=1):
-    """How many values at each end an interval of so many leaves out; -1 where all of them are too few to hold the median as
-    surely as one of `many` intervals must."""
+    """How many of `count` values the interval leaves out at each end; -1 if even all of them are too few for one of `many`
+    intervals."""
     below, cut = 0.0, -1
     while 2 * (cut + 1) < count:
         below += math.comb(count, cut + 1) / 2**count
@@ -42,7 +42,7 @@ def left_out(count, many=1):
 
 
 def fewest(many=1):
-    """Seeds below which nothing can be told of one of `many` pairs."""
+    """The least number of seeds that can decide one of `many` pairs."""
     count = 1
     while left_out(count, many) < 0:
         count += 1
@@ -50,13 +50,13 @@ def fewest(many=1):
 
 
 def interval(values, many=1):
-    """(low, high) of the median, one of `many`; without end where they are too few."""
+    """(low, high) of the median, as one of `many` intervals; infinite if there are too few values."""
     ordered, cut = sorted(values), left_out(len(values), many)
     return (ordered[cut], ordered[-1 - cut]) if cut >= 0 else (-math.inf, math.inf)
 
 
 def by_seed(cells, metric):
-    """{seed: value} of one method's cells (a Series or several rows); infinite where a seed failed."""
+    """{seed: value} of one method's cells (a Series or several rows); infinite for a seed that failed."""
     rows = [cells] if getattr(cells, "ndim", 1) == 1 else [cell for _, cell in cells.iterrows()]
     found = {}
     for cell in rows:
@@ -68,7 +68,7 @@ def by_seed(cells, metric):
 
 
 def log_ratio(a, b, zero=0.0):
-    """log(b / a); what is not above `zero` is `zero`, and what failed is beyond all that did not."""
+    """log(b / a). Values up to `zero` count as `zero`; a failure (infinity) is worse than any value."""
     a, b = max(a, zero), max(b, zero)
     if a == b:
         return 0.0
@@ -76,13 +76,13 @@ def log_ratio(a, b, zero=0.0):
 
 
 def log_ratios(a, b, metric, zero=0.0):
-    """log(b / a) under each seed that both have."""
+    """log(b / a) for each seed that both have."""
     mine, other = by_seed(a, metric), by_seed(b, metric)
     return [log_ratio(mine[seed], other[seed], zero) for seed in mine if seed in other]
 
 
 def ratio(a, b, metric, zero=0.0, many=1):
-    """(median, low, high) of b over a."""
+    """(median, low, high) of b / a."""
     found = sorted(log_ratios(a, b, metric, zero))
     if not found:
         return math.nan, 0.0, math.inf
@@ -93,21 +93,21 @@ def ratio(a, b, metric, zero=0.0, many=1):
 
 
 def better(a, b, metric, zero=0.0, many=1, times=1.0):
-    """Whether `b` has more than so many times what `a` has, beyond doubt, as one of `many` pairs. One start is no sample: of it
-    only who has less."""
+    """Whether `b` is significantly more than `times` as large as `a`, as one of `many` pairs. With one seed the values alone
+    decide."""
     found, least = log_ratios(a, b, metric, zero), math.log(times)
     return found[0] > least if len(found) == 1 else bool(found) and interval(found, many)[0] > least
 
 
 def overlapping(cells):
-    """The deepest overlap (m) at the start, where it is more than that of bodies that touch: no method has made it."""
+    """The deepest penetration (m) at the start if it exceeds that of touching bodies, otherwise 0: no method caused it."""
     found = [v for _, cell in cells.iterrows() for v in [cell.get(START, math.nan), *measured.seeds(cell, START)]]
     deepest = max([v for v in found if v == v], default=0.0)
     return deepest if deepest > TOUCHING else 0.0
 
 
 def share_of_fallbacks(context, cell):
-    """Share of the rows of a cell that its method left to Gauss-Seidel; 0 where none is counted, NaN where rows are not known."""
+    """The share of a cell's rows that its method left to Gauss-Seidel; 0 if none is counted, NaN if the row count is unknown."""
     told = [cell.get(FROZEN) or 0.0, cell.get(FALLBACKS) or 0.0, *measured.seeds(cell, FALLBACKS)]
     left = max([value for value in told if value == value], default=0.0)
     if not left > 0:
@@ -134,7 +134,7 @@ def precision(cell):
 
 
 def excused(context, cells):
-    """{index: why this cell has no rank among these}."""
+    """{index: why this cell has no rank among these cells}."""
     known = Counter(found for _, cell in cells.iterrows() if (found := precision(cell)))
     ruling = min(known, key=lambda name: (-known[name], name != "f64")) if known else ""
     why = {}
@@ -148,12 +148,12 @@ def excused(context, cells):
 
 
 def eligible(context, cells):
-    """The cells that are ranked."""
+    """The cells that have a rank."""
     return cells.drop(index=list(excused(context, cells)))
 
 
 def unranked(context, cells):
-    """{method: why cells of it have no rank}; of several cells the largest share."""
+    """{method: why its cells have no rank}, with the largest share of its cells."""
     why = {}
     for index, said in excused(context, cells).items():
         why.setdefault(cells["method"][index], []).append(said)
@@ -161,56 +161,51 @@ def unranked(context, cells):
 
 
 def largest(said):
-    """Of several reasons the largest share; empty where there is none."""
+    """The reason with the largest share; empty if there is none."""
     return max(said, key=lambda text: float(text.split(" %")[0]) if " %" in text else 0.0, default="")
 
 
 def whole(context, cells):
-    """The cells of methods of which each cell is ranked: where a method has one number for all of its cells."""
+    """The cells of methods with a rank in all cells, for charts with one number per method."""
     return cells[~cells["method"].isin(list(unranked(context, cells)))]
 
 
 def names(context, cells):
-    """{method: its name with what keeps it from a rank}: `admm (62 % Gauss-Seidel)`, `box2d (engine, f32 among f64)`."""
+    """{method: its name with the reason why it has no rank}: `admm (62 % Gauss-Seidel)`, `box2d (engine, f32 among f64)`."""
     why = unranked(context, cells)
     return {method: beside(context.name(method), why.get(method, "")) for method in cells["method"]}
 
 
 def beside(name, why):
-    """A name with the reason why it has no rank, where there is one."""
+    """A name, with the reason why it has no rank if there is one."""
     if not why:
         return name
     return f"{name[:-1]}, {why})" if name.endswith(")") else f"{name} ({why})"
 
 
-def tail(context, cells):
-    """A sentence on what has no rank; empty where all have one."""
-    return told(unranked(context, cells))
-
-
-def tail_of(context, places):
-    """The same of [(where, cells)]: where several places have ranks of their own, it says where."""
-    return told({method + (f" on {where}" if len(places) > 1 else ""): why for where, cells in places
-                 for method, why in unranked(context, cells).items()})
-
-
-def told(why):
-    """`why`: {name: why it has no rank}; those with one reason are told together."""
+def lines(why, also=lambda name: {}):
+    """Lines of a finding's table for methods without a value or rank, one line per reason. `why`: {name: reason}; `also`: more
+    columns of a line, by the first of its names."""
     groups = {}
     for name, said in why.items():
         groups.setdefault(said, []).append(name)
-    return f" Not ranked: {'; '.join(f'{listing(names)} ({said})' for said, names in groups.items())}." if why else ""
+    return [Line(listing(names), outcome=said, more=also(names[0])) for said, names in groups.items()]
+
+
+def not_ranked(why):
+    """{name: why it has no rank}, as outcomes of a finding's table."""
+    return {name: f"not ranked: {said}" for name, said in why.items()}
 
 
 def raw(context, error):
-    """Which depth ranks, where there are two."""
-    return (f" What ranks is raw: {context.title(error)}. Beyond the slop that each method keeps on purpose it is in the table."
+    """For the note of a chart: which of two depths ranks."""
+    return (f" Ranks use the raw depth, {context.title(error)}; the numbers have the depth beyond each method's slop, too."
             if error in metrics.BEYOND_SLOP else "")
 
 
 def rule(seeds, *methods):
-    """What a reader must know of the ranks of a chart. `methods`: how many have a rank, of each panel or budget: each is compared
-    with each other there."""
+    """For the note of a chart: how methods are ranked. `methods`: the number of ranked methods of each panel or budget, which are
+    all compared with each other."""
     if max(methods, default=0) < 2:
         return "Fewer than two methods have a rank here."
     return rule_of_pairs(seeds, *map(comparisons, methods))
@@ -220,9 +215,9 @@ def rule_of_pairs(seeds, *many):
     most = max(many, default=1)
     pairs = f"{'up to ' if len(set(many)) > 1 else ''}{plural(most, 'pair')}"
     if seeds < 2:
-        return "One start: an order of these runs and no rank, which takes seeds."
+        return "One seed: this is an order of single runs; a ranking needs more seeds."
     if seeds < fewest(most):
-        return f"{seeds} seeds tell nothing of {pairs}, which takes {fewest(most)}: all tie."
-    return (f"A method is better when the interval of its median ratio over {seeds} seeds, paired, does not hold 1, with 95 % "
-            f"for {pairs} together (order statistics, Bonferroni): here where it is so under "
-            f"{seeds - left_out(seeds, most)} seeds. Else the two tie.")
+        return f"{seeds} seeds cannot decide {pairs}, which takes {fewest(most)}: all methods tie."
+    return (f"A method is better if it wins under {seeds - left_out(seeds, most)} of {seeds} seeds, paired; otherwise the two "
+            f"tie. Then the interval of the median ratio excludes 1, with 95 % for {pairs} together (order statistics, "
+            "Bonferroni).")

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Zlib
-"""What is held: how far a run has sunk by its end, as a share of the scene's smallest body, and by which limits that is holding.
-experiments/trial/measure/rest.h has the same limits; an outcome is by the strictest, so that what is ok is held by each."""
+"""Limits of holding a scene: how far a run may have sunk by its end, as a share of the scene's smallest body. The limits are
+those of experiments/trial/measure/rest.h. The outcome uses the strictest, so a run that is ok satisfies all of them."""
 
 import math
 
 LIMITS = (0.01, 0.1, 0.5)  # of the smallest body
-WORDS = ("Held is what has sunk by no more than 1 % of the smallest body at the end (sag, overlap, way in the last second, "
-         "beyond the slop of 5 mm that methods keep), and so by no more than 10 and 50 %")
+WORDS = ("A scene is held if no body has sunk by more than 1 % of the smallest body at the end (sag, penetration, motion in the "
+         "last second, beyond the slop of 5 mm); laxer limits: 10 and 50 %")
 
 
 def sunk(outcome, share):
-    """The share of a run; 0 where its scene does not ask, infinite where it fell in another way."""
+    """The share by which a run sank; 0 if its scene does not measure it, infinite if the run failed in another way."""
     if outcome not in ("ok", "sank"):
         return math.inf
     return 0.0 if share is None or math.isnan(share) else float(share)

@@ -251,7 +251,7 @@ def _ticks(low, high, most):
 
 
 def _apart(ticks, kept, inch_of, which):
-    """The ticks whose labels do not touch: first those in `kept`, then the others in order."""
+    """Ticks with labels that do not touch: first those in `kept`, then the others in order."""
     found = {}
     for value in sorted(ticks, key=lambda v: (v not in kept, v)):
         if all(abs(inch_of(value) - inch_of(other)) > _BESIDE[which] + (_inches(ticks[value], which) +

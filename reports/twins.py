@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""The same run twice with one thing changed, as one row of two dots per metric: what several charts draw."""
+"""Rows of two dots per metric: a run, and the same run with one change. Used by several charts."""
 
 import math
 
@@ -16,7 +16,7 @@ BEFORE, AFTER = "#0072B2", "#D55E00"
 
 
 def measures(context):
-    """Two costs and the two errors that tell most."""
+    """The two main costs and the two main errors."""
     return context.metrics("world", "cost")[:2] + errors(context)
 
 
@@ -57,7 +57,7 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
     for column, metric in enumerate(shown):
         ax = axes[0][column]
         pairs = [(number(base, metric), number(row, metric)) for _, _, base, row in rows]
-        # What a scene does not define has no mark; what failed has one at the edge.
+        # A metric that a scene does not define has no mark; a failed run has a mark at the edge.
         failed = any(row is None or row["outcome"] != "ok" for _, _, *twins in rows for row in twins)
         scale = ZeroLog(ax, "x", [v for pair in pairs for v in pair], context.unit(metric), failed_name="none",
                         failures=failed, floor=context.floor(metric))
@@ -103,12 +103,12 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
     legend_right(figure, handles, legend_width - 0.35)  # the last title is wider than its panel
     return Chart(name, section, title, text, cells["sweep"].iloc[0], figure, _table(context, rows, shown, before, after, least),
                  refused + noise.idle_seeds(cells) + holes(cells, ["scene", "dimension", "method", "model", "precision"]),
-                 note + " Numbers beside the first panel are ratios of time; whiskers hold the median of the repeats. " +
+                 note + " Numbers beside the first panel are ratios of time; whiskers contain the median of the repeats. " +
                  noise.rule(next(iter(least.values()), noise.UNMEASURED)), headline=headline)
 
 
 def beside(base, row, metric, least):
-    """What stands beside a row: the ratio where there is one to tell."""
+    """The text beside a row: the ratio, or why there is none."""
     if metric not in least:
         found = ratio_of(base, row, metric)
         return f"×{found:.2f}" if math.isfinite(found) else ""
@@ -117,7 +117,7 @@ def beside(base, row, metric, least):
 
 
 def told(base, row, metric, least):
-    """noise.said of two runs that both finished."""
+    """noise.said of two runs if both finished, otherwise empty."""
     return noise.said(base, row, metric, least) if math.isfinite(ratio_of(base, row, metric)) else ""
 
 
@@ -130,7 +130,7 @@ def _table(context, rows, shown, before, after, least):
             label, unit = context.title(metric), context.unit(metric)
             for which, side in ((base, before), (row, after)):
                 line |= {name: values[0] for name, values in quantity(f"{label}, {side}", unit, [number(which, metric)]).items()}
-            if metric in least:  # a number only where it is one, and else why not
+            if metric in least:  # a number if the ratio counts, otherwise the reason
                 text = told(base, row, metric, least[metric])
                 line[f"ratio of {label} [1]"] = ratio_of(base, row, metric) if text[:1].isdigit() else math.nan
                 line[f"{label}: why no ratio"] = "" if text[:1].isdigit() else text

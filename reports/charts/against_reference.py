@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """Distance of each method from a converged reference, for as long as the reference agrees with itself and with another solver.
 
-The sweep's baseline is the reference: a label whose cells have their own step, hundreds of times shorter. Beside them stand its
+The sweep's baseline is the reference: its cells have their own step, hundreds of times shorter. Beside them stand its
 own runs, at half that step and started a nanometre away. Converged cells of another solver have the label "NAME by SOLVER". The
 runs part where a scene forgets its start, where the reference has not converged, or where the solvers converge to different
 motions. From then on no distance is compared or ranked; ensembles answer what can still be answered.

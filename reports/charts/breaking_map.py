@@ -1,171 +1,45 @@
 # SPDX-License-Identifier: Zlib
-"""Where each method breaks, by question: the value at which half of the seeds fail, with its interval, the last that holds, what
-it costs there, and the ladder of all values that were tried. Methods tie where their intervals overlap. Where a closed form gives
-the value, methods are told by how far they are from it, on either side. A method that left rows to Gauss-Seidel up to its
-breaking point has no rank. `lpc break` and sweeps with `break` make the data; experiments/runner/breaking.cpp has the same
-rules."""
+"""The breaking point of each method, by question: the value of a parameter at which half of the seeds fail, with its interval,
+the cost there and all values that were tried.
+
+Methods tie if their intervals overlap. If a closed form gives the value, methods are judged by their distance from it, on either
+side. A method that left rows to Gauss-Seidel up to its breaking point has no rank. `lpc break` and sweeps with `break` make the
+data."""
 
 import math
 import textwrap
-from dataclasses import dataclass
+from collections import Counter
 
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
-import measured
-import noise
 import ranking
 import rest
+from breaking import best_of, edge, ended_by_cost, found_of, ranked, right, ties
 from chart import Chart, Headline, Needs, identifier, of_sweeps
+from finding import AGAINST, TIE, Finding, Line, cut, ends
+from finding import ranked as by_rank
 from load import split
-from sentences import does, listing, methods, plural
+from sentences import clauses, listing, methods, plural, some, verb
 from style import WIDTH, figures, plt, si
 from table import quantity
 
 SECTION = "When does each method fall?"
 MOST_COLUMNS = 6
-COLOURS = ["#8FC1E3", "#BBD9EE", "#DDEBF5", "#F3EFE6", "#F6D9B8", "#EDB48A"]  # by how many halves of the best: 0, 1/2, 1, ...
+COLOURS = ["#8FC1E3", "#BBD9EE", "#DDEBF5", "#F3EFE6", "#F6D9B8", "#EDB48A"]  # by halvings of the best value: 0, 1/2, 1, ...
 STEPS = (0.05, 0.5, 1, 2, 4)
 HOLDS, SOME, FAILS = "#2E7D46", "#D9A400", "#C0392B"
 COLUMN = ["question", "scene", "dimension", "precision", "budget"]
 
 
-@dataclass
-class Rung:
-    value: float
-    failed: int
-    of: int
-    outcome: str
-
-    @property
-    def holds(self):
-        return 2 * self.failed < self.of
-
-
-@dataclass
-class Found:
-    """What a search found for one method. "Before" is nearer to the end where all hold."""
-    rungs: list  # in order of value
-    held: object = None  # the last Rung before the first that fails
-    fell: object = None  # that one
-    half: float = math.nan  # where half of the seeds fail, between these two by their shares
-    low: float = math.nan  # its interval, by those of the shares; NaN: open
-    high: float = math.nan
-    beyond: tuple = ()  # values that hold beyond one that fails
-    laxer: dict = None  # {limit: where half of the seeds have sunk farther than that share of the smallest body}
-    hole: str = ""  # why there is no rung
-    dear: str = ""  # what a rung that is unsupported is
-    cost: float = math.nan  # multiply-adds per step of what held, or of the first
-    ms: float = math.nan
-    excuse: str = ""  # why it has no rank
-
-
 @of_sweeps("breaking_map", 39, SECTION,
            Needs("world", also="questions of breaking points", calibrated=None),
-           "Breaking points, searched", "No search for breaking points is in this store.", "breaking_map")
+           "Breaking points, searched", "This store has no search for breaking points.", "breaking_map")
 def breaking_map(context, cells):
     questions = context.store.sweep(cells["sweep"].iloc[0]).questions
     if "question" not in cells or not questions:
         return []
     return [_chart(context, cells, questions)]
-
-
-def failed_seeds(cell, limit):
-    """Seeds of a rung that fail: by their outcome, or by what they measured."""
-    if not limit:
-        return int(cell["failed_seeds"])
-    metric, below, bound = limited(limit)
-    values = measured.of(cell, metric).seeds if len(cell["seeds"]) > 1 else [cell.get(metric)]
-    if not values:  # every seed failed, so that none has a value
-        return len(cell["seeds"])
-    return max(int(cell["failed_seeds"]), sum(v is None or not (v < bound if below else v > bound) for v in values))
-
-
-def limited(text):
-    at = next(i for i, c in enumerate(text) if c in "<>")
-    return text[:at], text[at] == "<", float(text[at + 1:])
-
-
-def judged(rungs, falling):
-    """As `judge` of experiments/runner/breaking.cpp."""
-    found, sure, to_hold, to_fail, beyond = Found(sorted(rungs, key=lambda r: r.value)), True, math.nan, math.nan, []
-    for rung in reversed(found.rungs) if falling else found.rungs:
-        low, high = noise.wilson(rung.failed, rung.of)
-        sure = sure and high < 0.5
-        if sure:
-            to_hold = rung.value
-        if found.fell is None:
-            if rung.holds:
-                found.held = rung
-            else:
-                found.fell = rung
-        elif rung.holds:
-            beyond.append(rung.value)
-        if found.fell is not None and math.isnan(to_fail) and low > 0.5:
-            to_fail = rung.value
-    found.low, found.high = (to_fail, to_hold) if falling else (to_hold, to_fail)
-    found.beyond = tuple(beyond)
-    if found.held and found.fell and not ended_by_cost(found):
-        a, b = (rung.failed / rung.of for rung in (found.held, found.fell))
-        found.half = found.held.value * (found.fell.value / found.held.value) ** ((0.5 - a) / (b - a))
-    return found
-
-
-def laxer(store, cells, about):
-    """What would hold by the laxer limits, from the same runs: as near as the values that were tried for the strictest."""
-    found = {}
-    for limit in rest.LIMITS[1:]:
-        rungs = []
-        for _, cell in cells.iterrows():
-            trials = [store.trials.loc[key] for key in cell["keys"]]
-            far = [rest.sunk(trial["outcome"], trial["metrics"].get("sunk")) > limit or breaks(trial["metrics"], about["limit"])
-                   for trial in trials]
-            rungs.append(Rung(float(cell[about["parameter"]]), sum(far), len(far), cell["outcome"]))
-        found[limit] = judged(rungs, about["falling"])
-    return found
-
-
-def breaks(measured, limit):
-    if not limit:
-        return False
-    metric, below, bound = limited(limit)
-    value = measured.get(metric)
-    return value is None or not (value < bound if below else value > bound)
-
-
-def found_of(store, cells, about, excused):
-    """The search of one method on one question, from the cells of its rungs. `excused`: {index: why a cell has no rank}."""
-    name, rungs, known = about["parameter"], [], []
-    for _, cell in cells.iterrows():
-        if any(key is None for key in cell["keys"]) or not cell["keys"]:
-            continue  # stopped before all its seeds were run
-        rungs.append(Rung(float(cell[name]), failed_seeds(cell, about["limit"]), len(cell["seeds"]), cell["outcome"]))
-        known.append((float(cell[name]), cell))
-    if not rungs:
-        return Found([], hole="not run")
-    found = judged(rungs, about["falling"])
-    found.excuse = ranking.largest(excused[cell.name] for value, cell in known
-                                   if cell.name in excused and reached(found, value, about["falling"]))
-    if len(rungs) == 1 and rungs[0].outcome == "unsupported":
-        found.hole = "unsupported"
-    shown = found.held or found.fell
-    cell = next(cell for value, cell in known if value == shown.value)
-    found.dear = "over budget" if cell.get("budget", math.nan) == cell.get("budget", math.nan) else "unsupported"
-    whole = cells[[bool(keys) and None not in keys for keys in cells["keys"]]]
-    if any(store.trials.loc[key]["metrics"].get("sunk") is not None for keys in whole["keys"] for key in keys):
-        found.laxer = laxer(store, whole, about)
-    found.cost, found.ms = (float(cell.get(metric, math.nan)) for metric in ("work_multiply_adds", "ms_per_step_median"))
-    return found
-
-
-def reached(found, value, falling):
-    """Whether a value is no farther than the first that fails: what lies beyond decides nothing."""
-    return found.fell is None or (value >= found.fell.value if falling else value <= found.fell.value)
-
-
-def ended_by_cost(found):
-    """Was the first value that fails not run, since it costs more than the budget?"""
-    return found.fell is not None and found.fell.outcome == "unsupported"
 
 
 def unit_of(name):
@@ -176,84 +50,100 @@ def value_text(name, value):
     return "" if math.isnan(value) else si(value, "s") if name == "dt" else figures(value)
 
 
-def edge(found):
-    """Where half of the seeds fail, or the last that was tried where nothing fails; NaN: nothing holds."""
-    return math.nan if not found.held else found.half if found.half == found.half else found.held.value
-
-
-def ranked(column):
-    """What was run and has a rank."""
-    return {method: found for method, found in column.items() if not found.hole and not found.excuse}
-
-
-def best_of(column, falling):
-    values = [edge(f) for f in column.values() if f.held]
-    return (min(values) if falling else max(values)) if values else math.nan
-
-
 def far(found, best):
-    """How many halves a method is from the best, or from the closed form."""
+    """How many halvings a method is from the best, or from the closed form."""
     return math.inf if not found.held else abs(math.log2(edge(found) / best)) if best > 0 else math.nan
 
 
-def span(found):
-    """The interval of where half of the seeds fail; what is open has no end."""
-    return (found.low if found.low == found.low else -math.inf, found.high if found.high == found.high else math.inf)
+def lines_of(column, about):
+    """Lines of the finding's table for one question; methods without a value or rank stand last."""
+    falling, name = about["falling"], about["parameter"]
+    why, found = {}, []
+    for method, f in column.items():
+        if f.hole or f.excuse or not f.held:
+            why[method] = f.hole or (f"not ranked: {f.excuse}" if f.excuse else
+                                     f"{f.dear} at every value tried" if ended_by_cost(f) else "failed: holds at no value tried")
+            continue
+        remark = [f"then {f.dear}"] if ended_by_cost(f) else [] if f.fell else [f"last value tried, {plural(f.held.of, 'seed')}"]
+        remark += ["not monotone"] if f.beyond else []
+        more = {"remark": ", ".join(remark)} if remark else {}
+        outcome = ""
+        if about["truth"]:
+            off = (edge(f) - about["truth"]) * (1 if falling else -1)
+            outcome = ("as the closed form" if method in right({method: f}, about["truth"]) else
+                       f"{'fails before it' if off > 0 else 'holds beyond it'} by {value_text(name, abs(off))}")
+        found.append(Line(method, edge(f), f.low, f.high, outcome, more))
+    if about["truth"]:
+        found.sort(key=lambda line: abs(line.value - about["truth"]))
+    return found, ranking.lines(why)
 
 
-def ties(known, value):
-    """Methods that are not told from those with this breaking point: their intervals overlap, in more than an end."""
-    held = {m: f for m, f in known.items() if f.held}
-    there = [span(f) for f in held.values() if edge(f) == value]
-    return [m for m, f in held.items() if edge(f) == value or any(span(f)[0] < high and low < span(f)[1] for low, high in there)]
+def table_of_one(column, about):
+    """The finding's table where the chart has one question: method, breaking point, interval, against the best."""
+    name, best = about["parameter"], best_of(ranked(column), about["falling"])
+    found, others = lines_of(column, about)
+    tied = [] if about["truth"] else ties(ranked(column), best)
+    made = by_rank(found + others, f"half of the seeds fail at {name}", unit_of(name), tied if len(tied) > 1 else (),
+                   not about["falling"], range_title="95 % interval", keep=[line.name for line in others])
+    return made.rename(columns={AGAINST: "against the closed form"}) if about["truth"] else made
 
 
-def right(known, truth):
-    """Methods that break where the closed form says, as far as the intervals tell."""
-    return [m for m, f in known.items() if f.held and span(f)[0] <= truth <= span(f)[1]]
+def table_of_many(columns, labels):
+    """The finding's table where the chart has several questions: the best and the worst of each."""
+    rows = []
+    for title, about, column in columns:
+        name, (first, last) = about["parameter"], ends_of(column, about)
+        at = lambda found: value_text(name, edge(ranked(column)[found[0]])) if found else ""  # noqa: B023, E731
+        best = [ranked(column)[m] for m in first[:1]]
+        rows.append({"question": _place(title), "best": methods(first, labels) if first else "none",
+                     "best breaks at": f"{name} = {at(first)}" if first else "",
+                     "95 % interval": ends(best[0].low, best[0].high, unit_of(name)) if best else "",
+                     "worst": methods(last, labels) if last else "", "worst breaks at": at(last),
+                     **({"closed form": value_text(name, about["truth"])} if about["truth"] else {}),
+                     "no value or rank": "; ".join(f"{line.name} ({line.outcome})" for line in lines_of(column, about)[1])})
+    return cut(pd.DataFrame(rows).fillna(""))
 
 
-def finding(title, column, about, labels):
-    name, known = about["parameter"], ranked(column)
-    out = ranking.told({m: f.excuse for m, f in column.items() if f.excuse})
+def ends_of(column, about):
+    """(the best methods and all that tie with them, the worst likewise); the second is empty if there is no other."""
+    known = {m: f for m, f in ranked(column).items() if f.held}
     if not known:
-        return f"{title}: {'No method has a rank' if out else 'Nothing was run'}.{out}"
-    best = best_of(known, about["falling"])
-    said = [f"No method holds at any {name} that was tried"] if math.isnan(best) else (
-        _by_closed_form(known, about, labels) if about["truth"] else _by_rank(known, best, about, labels))
-    left = {m: f for m, f in known.items() if not f.held}
-    none = [m for m, f in left.items() if not ended_by_cost(f)]
-    if none and len(none) < len(known):
-        said.append(f"{_doing(none, 'holds', labels)} at no value that was tried")
-    for word in sorted({f.dear for m, f in left.items() if m not in none}):
-        dear = [m for m, f in left.items() if m not in none and f.dear == word]
-        said.append(f"{does(dear, 'are', labels)} {word} from the first")
-    odd = [m for m, f in known.items() if f.beyond]
-    said += [plural(len(odd), "ladder is", "ladders are") + " not monotone"] if odd else []
-    return f"{title}: {'. '.join(said)}.{out}"
+        return [], []
+    if about["truth"]:
+        off = {m: abs(edge(f) - about["truth"]) for m, f in known.items()}
+        first = right(known, about["truth"]) or [min(off, key=off.get)]
+        return first, [max(off, key=off.get)] if len(first) < len(known) else []
+    first = ties(known, best_of(known, about["falling"]))
+    others = {m: f for m, f in known.items() if m not in first}
+    return first, ties(others, best_of(others, not about["falling"])) if others else []
 
 
-def _by_rank(known, best, about, labels):
-    """Which methods hold longest and which shortest; of either those that tie."""
-    name = about["parameter"]
-    first = ties(known, best)
-    said, held = [holds_to(known, first, best, name, labels)], {m: f for m, f in known.items() if f.held and m not in first}
-    if held:
-        worst = best_of(held, not about["falling"])
-        last = ties(held, worst)
-        said.append(f"{_doing(last, 'holds', labels)} least, to {value_text(name, worst)}" + _tied(last))
-    return said
+def words(title, column, about, labels):
+    """One question in one sentence."""
+    name, known, place = about["parameter"], ranked(column), _place(title)
+    first, last = ends_of(column, about)
+    if not known:
+        return f"{place}: {'no method has a rank' if any(f.excuse for f in column.values()) else 'nothing was run'}."
+    if not first:
+        return f"{place}: no method holds at any {name} that was tried."
+    value = lambda m: value_text(name, edge(known[m]))  # noqa: E731
+    if about["truth"]:
+        at = right(known, about["truth"])
+        breaks = f"{some(at, labels)} {verb(len(at), 'break')}" if at else "no method breaks"
+        return (f"{place}: the closed form gives {name} = {value_text(name, about['truth'])}; {breaks} there"
+                + (f", {last[0]} at {value(last[0])}." if last else "."))
+    return f"{place}: {holds_to(known, first, labels, name)}."
 
 
-def holds_to(known, first, best, name, labels):
-    """`catto and naive hold to n = 8.49 and tie: their intervals overlap`; of what never failed under how many seeds."""
-    at = [known[m] for m in first if edge(known[m]) == best]
-    text = f"{_doing(first, 'holds', labels)} to {name} = {value_text(name, best)}"
-    if all(ended_by_cost(f) for f in at):
-        text += f" (then {at[0].dear})"
-    elif any(f.fell is None for f in at):
-        text += f" (the last that was tried, under {seeds_of(f.held.of for f in at if f.fell is None)})"
-    return text + _tied(first)
+def holds_to(known, first, labels, name):
+    """`catto and naive hold to n = 8.49 and tie`; a value that never failed has its number of seeds."""
+    best = [f for f in (known[m] for m in first) if edge(f) == edge(known[first[0]])]
+    text = f"{some(first, labels)} {verb(len(first), 'hold')} to {name} = {value_text(name, edge(best[0]))}"
+    if all(ended_by_cost(f) for f in best):
+        text += f" (then {best[0].dear})"
+    elif any(f.fell is None for f in best):
+        text += f" (the last value tried, {seeds_of(f.held.of for f in best if f.fell is None)})"
+    return text + (f" and {TIE}" if len(first) > 1 else "")
 
 
 def seeds_of(counts):
@@ -261,24 +151,20 @@ def seeds_of(counts):
     return plural(counts[0], "seed") if len(counts) == 1 else f"{counts[0]} to {counts[-1]} seeds"
 
 
-def _tied(names):
-    return " and tie: their intervals overlap" if len(names) > 1 else ""
-
-
-def _by_closed_form(known, about, labels):
-    name, truth = about["parameter"], about["truth"]
-    at = right(known, truth)
-    said = [f"The closed form gives {name} = {value_text(name, truth)}", f"{_doing(at, 'breaks', labels)} there"]
-    for verb, word, off in (("fails", "before that, at", 1), ("holds", "beyond that, to", -1)):
-        some = [m for m, f in known.items() if f.held and m not in at and
-                (edge(f) - truth) * off * (1 if about["falling"] else -1) > 0]
-        worst = max(some, key=lambda m: far(known[m], truth), default=None)
-        said += [f"{_doing(some, verb, labels)} {word} {value_text(name, edge(known[worst]))}"] if some else []
-    return said
-
-
-def _doing(names, verb, labels):
-    return f"{methods(names, labels)} {verb if len(names) == 1 else verb[:-1]}" if names else f"No method {verb}"
+def finding(columns, labels):
+    """For one question its best and all methods; for several the methods that are best and worst most often."""
+    if len(columns) == 1:
+        (title, about, column), = columns
+        return Finding(words(title, column, about, labels), table_of_one(column, about))
+    found = [ends_of(column, about) for _, about, column in columns]
+    best, worst = (Counter(m for question in found for m in question[end]) for end in (0, 1))
+    top = lambda count: [m for m in labels if count[m] and count[m] == max(count.values())]  # noqa: E731
+    first, last = top(best), top(worst)
+    said = clauses(f"{some(first, labels)} {verb(len(first), 'are')} best or {verb(len(first), 'tie')} for the best in "
+                   f"{best[first[0]]} of {len(columns)} questions" if first else
+                   f"no method holds in any of {len(columns)} questions",
+                   last and f"{some(last, labels)} {verb(len(last), 'are')} worst in {worst[last[0]]}")
+    return Finding(f"{said[:1].upper()}{said[1:]}." if not first else f"{said}.", table_of_many(columns, labels))
 
 
 def _chart(context, cells, questions):
@@ -297,24 +183,20 @@ def _chart(context, cells, questions):
     limits = [f"{name}: {about['limit']}" for name, about in questions.items() if about["limit"]]
     seeds, few, starts = (listing(dict.fromkeys(figures(about.get(key, about["seeds"])) for about in questions.values()))
                           for key in ("seeds", "few", "perturb"))
-    note = ("A cell is one search. Its number is the value at which half of the seeds fail, between the last that holds and the "
-            f"first that fails ({seeds} seeds at this edge, {few} elsewhere, started up to {starts} m and rad beside their "
-            "places). In brackets its interval: up to the first all shares of failures are below a half, by their 95 % intervals "
-            "(Wilson), that of the second is above; “?” where no value that was tried is so sure. Methods tie where their "
-            "intervals overlap in more than an end. The dots are the values that were tried, the smallest on the left.")
+    note = ("A cell: the value at which half of the seeds fail, its 95 % interval (Wilson; “?”: open end), the cost there, and "
+            f"a dot for each value tried. {seeds} seeds ran at the last value that holds and the first that fails, {few} at the "
+            f"others, with start positions perturbed by up to {starts} m and rad.")
     if any(found.laxer for _, _, column in columns for found in column.values()):
-        note += f" {rest.WORDS}; in grey what these two alone would hold to, by the values that were tried."
+        note += f" {rest.WORDS}; the breaking points by these two stand in grey."
     if any(about["truth"] for _, about, _ in columns):
-        note += " Where a closed form says where it breaks, colours are by the distance from that, on either side."
+        note += " Where a closed form gives the breaking point, colours show the distance from it."
     if any(found.excuse for _, _, column in columns for found in column.values()):
-        note += (" A white cell has no rank: up to its number so many rows were left to Gauss-Seidel, or its precision is "
-                 "another.")
+        note += " A white cell has no rank: its method left rows to Gauss-Seidel, or its precision differs."
     if any(ended_by_cost(found) for _, _, column in columns for found in column.values()):
-        note += " Over budget: with a single iteration the method costs more than the budget allows."
+        note += " Over budget: even one iteration costs more than the budget allows."
     if limits:
-        note += f" A run fails by its outcome, or by what it measures ({'; '.join(limits)})."
-    return Chart(identifier(f"{sweep} breaking map"), SECTION, "Where each method breaks",
-                 " ".join(finding(_place(title), column, about, labels) for title, about, column in columns),
+        note += f" A run fails by its outcome or by a limit ({'; '.join(limits)})."
+    return Chart(identifier(f"{sweep} breaking map"), SECTION, "Breaking point of each method", finding(columns, labels),
                  sweep, figure, _table(columns), _holes(columns), note,
                  headline=max(told, key=lambda h: h.effect, default=None))
 
@@ -350,20 +232,15 @@ def _place(title):
 
 
 def headline(title, column, about, labels):
+    """For the first screen: one question, if its methods differ."""
     held = {m: edge(f) for m, f in ranked(column).items()}
-    known = {m: f for m, f in ranked(column).items() if f.held}
-    if len(held) < 2 or not known or len(set(held.values())) < 2:
+    if len(held) < 2 or not any(value == value for value in held.values()) or len(set(held.values())) < 2:
         return None
-    name, place = about["parameter"], _place(title)
+    name, text = about["parameter"], words(title, column, about, labels)
     if about["truth"]:
         off = {m: abs(value - about["truth"]) if value == value else math.nan for m, value in held.items()}
-        last = max(known, key=lambda m: off[m])
-        words = (f"The closed form gives {name} = {value_text(name, about['truth'])}. "
-                 f"{_doing(right(known, about['truth']), 'breaks', labels)} there, {last} at {value_text(name, held[last])}.")
-        return Headline(f"{place}: {words}", off, unit_of(name), f"distance of {name} from the closed form")
-    best = best_of(known, about["falling"])
-    return Headline(f"{place}: {holds_to(known, ties(known, best), best, name, labels)}.", held, unit_of(name),
-                    f"{name} at which half of the seeds fail", larger=not about["falling"])
+        return Headline(text, off, unit_of(name), f"distance of {name} from the closed form")
+    return Headline(text, held, unit_of(name), f"{name} at which half of the seeds fail", larger=not about["falling"])
 
 
 def _figure(context, columns, labels):
@@ -379,10 +256,10 @@ def _figure(context, columns, labels):
         wide = (WIDTH - left - 0.15) * len(block) / min(MOST_COLUMNS, max(3, len(columns)))
         ax = figure.add_axes((left / WIDTH, y / height, wide / WIDTH, row * len(labels) / height))
         _block(ax, block, labels, called)
-    words = ["as far as the best", "down to 0.7 of it", "a half", "a quarter", "a sixteenth", "less, or none"]
-    handles = [Patch(facecolor=colour, label=word) for colour, word in zip(COLOURS, words)]
+    shares = ["as the best", "0.7 of it", "a half", "a quarter", "a sixteenth", "less, or none"]
+    handles = [Patch(facecolor=colour, label=word) for colour, word in zip(COLOURS, shares)]
     handles += [plt.Line2D([], [], ls="none", marker="s", ms=5, color=colour, label=word) for colour, word in (
-        (HOLDS, "no seed fails"), (SOME, "some do"), (FAILS, "all do"))]
+        (HOLDS, "no seed fails"), (SOME, "some fail"), (FAILS, "all fail"))]
     figure.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.01, 0.0), ncol=9, columnspacing=1.0, handlelength=1.0,
                   handletextpad=0.4)
     return figure
@@ -424,7 +301,7 @@ def _cell(ax, x, y, found, about, best, ends):
     dear = found.dear if ended_by_cost(found) else ""
     main = dear or "none" if not found.held else ("" if found.fell else sign) + value_text(name, edge(found))
     bracket = f"[{value_text(name, found.low) or '?'}, {value_text(name, found.high) or '?'}]"
-    lines = iter((0.36, 0.53, 0.70))  # below the number: the interval, other limits, the cost
+    lines = iter((0.36, 0.53, 0.70))  # heights below the number: interval, other limits, cost
 
     def line(words, size=7.5, colour="#444444"):
         ax.text(x + 0.06, y + next(lines), words, ha="left", va="center", fontsize=size, color=colour)
@@ -437,7 +314,7 @@ def _cell(ax, x, y, found, about, best, ends):
         ax.text(x + 0.94, y + 0.18, seeds_of([found.held.of]), ha="right", va="center", fontsize=7.5, color="#444444")
     line(bracket)
     if found.laxer:
-        told = {}  # value -> the limits at which it is the breaking point
+        told = {}  # breaking point -> its limits
         for limit, f in found.laxer.items():
             told.setdefault(("" if f.fell else sign) + (value_text(name, edge(f)) or "none"), []).append(rest.percent(limit))
         line(", ".join(f"{listing(limits)}: {'the same' if value == main else value}" for value, limits in told.items()), 7,

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Where methods fail: a parameter of the scene (a stack's height, a mass ratio) or the time step raised until each falls, at one
-setting of all methods or, in a calibrated sweep, each at the setting that meets a budget at every rung."""
+"""Breaking points by single runs: a scene parameter (a stack's height, a mass ratio) or the time step is raised until each method
+fails. All methods have one setting or, in a calibrated sweep, the setting that meets a budget at each value."""
 
 import math
 
@@ -11,19 +11,21 @@ from matplotlib.patches import Patch, Rectangle
 import metrics
 import ranking
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
+from finding import ROWS, Finding, Line, cut
+from finding import ranked as by_rank
 from load import JOINED, one_machine, split
-from sentences import clauses, does, listing, methods, verb
+from sentences import listing, methods, some, verb
 from style import OUTCOMES, WIDTH, grid_of_axes, plt, si
 from table import quantity
 
 FALLS = "When does each method fall?"
-BRIGHT = ("ok", "not run", "sank", "frozen", "collapsed", "wrong", "unsupported")  # outcomes whose letters are dark
-FEWEST = 3  # values of a parameter that is raised
+BRIGHT = ("ok", "not run", "sank", "frozen", "collapsed", "wrong", "unsupported")  # outcomes with dark letters
+FEWEST = 3  # values of a raised parameter
 
 
 @of_sweeps("breaking_points", 40, FALLS,
            Needs("world", methods=(2, math.inf), fixed=("model", "precision"), calibrated=None),
-           "Breaking points", "No sweep that raises a parameter is in this store.", "breaking_points_stack")
+           "Breaking points", "This store has no sweep that raises a parameter.", "breaking_points_stack")
 def breaking_points(context, cells):
     parts = split(cells, ["dimension"] if "dimension" in cells else [], sort=True)
     made = [(part, ladders(context, part)) for part in parts]
@@ -32,8 +34,8 @@ def breaking_points(context, cells):
 
 
 def ladders(context, cells):
-    """(scene, raised axis, in words at what setting or budget, cells): one ladder per scene, raised axis and budget, everything
-    else held at its usual value."""
+    """[(scene, raised axis, setting or budget as text, cells)]: one ladder per scene, raised axis and budget. All other axes have
+    their most frequent value."""
     about, found = context.store.sweep(cells["sweep"].iloc[0]).calibrate, []
     for part in split(cells, ["scene", "budget"] if about else ["scene"], sort=bool(about)):
         raised = [axis for axis in context.parameters(part) if part[axis].nunique() >= FEWEST]
@@ -46,7 +48,7 @@ def ladders(context, cells):
 
 
 def _spent(context, about, held):
-    """What methods may spend on this ladder, in words; empty where the sweep does not say."""
+    """The budget or setting of a ladder as text; empty if the sweep has none."""
     if about:
         value, unit = held["budget"].iloc[0], context.unit(about["metric"])
         return f"{si(value, unit)} {'' if unit == '1' else 'of '}{context.title(about['metric'])}"
@@ -56,8 +58,8 @@ def _spent(context, about, held):
 
 
 def breaking(ladder, name, excused):
-    """Per method: the largest value that held before the first failure, the first that failed, and why a cell up to there has no
-    rank (`excused`: {index: why})."""
+    """Per method: the largest value that held before the first failure, the first value that failed, and why a cell up to there
+    has no rank (`excused`: {index: why})."""
     rows = []
     for method, part in ladder.groupby("method", sort=True):
         part = part.sort_values(name)
@@ -75,7 +77,7 @@ def breaking(ladder, name, excused):
 
 
 def ranked(table):
-    """What was run and has a rank."""
+    """The methods that were run and have a rank."""
     return table[~table["hole"].astype(bool) & (table["not ranked"] == "")]
 
 
@@ -87,42 +89,52 @@ def _value(name, value):
     return f"{value / 1000:g}k" if value >= 10000 and value % 1000 == 0 else f"{value:g}"
 
 
-def finding(scene, name, table, spent=""):
+def words(scene, name, table, dimension, spent=""):
+    """One ladder in one sentence."""
     known, everyone = ranked(table), list(table["method"])
-    scene, at = f"{scene}{f' with {spent}' if spent else ''}", lambda value: _value(name, value)
+    where, at = f"On {scene} in {dimension}D{f' with {spent}' if spent else ''}", lambda value: f"{name} = {_value(name, value)}"
     if not len(known):
-        return f"{scene}: nothing was run" if table["hole"].all() else f"on {scene} no method has a rank"
+        return f"{where} {'nothing was run' if table['hole'].all() else 'no method has a rank'}."
     fallen, stood, top = known[known["fell"].notna()], known[known["fell"].isna()], known["held"].max()
     if not len(fallen):
-        return f"on {scene} nothing fails up to {name} = {at(known['held'].min())}"
-    first, last = (fallen[fallen["fell"] == end] for end in (fallen["fell"].min(), fallen["fell"].max()))
-    where = f"at {name} = {at(first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))})"
-    if len(first) == len(known):  # one rung tells no methods apart
-        return (f"on {scene} {'all' if len(known) > 1 else 'the only one of the'} {len(known)} methods fail {where}, "
-                f"{'already at the smallest tried' if math.isnan(top) else 'each after it held below'}")
-    whole, partly = stood[stood["held"] == top]["method"], stood[stood["held"] < top]
-    ends = [len(whole) and f"while {methods(whole, everyone)} held to the largest tried ({at(top)})",
-            *(f"and {row.method} held to {at(row.held)} with no result beyond" for row in partly.itertuples())]
-    text = clauses(f"on {scene} {does(first['method'], 'fail', everyone)} first, {where}", *ends, between=", ")
-    return text if len(stood) else f"{text} and {methods(last['method'], everyone)} last, at {at(last['fell'].iloc[0])}"
-
-
-def headline(scene, name, table, dimension, spent=""):
-    """How far each method holds; none where all hold alike."""
-    known, everyone = ranked(table), list(table["method"])
-    fallen, held = known[known["fell"].notna()], dict(zip(known["method"], known["held"]))
-    if not len(fallen):
-        return None
+        return f"{where} nothing fails up to {at(known['held'].min())}."
     first = fallen[fallen["fell"] == fallen["fell"].min()]["method"]
+    if len(first) == len(known):  # one value tells no methods apart
+        return (f"{where} {'all' if len(known) > 1 else 'the only one of'} {len(known)} methods fail at "
+                f"{at(fallen['fell'].min())}{', the smallest value tried' if math.isnan(top) else ', and hold below'}.")
+    whole = stood[stood["held"] == top]["method"]
+    last = whole if len(whole) else fallen[fallen["fell"] == fallen["fell"].max()]["method"]
+    text = f"{where} {some(first, everyone)} {verb(len(first), 'fail')} first, at {at(fallen['fell'].min())}; "
+    if len(whole):
+        return f"{text}{some(last, everyone)} {verb(len(last), 'hold')} to the largest value tried, {_value(name, top)}."
+    return f"{text}{some(last, everyone)} {verb(len(last), 'fail')} last, at {_value(name, fallen['fell'].max())}."
+
+
+def lines_of(name, table, everyone, most):
+    """Rows of the finding's table for one ladder, from the best to the worst; methods with equal results share a row."""
+    unit, rows = "s" if name == "dt" else "1", []
+    known = ranked(table).assign(held=lambda t: t["held"].fillna(-math.inf), fell=lambda t: t["fell"].fillna(math.inf))
+    for (held, fell, outcome), part in known.groupby(["held", "fell", "outcome"], sort=False):
+        end = outcome or ("holds to the last value tried" if held == known["held"].max() else "no result beyond")
+        rows.append((held, fell, {"methods": methods(part["method"], everyone),
+                                  **quantity("largest that holds", unit, [held if held > -math.inf else math.nan]),
+                                  **quantity("first that fails", unit, [fell if fell < math.inf else math.nan]), "outcome": end}))
+    rows.sort(key=lambda row: row[:2], reverse=True)
+    why = {row["method"]: f"not ranked: {row['not ranked']}" if row["not ranked"] else "not run"
+           for _, row in table.iterrows() if row["hole"] or row["not ranked"]}
+    made = [{name: values[0] if isinstance(values, list) else values for name, values in row.items()} for *_, row in rows]
+    made += [{"methods": line.name, "outcome": line.outcome} for line in ranking.lines(why)]
+    return cut(pd.DataFrame(made), range(len(rows), len(made)), most)
+
+
+def headline(name, table, text):
+    """For the first screen: how far each method holds; none if the first to fail holds as far as any."""
+    known = ranked(table)
+    fallen, held = known[known["fell"].notna()], dict(zip(known["method"], known["held"]))
     top = known["held"].max()
-    last = known[known["held"] == top]["method"]
-    if not len(last) or set(last) & set(first):
+    if not len(fallen) or top != top or top in set(fallen[fallen["fell"] == fallen["fell"].min()]["held"]):
         return None
-    scene = f"{scene} in {dimension}D{f' with {spent}' if spent else ''}"
-    return Headline(f"On {scene} {does(first, 'fail', everyone)} first when "
-                    f"{name} is raised, at {_value(name, fallen['fell'].min())}; "
-                    f"{does(last, 'hold', everyone)} to {_value(name, top)}.", held, "s" if name == "dt" else "1",
-                    f"largest {name} that holds", larger=True)
+    return Headline(text, held, "s" if name == "dt" else "1", f"largest {name} that holds", larger=True)
 
 
 def _points_chart(context, cells, found, dimension):
@@ -136,15 +148,19 @@ def _points_chart(context, cells, found, dimension):
     cell_width = (WIDTH - left - legend_width - (columns - 1) * gap_x) / columns
     figure.subplots_adjust(left=left / WIDTH, right=1 - legend_width / WIDTH, top=1 - top / height,
                            bottom=bottom / height, wspace=gap_x / cell_width, hspace=gap_y / row_height)
-    seen, said, tables, told = set(), [], [], []
+    seen, told, tables, lines = set(), [], [], []
     for index, ax in enumerate(axes.flat):
         if index >= len(found):
             ax.set_visible(False)
             continue
         scene, name, spent, ladder = found[index]
         table = breaking(ladder, name, excused)
-        said.append(finding(scene, name, table, spent))
-        told.append(headline(scene, name, table, dimension, spent))
+        text = words(scene, name, table, dimension, spent)
+        told.append((headline(name, table, text), text))
+        part = lines_of(name, table, rows_of, max(1, ROWS // len(found)))
+        if len(found) > 1:
+            part.insert(0, "scene, parameter, setting", [", ".join(filter(None, (scene, name, spent)))] * len(part))
+        lines.append(part)
         tables.append(table.assign(scene=scene, raised=name, spent=spent))
         seen |= _strips(ax, ladder, name, rows_of, table, called if index % columns == 0 else {})
         ax.set_title(f"{scene}, {dimension}D: {name} raised" + (f"\n{spent}" if spent else ""))
@@ -156,30 +172,24 @@ def _points_chart(context, cells, found, dimension):
     table["unit"] = ["s" if raised == "dt" else "" for raised in table["raised"]]
     table = table[["scene", "raised", "unit", "spent", "method", "held", "fell", "outcome", "step", "not ranked"]]
     table = table.rename(columns={"held": "largest that held", "fell": "first that failed"})
+    first, text = max(told, key=lambda pair: pair[0].effect if pair[0] else 0)  # the ladder with the largest difference
     return Chart(f"{cells['sweep'].iloc[0]}_raised_{dimension}d", FALLS, f"Breaking points, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + "." + _not_ranked(tables, len(found) > 1), cells["sweep"].iloc[0],
-                 figure, table,
+                 Finding(text, cut(pd.concat(lines, ignore_index=True))), cells["sweep"].iloc[0], figure, table,
                  holes(cells[cells["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
                        ["scene", "method", *sorted({name for _, name, *_ in found}), *(["budget"] if "budget" in cells else [])]),
-                 "A square is one run, so that no interval is known (the map of breaking points has one, over seeds). Beside a "
-                 "row stands the largest value that held before the first failure."
-                 + equal_words(context.store.sweep(cells["sweep"].iloc[0]).calibrate),
-                 headline=max(filter(None, told), key=lambda found: found.effect, default=None))
-
-
-def _not_ranked(tables, several):
-    return ranking.told({row["method"] + (f" on {row['scene']}" if several else ""): row["not ranked"]
-                         for table in tables for _, row in table.iterrows() if row["not ranked"]})
+                 "A square is one run, so no interval is known; the map of breaking points has one, over seeds. Right of a row: "
+                 "the largest value that held before the first failure."
+                 + equal_words(context.store.sweep(cells["sweep"].iloc[0]).calibrate), headline=first)
 
 
 def equal_words(about):
-    """How methods are made comparable, for the note."""
+    """For the note: at which setting or budget methods are compared."""
     if not about:
-        return " What the title of a panel names is the same for all methods, and need not cost the same."
-    how = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than the budget"
+        return " All methods have the setting in the title of a panel; their costs differ."
+    how = "the most within the budget" if about["equal"] == "cost" else "the fewest with an error within the budget"
     left = about["equal"] == "cost" and about.get("most")
-    return (f" At every rung each method has {how} ({about['setting']}, found by the runner): so methods are compared at equal "
-            f"{about['equal']}{f', but for those with budget left at {left:g}, the most that is searched' if left else ''}.")
+    return (f" Methods are compared at equal {about['equal']}: at each value the runner gives each method {about['setting']}, "
+            f"{how}{f', at most {left:g}' if left else ''}.")
 
 
 def _strips(ax, ladder, name, rows_of, table, called):
@@ -191,7 +201,7 @@ def _strips(ax, ladder, name, rows_of, table, called):
         for x, value in enumerate(values):
             rows = part[part[name] == value]
             outcome = rows["outcome"].iloc[0] if len(rows) else None
-            if outcome is None:  # not planned: the axis was not raised so far for this method
+            if outcome is None:  # not planned: this method's ladder is shorter
                 continue
             seen.add(outcome)
             colour, letter = OUTCOMES.get(outcome, ("#FFFFFF", "?"))
@@ -208,7 +218,7 @@ def _strips(ax, ladder, name, rows_of, table, called):
     ax.set_ylim(len(rows_of) - 0.4, -0.6)
     ax.set_xticks(range(len(values)))
     labels = [_value(name, v).replace(" ", "\n") if name == "dt" else _value(name, v) for v in values]
-    # Long ladders: every second label, so that none overlap. A digit needs 0.08 inches, and some air.
+    # Long ladders get every second label, so that none overlap. A digit needs 0.08 inches, and a gap.
     room = ax.get_position().width * ax.figure.get_figwidth() / len(values)
     every = max(1, math.ceil((0.08 * max(len(part) for label in labels for part in label.split("\n")) + 0.08) / room))
     ax.set_xticklabels([label if i % every == 0 else "" for i, label in enumerate(labels)])
@@ -224,13 +234,12 @@ def _strips(ax, ladder, name, rows_of, table, called):
 
 CACHES = "Does the cache matter more than the resolver?"
 DRIFT = "lean"
-NAMED = 4  # pairs in a sentence; more are counted
 
 
 @of_sweeps("cache_solver", 41, CACHES,
            Needs("world", methods=(2, math.inf), fixed=("model", "precision"), calibrated=None,
                  also="several caches under several resolvers, and a parameter that is raised"),
-           "Cache x resolver", "No sweep of caches under several resolvers is in this store.", "cache_solver")
+           "Cache x resolver", "This store has no sweep of caches under several resolvers.", "cache_solver")
 def cache_solver(context, cells):
     axes = [axis for axis in context.store.method_axes(cells["sweep"].iloc[0]) if axis != "cache"]
     if "cache" not in cells or cells["cache"].nunique() < 2 or not axes:
@@ -248,8 +257,8 @@ def cache_solver(context, cells):
 
 
 def heights(part, raised, excused):
-    """({(resolver, cache): the largest value that held before the first failure}, {...: why the pair has no rank}); 0 where the
-    smallest fell, and nothing where nothing ran."""
+    """({(resolver, cache): largest value that held before the first failure}, {(resolver, cache): why it has no rank}). The value
+    is 0 if the smallest failed; pairs that were not run are missing."""
     found, unranked = {}, {}
     for pair, cells in part.groupby(["resolver of pair", "cache"], sort=True):
         row = breaking(cells, raised, excused).iloc[0]
@@ -261,8 +270,8 @@ def heights(part, raised, excused):
 
 
 def effects(found, of):
-    """How much the height changes when one of the two is changed alone, the cache (`of` 1) or the resolver (0): of each of the
-    others the largest less the smallest."""
+    """How much the largest value that holds changes if only the cache (`of` 1) or only the resolver (0) changes: for each of the
+    others, the largest less the smallest."""
     others = {}
     for pair, height in found.items():
         others.setdefault(pair[1 - of], []).append(height)
@@ -270,30 +279,34 @@ def effects(found, of):
 
 
 def finding_of_caches(found, unranked, raised, where, top):
-    out = ranking.told({f"{resolver} with {cache}": why for (resolver, cache), why in sorted(unranked.items())})
-    if not found:
-        return f"On {where} {'no pair has a rank' if unranked else 'nothing was run'}.{out}"
-    best = max(found.values())
-    pairs = [f"{resolver} with {cache}" for (resolver, cache), height in sorted(found.items()) if height == best]
-    if not best:
-        return f"On {where} every pair falls already at the smallest {raised} tried.{out}"
-    highest = methods(pairs, []) if len(pairs) <= NAMED else f"{len(pairs)} of {len(found)} pairs"
-    text = (f"On {where} {highest} {verb(len(pairs), 'stand')} to {raised} = {best:g}"
-            f"{', the largest tried' if best == top else ''}.")
+    out = ranking.lines({f"{resolver} with {cache}": f"not ranked: {why}" for (resolver, cache), why in sorted(unranked.items())})
+    groups = {}
+    for (resolver, cache), height in sorted(found.items()):
+        groups.setdefault(height, []).append(f"{resolver} with {cache}")
+    lines = [Line(listing(pairs), height) if height else Line(listing(pairs), outcome="failed: at the smallest value tried")
+             for height, pairs in groups.items()]
     cache, resolver = effects(found, 1), effects(found, 0)
+    if cache and resolver:
+        lines += [Line(f"change by another {name}", float(np.median(values)), min(values), max(values), "median change")
+                  for name, values in (("cache", cache), ("resolver", resolver))]
+    lines += out
+    table = by_rank(lines, f"largest {raised} that holds", "1", larger=True, name="resolver and cache",
+                    keep=[line.name for line in lines if line.outcome])
+    if not found or not max(found.values()):
+        return Finding(f"On {where} " + ("every pair fails at the smallest value tried." if found else
+                                         "no pair has a rank." if unranked else "nothing was run."), table)
     if not cache or not resolver:
-        return text + out
-    def said(values):
-        return (f"{min(values):g} to {max(values):g} (median {np.median(values):g})" if min(values) < max(values) else
-                f"{values[0]:g}")
-    text += f" Another cache alone changes that by {said(cache)}. Another resolver alone changes it by {said(resolver)}."
+        best = max(found.values())
+        return Finding(f"On {where} {some(groups[best])} {verb(len(groups[best]), 'hold')} to {raised} = {best:g}"
+                       f"{', the largest value tried' if best == top else ''}.", table)
     a, b = float(np.median(cache)), float(np.median(resolver))
-    return text + (" By the medians both choices matter alike." if a == b else
-                   f" By the medians the {'cache' if a > b else 'resolver'} matters more.") + out
+    more = "cache and resolver matter alike" if a == b else f"the {'cache' if a > b else 'resolver'} matters more"
+    return Finding(f"On {where} {more}: another cache changes the largest {raised} that holds by {a:g}, another resolver by "
+                   f"{b:g} (medians).", table)
 
 
 def headline_of_caches(found, raised, where):
-    """The resolver that another cache changes most."""
+    """For the first screen: the resolver that another cache changes most."""
     rows = {}
     for (resolver, cache), height in found.items():
         rows.setdefault(resolver, {})[cache] = height
@@ -303,10 +316,10 @@ def headline_of_caches(found, raised, where):
     resolver = max(rows, key=lambda name: max(rows[name].values()) - min(rows[name].values()))
     row = rows[resolver]
     most, least = max(row, key=row.get), min(row, key=row.get)
-    falls = f"to {row[least]:g}" if row[least] else "to none that was tried"
-    return Headline(f"On {where}, {resolver} stands to {raised} = {row[most]:g} with the cache {most} and {falls} with {least}.",
+    falls = f"to {row[least]:g}" if row[least] else "at no value tried"
+    return Headline(f"On {where} {resolver} holds to {raised} = {row[most]:g} with the cache {most}, and {falls} with {least}.",
                     {f"{resolver} / {cache}": height or math.nan for cache, height in row.items()}, "1",
-                    f"largest {raised} that stands", larger=True)
+                    f"largest {raised} that holds", larger=True)
 
 
 def _caches_chart(context, part, raised, groups, refused):
@@ -318,11 +331,11 @@ def _caches_chart(context, part, raised, groups, refused):
         where += f", at {text}{context.title(about['metric'])}"
     found, unranked = heights(part, raised, ranking.excused(context, part))
     values = sorted(part[raised].dropna().unique())
-    # Where most pairs stand, drift and cost are of all of them.
+    # Drift and cost are shown at the value at which most pairs hold.
     standing = {value: int((part[part[raised] == value]["outcome"] == "ok").sum()) for value in values}
     at = max(values, key=lambda value: (standing[value], value))
     costs = [name for name in context.metrics("world", "cost") if np.isfinite(metrics.column(part, name)).any()]
-    panels = [(f"largest {raised} that stands", "Blues", lambda pair, cell: found.get(pair, math.nan), "1", False)]
+    panels = [(f"largest {raised} that holds", "Blues", lambda pair, cell: found.get(pair, math.nan), "1", False)]
     for name, colours in ((DRIFT, "Oranges"), *((cost, "Greys") for cost in costs[:1])):
         panels.append((f"{context.title(name)}, {raised} = {at:g}", colours,
                        lambda _, cell, name=name: math.nan if cell is None or cell["outcome"] != "ok" else float(cell[name]),
@@ -342,20 +355,20 @@ def _caches_chart(context, part, raised, groups, refused):
                  _table(context, found, unranked, here, resolvers, caches, raised, at, costs, whole),
                  refused + holes(part[part["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
                                  ["method", raised]),
-                 f"A row is one resolver, a column one cache. Left the largest {raised} that stands before the first failure, a "
-                 f"dash where the smallest tried ({values[0]:g}) falls; beside it what a run at {raised} = {at:g}, where most "
-                 "pairs stand, has drifted and costs, with the letter of its outcome where it fell."
-                 + (" A white square has no rank: up to its height the resolver left so many rows to Gauss-Seidel (GS)."
+                 f"Left: the largest {raised} that holds before the first failure; a dash if the smallest ({values[0]:g}) fails. "
+                 f"The other panels: drift and cost at {raised} = {at:g}, where most pairs hold; a letter is the outcome of a "
+                 "failed run."
+                 + (" A white square has no rank: its resolver left that share of rows to Gauss-Seidel (GS)."
                     if unranked else "") + equal_words(about),
                  headline=headline_of_caches(found, raised, where))
 
 
 def _map(ax, numbers, here, unranked, resolvers, caches, colours, unit, log):
-    """A square for each pair, the darker the larger its number, with the number in it."""
+    """A square with its number for each pair; darker is larger."""
     known = [v for v in numbers.values() if math.isfinite(v) and (v > 0 or not log)]
     scale = (lambda v: math.log10(max(v, min(known)))) if log else float
     low, high = (scale(min(known)), scale(max(known))) if known else (0.0, 1.0)
-    low, high = (low, max(high, low + 0.5)) if log else (min(low, 0.0), high)  # a few per cent are no other colour
+    low, high = (low, max(high, low + 0.5)) if log else (min(low, 0.0), high)  # a few percent get the same colour
     for y, resolver in enumerate(resolvers):
         for x, cache in enumerate(caches):
             value, cell = numbers[resolver, cache], here.get((resolver, cache))
@@ -386,7 +399,7 @@ def _table(context, found, unranked, here, resolvers, caches, raised, at, costs,
     pairs = [(resolver, cache) for resolver in resolvers for cache in caches]
     rows = [here.get(pair) for pair in pairs]
     table = {"resolver": [resolver for resolver, _ in pairs], "cache": [cache for _, cache in pairs],
-             f"largest {raised} that stands": [found.get(pair, math.nan) for pair in pairs],
+             f"largest {raised} that holds": [found.get(pair, math.nan) for pair in pairs],
              "not ranked": [unranked.get(pair, "") for pair in pairs],
              f"outcome at {raised} = {at:g}": ["not run" if row is None else row["outcome"] for row in rows]}
     if setting:

@@ -328,7 +328,7 @@ def found_parameters(rows, panels, n, least):
 
 
 def _noise(rows, named, sign):
-    """Methods whose median is farther off in the same panel, by no more than noise: a reader sees them in the picture."""
+    """Methods with a median farther off in the same panel, by no more than noise: a reader sees them in the picture."""
     return [row["method"] for row in rows if row["family"] == named["family"] and row["panel"] == named["panel"] and
             not row["told"] and sign * row["ratio"] > sign * named["ratio"] and sign * (named["ratio"] - 1) > 0]
 

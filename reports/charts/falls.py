@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""How runs fall: pictures of the last run to fall of each kind, with energy and penetration beneath."""
+"""How runs fall: pictures of the last run to fall of each kind, with energy and penetration. Which methods hold hard scenes."""
 
 import math
 
@@ -14,22 +14,23 @@ import noise
 import ranking
 import rest
 from chart import Chart, Headline, Needs, describe, holes, identifier, of_sweeps
+from finding import Finding, cut
 from load import described, one_machine, split, varying
-from sentences import listing, methods, plural, verb
+from sentences import listing, methods, plural, some, verb
 from style import OUTCOMES, WIDTH, plt, si, times
 from table import quantity
 
 SECTION = "When does each method fall?"
 SERIES = ("kinetic", "potential", "max_penetration")
-FALLEN = {"collapsed": "a body is farther from where it came than the scene allows",
+FALLEN = {"collapsed": "a body is farther from its start than the scene allows",
           "exploded": "a body is faster than the scene allows, or than light",
-          "diverged": "a number is not finite, or the energy is over what the scene allows"}
+          "diverged": "a number is not finite, or the energy exceeds the scene's limit"}
 BLUE, WINE, GREEN = "#0072B2", "#882255", "#009E73"
-# Inches. A row is words, pictures, lines from these to their steps, and two panels over the same steps.
+# Inches. A row has words, pictures, lines from the pictures to their steps, and two panels over the same steps.
 LEFT, RIGHT, TALLEST, BETWEEN = 0.85, 1.7, 1.9, 0.08
 WORDS, FAN, PANEL, GAP, FOOT = 0.62, 0.28, 0.85, 0.12, 0.62
-LEAST = 60  # steps of a panel, where a run has as many
-MOST_PATCHES = 400  # of one picture as vectors: more are weight of a page without gain
+LEAST = 60  # least steps of a panel
+MOST_PATCHES = 400  # of a picture drawn as vectors; more would only make the page larger
 
 
 @of_sweeps("falls", 45, SECTION,
@@ -56,13 +57,13 @@ def falls(context, cells):
 
 
 def stood(store, run):
-    """Whether a run got to its last step and was judged there, by how far things crept: it fell by no step of its own."""
+    """Whether a run reached its last step and failed there by creeping, so no step shows its fall."""
     steps = store.trials["canonical"][run["key"]].get("steps")
     return steps is not None and run["step"] == run["step"] and run["step"] >= steps
 
 
 def runs_of(store, cells):
-    """One row for each run of these cells (each seed of each cell), with what became of it."""
+    """One row per run of these cells (each seed of each cell), with its outcome."""
     rows = []
     for _, cell in cells.iterrows():
         for seed, key in zip(cell["seeds"], cell["keys"]):
@@ -77,45 +78,45 @@ def runs_of(store, cells):
 
 def _falls_chart(context, cells, runs, fallen, drawn, left_out):
     sweep = cells["sweep"].iloc[0]
-    counted = f"{len(fallen)} of {plural(len(runs), 'run')} fell."
+    counts = fallen["outcome"].value_counts()
+    kinds = [outcome for outcome in FALLEN if outcome in counts]
+    text = f"{len(fallen)} of {plural(len(runs), 'run')} " + (
+        kinds[0] if len(kinds) == 1 else f"fell: {listing(f'{counts[kind]} {kind}' for kind in kinds)}")
     crept = int(runs["outcome"].isin(FALLEN).sum()) - len(fallen)
-    if crept:
-        counted += (f" {crept} more failed at {'its' if crept == 1 else 'their'} last step by creeping, and "
-                    f"{verb(crept, 'are')} not drawn.")
+    text += f"; {crept} more failed at {'its' if crept == 1 else 'their'} last step by creeping." if crept else "."
     if not drawn:
-        return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} The store holds no pictures of them: a run of this "
-                     "sweep's command draws them, but for scenes of more than 300 bodies.", sweep, holes=left_out)
+        return Chart(f"{sweep}_falls", SECTION, "How runs fall", text, sweep, holes=left_out + [
+            "The store has no pictures of these runs. The command of this sweep makes them, except for scenes of more than 300 "
+            "bodies."])
     names = ["scene", "dimension", "method", *varying(context.store, cells, ("scene", "dimension", "method")), "seed"]
     heights = [WORDS + _tall(film) + FAN + 2 * PANEL + GAP + FOOT for _, film, _ in drawn]
-    figure, top, said, table = plt.figure(figsize=(WIDTH, sum(heights))), sum(heights), [], []
+    figure, top, table = plt.figure(figsize=(WIDTH, sum(heights))), sum(heights), []
     for height, (row, film, alike) in zip(heights, drawn):
         tracks = _tracks(context.store, row["key"])
         where = ranking.beside(describe(row, [name for name in names if name in row]), _share(context, cells, row))
         _row(figure, top, row, film, tracks, where)
         top -= height
-        deepest = max((_largest(tracks[name]) for name in ("contacts", "shapes")), key=lambda v: -1 if v != v else v)
-        last = row["step"] == alike["step"].max()
-        said.append(f"{where}: {row['outcome']} at step {row['step']:.0f} ({_rank(last, len(alike))}), with an overlap of up to "
-                    f"{si(deepest, 'm')}.")
         table.append({"run": where, "outcome": row["outcome"], "step": row["step"], "reason": row["reason"],
                       "runs of this kind": len(alike), "energy at the start [J]": _first(tracks["energy"]),
                       "largest energy [J]": _largest(tracks["energy"]),
                       "largest penetration of contacts [m]": _largest(tracks["contacts"]),
-                      "largest penetration of shapes [m]": _largest(tracks["shapes"])})
-    kinds = listing(dict.fromkeys(row["outcome"] for row, _, _ in drawn))
-    means = "; ".join(f"{name}: {FALLEN[name]}" for name in dict.fromkeys(row["outcome"] for row, _, _ in drawn))
-    return Chart(f"{sweep}_falls", SECTION, "How runs fall", " ".join([counted, *said]), sweep, figure,
-                 pd.DataFrame(table), holes=left_out,
-                 note=f"Of each scene and dimension the last run that {kinds.replace(' and ', ' or ')}, six of a sweep at most. "
-                      f"A run ends at the step of its fall ({means}); what creeps to its last step has not fallen. Pictures: the "
-                      "start, the fall, and in between when a body was for the last time 60 %, 30 % and 10 % as far from where "
-                      "it fell to as any ever was, or half way between two of these where they are one step; of what flies "
-                      "out of sight, the last step in sight. What never moves is grey; what is not finite is not drawn. "
-                      "Energy is that of motion and of gravity.")
+                      "largest penetration of shapes [m]": _largest(tracks["shapes"]),
+                      "which": _rank(row["step"] == alike["step"].max(), len(alike))})
+    table = pd.DataFrame(table)
+    short = table[["run", "outcome", "step", "which"]].assign(step=table["step"].astype(int)).rename(
+        columns={"which": "of the runs alike"})
+    short["largest depth [m]"] = table[[name for name in table if name.startswith("largest penetration")]].max(axis=1)
+    means = "; ".join(f"{name}: {FALLEN[name]}" for name in dict.fromkeys(table["outcome"]))
+    return Chart(f"{sweep}_falls", SECTION, "How runs fall", Finding(text, cut(short)), sweep, figure,
+                 table.drop(columns="which"), holes=left_out,
+                 note="Each row is the last run of a scene and dimension that fell, at most six of a sweep "
+                      f"({means}). Pictures: the start, the fall, and between them the last steps at which a body is 60 %, "
+                      "30 % and 10 % of the largest distance from its last position; the last step in sight if a body leaves "
+                      "the view. Energy is kinetic and gravitational.")
 
 
 def _share(context, cells, run):
-    """What the cell of this run left to Gauss-Seidel, in words; empty where it is nothing."""
+    """The share of rows that the cell of this run left to Gauss-Seidel, as text; empty if it is 0."""
     own = cells[[run["key"] in keys for keys in cells["keys"]]]
     share = ranking.share_of_fallbacks(context, own.iloc[0]) if len(own) else 0.0
     return ranking.said_of_share(share) if share != 0 else ""
@@ -134,7 +135,7 @@ def _tall(film):
 
 
 def _tracks(store, key):
-    """Series of the run by what they show; None where it has none."""
+    """The series of a run by content; None if it has none."""
     kinetic, potential, contacts = (store.series(key, name) for name in SERIES)
     shapes = store.series(key, "penetration_poses") if described(store.described_series, "penetration_poses") else None
     energy = None if kinetic is None or potential is None else kinetic + potential
@@ -156,7 +157,7 @@ def _largest(values):
 
 
 def window(steps):
-    """The steps that the panels show: twice as far back from the fall as the first picture on its way."""
+    """The steps that the panels show: twice the span from the second picture to the fall, at least LEAST."""
     start, end = steps[min(1, len(steps) - 1)], steps[-1]
     return max(0, end - max(2 * (end - start), LEAST)), end
 
@@ -194,7 +195,7 @@ def _row(figure, top, row, film, tracks, where):
     panels[0].tick_params(labelbottom=False)
     panels[0].text(1.012, 0.1, f"{row['outcome']} at {row['step']:.0f}", transform=panels[0].transAxes, color=colour, fontsize=8)
     panels[1].set_xlabel("step", fontsize=8)
-    for middle, step in zip(middles, steps):  # from each picture to its step
+    for middle, step in zip(middles, steps):  # a line from each picture to its step
         if step >= first:
             x = LEFT + (wide - LEFT - RIGHT) * (step - first + room) / (last - first + 2 * room)
             figure.add_artist(Line2D([middle / wide, x / wide], [bottom / high, (bottom - FAN) / high], lw=0.8,
@@ -202,7 +203,7 @@ def _row(figure, top, row, film, tracks, where):
 
 
 def paint(ax, film, picture, frame):
-    """The patches of a picture where they are: pixels, y down."""
+    """Draws the patches of a picture, in pixels with y down."""
     corners = [np.reshape(patch[2], (-1, 2)) for patch in picture["patches"]]
     ax.add_collection(PolyCollection(corners, facecolors=[patch[0] for patch in picture["patches"]],
                                      edgecolors=[patch[1] for patch in picture["patches"]], linewidths=0.5,
@@ -218,13 +219,13 @@ def paint(ax, film, picture, frame):
 
 
 def _moves(fill):
-    """Whether this is the colour of a body that may move: the others are grey."""
+    """Whether this is the colour of a body that may move; static bodies are grey."""
     shades = [int(fill[i:i + 2], 16) for i in (1, 3, 5)]
     return max(shades) - min(shades) > 10
 
 
 def _line(ax, values, first, **look):
-    """The part of a series that the panel shows; entry i is after step i + 1. True where there is any number."""
+    """Draws the part of a series in the panel's steps; entry i is the value after step i + 1. True if it has a number."""
     values = np.array([]) if values is None else np.asarray(values, float)
     steps = np.arange(1, len(values) + 1)
     shown = np.isfinite(values) & (steps >= first)
@@ -233,7 +234,7 @@ def _line(ax, values, first, **look):
 
 
 def _every(values):
-    """How many steps there are between the numbers of a series."""
+    """The number of steps between the values of a series."""
     gaps = np.diff(np.flatnonzero(np.isfinite(values)))
     return int(np.median(gaps)) if len(gaps) else len(values)
 
@@ -243,7 +244,7 @@ def _words(ax, height, text, colour="#555555"):
 
 
 def _energy(ax, tracks, first):
-    """Of the whole energy what it has changed by within the panel: how high the origin lies says nothing."""
+    """Draws the kinetic energy and the change of the total energy within the panel; its absolute value depends on the origin."""
     energy, motion = tracks["energy"], tracks["motion"]
     shown = _finite(None if energy is None else energy[max(0, first - 1):])
     drawn = {"motion": motion, "change": None if energy is None or not len(shown) else energy - shown[0]}
@@ -252,23 +253,23 @@ def _energy(ax, tracks, first):
     ax.set_ylabel(f"energy [{unit}]", fontsize=8)
     scaled = {name: None if v is None else v / scale for name, v in drawn.items()}
     if _line(ax, scaled["change"], first, color=BLUE, lw=1.3):
-        _words(ax, 1.0, f"change since step {max(1, first)}", BLUE)
+        _words(ax, 1.0, f"total, since step {max(1, first)}", BLUE)
     if _line(ax, scaled["motion"], first, color=WINE, lw=1.1):
-        _words(ax, 0.78, "of motion", WINE)
+        _words(ax, 0.78, "kinetic", WINE)
 
 
 def _depth(ax, tracks, first):
-    ax.set_ylabel("overlap [m]", fontsize=8)
+    ax.set_ylabel("depth [m]", fontsize=8)
     if _line(ax, tracks["contacts"], first, color=BLUE, lw=1.3):
         _words(ax, 1.0, "deepest contact", BLUE)
     else:
-        _words(ax, 1.0, "no contacts are told")
+        _words(ax, 1.0, "contacts: not reported")
     if _line(ax, tracks["shapes"], first, color=GREEN, lw=0, marker="o", ms=3.5):
-        _words(ax, 0.78, f"of shapes, every {_every(tracks['shapes'])} steps", GREEN)
+        _words(ax, 0.78, f"shapes, every {_every(tracks['shapes'])} steps", GREEN)
     else:
         _words(ax, 0.78, "shapes: not measured")
     low, high = ax.get_ylim()
-    ax.set_ylim(min(0, low), high + 0.08 * (high - min(0, low)))  # a dot at the top is whole
+    ax.set_ylim(min(0, low), high + 0.08 * (high - min(0, low)))  # room for a whole dot at the top
 
 
 TIME = "ms_per_step_median"
@@ -277,8 +278,8 @@ MOST_COLUMNS = 7
 
 
 @of_sweeps("held", 42, SECTION,
-           Needs("world", methods=(2, math.inf), also="a sweep that asks for this chart"),
-           "Methods that hold what is hard to hold", "No sweep that asks for this chart is in this store.", "beyond")
+           Needs("world", methods=(2, math.inf), also="a `report` that lists it"),
+           "Methods that hold hard scenes", "This store has no sweep whose `report` lists this chart.", "beyond")
 def held(context, cells):
     about = context.store.sweep(cells["sweep"].iloc[0])
     if "held" not in about.report:
@@ -294,7 +295,7 @@ def held(context, cells):
 
 
 def slower(column, method, baseline):
-    """How many times the baseline's time a step takes; NaN where one of the two was not timed."""
+    """The time of a step over that of the baseline; NaN if one of them was not timed."""
     if TIME not in column or baseline not in column.index:
         return math.nan
     base = float(column[TIME][baseline])
@@ -306,38 +307,39 @@ def share(cell):
 
 
 def holders(column, limit=rest.LIMITS[0]):
-    """Methods that hold and have a rank. By the strictest limit the outcome is the answer."""
+    """Methods that hold and have a rank. The outcome uses the strictest limit."""
     own = column[column[EXCUSE] == ""]
     if limit == rest.LIMITS[0]:
         return sorted(own.index[own["outcome"] == "ok"])
     return sorted(m for m in own.index if share(own.loc[m]) <= limit)
 
 
-def finding(where, column, baseline, everyone, least):
-    holding, before = holders(column), set(holders(column))
-    named = methods(holding, everyone) if len(holding) < len(column) else "Each method"
-    said = [f"{named} {'holds' if len(holding) in (1, len(column)) else 'hold'} it" if holding else "No method holds it"]
+def facts(where, column, baseline, everyone, least):
+    """A row of the finding's table: one scene."""
+    holding, before, sinks = holders(column), set(holders(column)), []
     for limit in rest.LIMITS[1:]:
         more = sorted(set(holders(column, limit)) - before)
         before |= set(more)
         if more:
             deep = limit if len(more) > 1 else float(f"{share(column.loc[more[0]]):.2g}")
-            sink = "sink by up to" if len(more) > 1 else "sinks by"
-            said.append(f"{methods(more, everyone)} {sink} {rest.percent(deep)} of the smallest body")
+            sinks.append(f"{methods(more, everyone)} by {'up to ' if len(more) > 1 else ''}{rest.percent(deep)}")
+    own = column[column[EXCUSE] == ""]
+    row = {"scene": where, "held by": "all methods" if len(holding) == len(column) else
+           methods(holding, everyone) if holding else "none", "sinks": "; ".join(sinks),
+           "fails": methods(sorted(set(own.index) - before), everyone) if set(own.index) - before else ""}
     timed = column.loc[[m for m in holding if m != baseline and math.isfinite(slower(column, m, baseline))]]
     if len(timed):
         first = sorted(cell["method"] for cell in noise.leaders(timed.reset_index(), TIME, least))
-        ratio = min(slower(column, m, baseline) for m in first)
-        beside = f" but {baseline}" if baseline in holding else ""
-        said.append(f"The cheapest{beside} {verb(len(first), 'are')} {methods(first, everyone)}"
-                    f"{' (not told apart)' if len(first) > 1 else ''}, at {times(ratio)} times the time of {baseline}")
-    out = ranking.told({m: f"{column[EXCUSE][m]}{'' if column['outcome'][m] == 'ok' else ', ' + column['outcome'][m]}"
-                        for m in column.index if column[EXCUSE][m]})
-    return f"{where}: {'. '.join(said)}.{out}"
+        row[f"cheapest besides {baseline}"] = methods(first, everyone) + (" (tie)" if len(first) > 1 else "")
+        row[f"its time over that of {baseline}"] = f"{times(min(slower(column, m, baseline) for m in first))} times"
+    row["remark"] = "; ".join(f"not ranked: {line.name} ({line.outcome})" for line in ranking.lines({
+        m: f"{column[EXCUSE][m]}{'' if column['outcome'][m] == 'ok' else ', ' + column['outcome'][m]}"
+        for m in column.index if column[EXCUSE][m]}))
+    return row
 
 
 def headline(columns, baseline, dimension):
-    """The scene that fewest hold, if one does."""
+    """For the first screen: the scene that fewest methods hold, if any does and others do not."""
     held = {where: holders(column) for where, column in columns.items() if holders(column)}
     where = min(held, key=lambda name: len(held[name]), default=None)
     if where is None or len(held[where]) == len(columns[where]):
@@ -346,25 +348,37 @@ def headline(columns, baseline, dimension):
     own = column[column[EXCUSE] == ""]
     if len(holding) == len(own):
         return None
-    text = f"{where} in {dimension}D is held by {methods(holding, list(column.index))} alone."
+    text = f"Only {some(holding, list(column.index))} {verb(len(holding), 'hold')} {where} in {dimension}D."
     values = {m: float(own["lateral_max"][m]) if m in holding else math.nan for m in own.index}
     return Headline(text, values, "m", "sideways drift")
+
+
+def words(columns, dimension):
+    """The headline where no scene tells methods apart."""
+    held = sum(bool(holders(column)) for column in columns.values())
+    every = sum(len(holders(column)) == len(column) for column in columns.values())
+    scenes = plural(len(columns), "scene")
+    if every == len(columns):
+        return f"In {dimension}D every method holds each of {scenes}."
+    return f"In {dimension}D {held or 'none'} of {scenes} {'is' if held < 2 else 'are'} held by a ranked method."
 
 
 def _held_chart(context, part, columns, baseline, refused):
     everyone, dimension = sorted(part["method"].unique()), int(part["dimension"].iloc[0]) if "dimension" in part else 2
     sweep = part["sweep"].iloc[0]
     least = noise.floor_of(context, sweep, TIME)
-    said = [finding(where, column, baseline, everyone, least) for where, column in columns.items()]
-    return Chart(identifier(f"{sweep} held {dimension}d"), SECTION, f"Methods that hold what is hard to hold, {dimension}D",
-                 f"In {dimension}D " + " ".join(said), sweep, _figure(columns, everyone, baseline),
-                 _table(columns, everyone, baseline), refused + holes(part, ["scene", "method"]),
-                 "A cell is one run: sideways, how far a body ever went across gravity; sag, how far one has sunk by the end; "
-                 f"and the median time of a step over that of {baseline} in the same scene, whether it stands there or falls. "
-                 f"What fell has its letter, and the step in which it did. {rest.WORDS}; what has sunk farther (S) is told by "
-                 "how much, and which of these limits would hold it."
-                 + (" A white cell has no rank: so many rows were left to Gauss-Seidel, or its precision is another."
-                    if (part[EXCUSE] != "").any() else ""), headline=headline(columns, baseline, dimension))
+    found = pd.DataFrame([facts(where, column, baseline, everyone, least) for where, column in columns.items()]).fillna("")
+    found = found[[name for name in found if name in ("scene", "held by") or (found[name] != "").any()]]
+    head = headline(columns, baseline, dimension)
+    return Chart(identifier(f"{sweep} held {dimension}d"), SECTION, f"Methods that hold hard scenes, {dimension}D",
+                 Finding(head.text if head else words(columns, dimension), cut(found)), sweep,
+                 _figure(columns, everyone, baseline), _table(columns, everyone, baseline),
+                 refused + holes(part, ["scene", "method"]),
+                 "A cell is one run: the largest sideways motion of a body, the sag at the end, and the time of a step over that "
+                 f"of {baseline}. A letter is the outcome of a failed run, with its step. {rest.WORDS}. S: by how much a run "
+                 "sank, and the limit that it satisfies."
+                 + (" A white cell has no rank: its method left rows to Gauss-Seidel, or its precision differs."
+                    if (part[EXCUSE] != "").any() else ""), headline=head)
 
 
 def _figure(columns, everyone, baseline):
@@ -412,7 +426,7 @@ def _cell(ax, x, y, column, method, baseline):
     elif cell["outcome"] == "sank":
         within = [limit for limit in rest.LIMITS if share(cell) <= limit]
         lines = [f"{mark} by {100 * share(cell):.2g} %",
-                 f"held to {rest.percent(within[0])} alone" if within else f"beyond {rest.percent(rest.LIMITS[-1])}"]
+                 f"holds to {rest.percent(within[0])}" if within else f"beyond {rest.percent(rest.LIMITS[-1])}"]
     else:
         lines = [mark + (f" at step {int(cell['step'])}" if cell["step"] == cell["step"] else "")]
     lines += [f"{times(ratio)} x the time"] if math.isfinite(ratio) and method != baseline else []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""The ledger of verifications: who is wrong or has no answer where, and what a pair query costs against how wrong it is."""
+"""The ledger of verifications: which method is wrong or gives no answer, and time against error of pair queries."""
 
 import math
 
@@ -10,8 +10,9 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 import failure
 import noise
 from chart import Chart, Headline, of_store
+from finding import Finding, cut
 from load import family
-from sentences import clauses, listing, plural, verb
+from sentences import clauses, listing, methods, plural, some, verb
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
 from table import quantity
 
@@ -19,19 +20,19 @@ SECTION = "Which method is right, and which fails where?"
 COUNTS = ("asked", "agree", "tie", "wrong", "wrong_side", "undecided", "refused", "not_finite", "threw", "crashed", "hung",
           "capped")
 NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadphase": "broadphases"}
-FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
+FLOOR = 1e-17  # smaller errors count as 0: a tenth of the rounding of one operation in double precision
 
 
 PARTS, MADE_BY = ["stage", "dimension", "precision"], "verify --pairs 200"
 
 
 @of_store("ledger", 80, SECTION,
-          "Ledgers with failures", "No ledger with a failure is in this store.", made_by=MADE_BY)
+          "Ledgers with failures", "This store has no ledger with a failure.", made_by=MADE_BY)
 def ledger(context):
     ledger = context.store.ledger()
     made = []
     for (stage, dimension, precision), part in ledger.groupby(["stage", "dimension", "precision"], sort=True):
-        if failure.in_ledger(part):  # those without a failure share a matrix (ledger_clean.py)
+        if failure.in_ledger(part):  # ledgers without a failure share one matrix (ledger_clean)
             made.append(_heat_map(context, part, stage, dimension, precision))
         if stage == "pair_query":
             made.append(_cost(context, part, dimension, precision))
@@ -40,7 +41,7 @@ def ledger(context):
 
 
 def median_error(histogram):
-    """Lower end of the decade that holds the median: exact zeros are 0, and NaN where nothing was answered."""
+    """The lower end of the decade that contains the median: 0 for exact zeros, NaN if there is no answer."""
     decades = sorted((-math.inf if name == "zero" else float(name), count) for name, count in histogram.items() if count)
     total, below = sum(count for _, count in decades), 0
     for decade, count in decades:
@@ -59,7 +60,7 @@ def added(histograms):
 
 
 def by_method(rows):
-    """One row per method, summed over kinds of shape: the numbers of the ledger and its worst case."""
+    """One row per method, summed over kinds of shape, with the worst case."""
     found = []
     for method, part in rows.groupby("method", sort=True):
         asked = int(part["asked"].sum())
@@ -69,12 +70,12 @@ def by_method(rows):
                       "max_error": float(worst["max_error"]) if part["max_error"].notna().any() else math.nan,
                       "median_error": median_error(added(part["histogram"])),
                       "ns": float(part["ns"].sum()) / asked if asked else math.nan, "worst": worst["worst"] or ""})
-    # Ours first, then the witnesses.
+    # LPC's methods first, then the witnesses.
     return pd.DataFrame(found).sort_values(["role", "method"], kind="stable").reset_index(drop=True)
 
 
 def _without_value(part):
-    """Of a pair query: how many answers are right or wrong by the side alone, since no value is claimed."""
+    """For pair queries: the number of answers that are judged by the side only, because the method claims no distance."""
     values = sum(added(part["histogram"]).values())
     if part["stage"].iloc[0] != "pair_query":
         return 0
@@ -82,48 +83,58 @@ def _without_value(part):
 
 
 def finding(stage, dimension, precision, rows):
-    methods = by_method(rows)
-    noun = NOUNS.get(stage, stage)
-    ours, others = methods[methods["role"] == "competitor"], methods[methods["role"] != "competitor"]
-    said, bad = [], ours[ours["failed"] > 0]
+    """Which of LPC's methods fail, and which witness fails most; a row per method that fails, and the clean ones together."""
+    found, noun = by_method(rows), NOUNS.get(stage, stage)
+    found["share"] = found["failed"] / found["asked"]
+    ours, others = found[found["role"] == "competitor"], found[found["role"] != "competitor"]
+    bad = ours[ours["failed"] > 0].sort_values("share", ascending=False)
+    said = []
     if len(bad):
-        said.append(f"of our own {noun} " + listing(f"{row.method} fails on {_of(row)}{_sided(row, stage)}"
-                                                    for row in bad.itertuples()))
+        first = bad.iloc[0]
+        fails = f"{first['method']} fails most" if len(bad) > 1 else f"only {first['method']} fails"
+        said.append(f"of LPC's {noun} {fails}, on {failure.share(first['share'])} of its questions")
     elif len(ours):
-        largest = stage == "pair_query" and ours["max_error"].notna().any()
-        said.append(f"none of our own {noun} failed on any of {int(ours['asked'].sum()):,} questions" +
-                    (f" (largest error {ours['max_error'].max():.1e} of the size)" if largest else ""))
+        said.append(f"none of LPC's {noun} fails on any of {int(ours['asked'].sum()):,} questions")
     if len(others):
-        first = others.loc[(others["failed"] / others["asked"]).idxmax()]
-        clean, families = list(others[others["failed"] == 0]["method"]), others["method"].map(family)
-        witnesses = plural(families.nunique(), "witness", "witnesses")
-        if families.duplicated().any():  # each is asked at its library's tightest tolerance, too
-            witnesses += f" (in {len(others)} settings)"
-        said += [f"of the {witnesses} {first['method']} fails most often, on {_of(first)} of its questions",
-                 clean and f"{listing(clean)} never"] if first["failed"] else ["no witness failed"]
-    coarser = sorted(set(rows["method"][rows["judged"] != rows["precision"]]))
-    at = "" if stage == "broadphase" else f", at {failure.tolerance(precision, coarser)}"
-    return f"In {dimension}D, {precision}{at}, {clauses(*said)}."
+        first, families = others.loc[others["share"].idxmax()], others["method"].map(family).nunique()
+        witnesses = plural(families, "witness", "witnesses")
+        if families < len(others):  # some are also asked at their library's tightest tolerance
+            witnesses += f" in {len(others)} settings"
+        said.append(f"of {witnesses}, {first['method']} fails most, on {failure.share(first['share'])}" if first["failed"] else
+                    f"none of {witnesses} fails")
+    return Finding(f"In {dimension}D, {precision}, {clauses(*said)}.", table_of(stage, found))
 
 
-def _of(row):
-    """The share that failed and, where it has several parts, those: a question is in one of them."""
-    parts = {"wrong": row.wrong, "refused": row.refused, "without an answer": row.failed - row.wrong - row.refused}
-    told = [f"{failure.share(count / row.asked)} {word}" for word, count in parts.items() if count]
-    text = failure.share(row.failed / row.asked)
-    if len(told) > 1:
-        return f"{text} ({' + '.join(told)})"
-    return text if row.wrong else f"{text} (all of them {next(word for word, count in parts.items() if count)})"
+def table_of(stage, found):
+    """Shares of failures, the methods that fail most first."""
+    rows = []
+    for row in found[found["failed"] > 0].sort_values("share", ascending=False, kind="stable").itertuples():
+        lost = row.failed - row.wrong - row.refused
+        parts = {name: "" if not count else failure.share(count / row.asked) for name, count in (
+            ("wrong", row.wrong), ("refused", row.refused), ("other without an answer", lost))}
+        rows.append({"method": row.method, "role": "LPC" if row.role == "competitor" else row.role,
+                     "questions": row.asked, "fails": failure.share(row.share), **parts,
+                     "largest error [1]": row.max_error, "remark": _sided(row, stage)})
+    for role, part in found[found["failed"] == 0].groupby("role", sort=True):
+        rows.append({"method": methods(part["method"], list(found["method"])), "role": "LPC" if role == "competitor" else role,
+                     "questions": int(part["asked"].sum()), "fails": "0", "largest error [1]": part["max_error"].max()})
+    table = pd.DataFrame(rows)
+    if stage != "pair_query":
+        table = table.drop(columns=[name for name in ("largest error [1]", "remark") if name in table])
+    clean = range(int((found["failed"] > 0).sum()), len(table))
+    ours = [i for i, role in enumerate(table["role"]) if role == "LPC"]
+    table = table[[name for name in table if name in ("method", "questions") or table[name].fillna("").ne("").any()]]
+    return cut(table, [*clean, *ours])
 
 
 def _sided(row, stage):
-    """What an approximate pair query owes: are all its failures distances on the right side?"""
+    """Whether all failures of a pair query are wrong distances on the right side, as an approximate query may have."""
     right = stage == "pair_query" and row.failed == row.wrong and not row.wrong_side
-    return " (never by a wrong yes or no)" if right else ""
+    return "no wrong yes or no" if right else ""
 
 
 def _value(text):
-    """Of an axis: a number short, a name without underscores."""
+    """A value of an axis as text: a short number, or a name without underscores."""
     try:
         return f"{float(text):g}"
     except ValueError:
@@ -161,27 +172,27 @@ def _heat_map(context, rows, stage, dimension, precision):
         ax.set_yticklabels([context.name(m) for m in methods] if first else [])
     handles = [Patch(facecolor=RIGHT, label="0: never fails"), Patch(facecolor=plt.cm.Oranges(0.3), label="seldom fails"),
                Patch(facecolor=plt.cm.Oranges(0.85), label="often fails"),
-               Patch(facecolor=REFUSED, label="fails by refusing alone"),
-               Patch(facecolor=NOT_ASKED, label="–: does not declare it")]
+               Patch(facecolor=REFUSED, label="only refuses"), Patch(facecolor=NOT_ASKED, label="–: not declared")]
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(1, 0), ncol=5, handlelength=1.2)
     table = summary.drop(columns=["ns", "max_error", "median_error", "worst"]).assign(
         **quantity("time per question", "ns", summary["ns"]), **quantity("largest error", "1", summary["max_error"]),
         **quantity("median error", "1", summary["median_error"]), worst=summary["worst"])
+    coarser = sorted(set(everything["method"][everything["judged"] != everything["precision"]]))
+    tolerance = "none (exact)" if stage == "broadphase" else failure.tolerance(precision, coarser)
     return Chart(f"ledger_{stage}_{dimension}d_{precision}", SECTION,
                  f"Ledger of {NOUNS.get(stage, stage)}, {dimension}D, {precision}",
                  finding(stage, dimension, precision, everything),
                  "", figure, table, [],
-                 f"A cell is the share of questions that failed; blue, or a blue corner: some were refused. {failure.DEFINITION} "
-                 "Witnesses are held to this tolerance too, for which they were not made: the chart of shares within a tolerance "
-                 "shows all others. The numbers hold the worst case of each method; lpc verify --cases replays it.",
-                 headline=Headline(finding(stage, dimension, precision, everything),
-                                   dict(zip(methods, summary["failed"] / summary["asked"])),
+                 "A cell is the share of questions that failed; blue: refused, blue corner: some refused. Tolerance: "
+                 f"{tolerance}. {failure.DEFINITION} Witnesses were not made for this tolerance; the chart of shares within a "
+                 "tolerance has all others. The numbers have the worst case of each method; lpc verify --cases replays it.",
+                 headline=Headline("", dict(zip(methods, summary["failed"] / summary["asked"])),
                                    quantity="share of the questions that failed"),
                  made_by=f"verify --stage {stage} --dimension {dimension} --precision {precision} --pairs 200")
 
 
 def _panel_axes(panels, context, methods):
-    """Panels from left to right, as many in a row as have room; all rows as high as the methods need."""
+    """Panels from left to right in rows, as many as fit; all rows have the height that the methods need."""
     left, right, cell, gap = 0.35 + 0.075 * max(len(context.name(m)) for m in methods), 0.2, 0.5, 0.25
     room, rows = WIDTH - left - right, []
     for title, part in panels:
@@ -288,44 +299,46 @@ def _cost(context, rows, dimension, precision):
                           **quantity("time per query", "ns", rows["time"]), **quantity("median error", "1", rows["median_error"]),
                           **quantity("worst error", "1", rows["max_error"]), **quantity("failed", "1", rows["share"])})
     return Chart(f"ledger_cost_pair_query_{dimension}d_{precision}", SECTION,
-                 f"Pair queries, ours and theirs: time against error, {dimension}D, {precision}",
+                 f"Pair queries of LPC and witnesses: time against error, {dimension}D, {precision}",
                  _cost_finding(rows, dimension, precision), "", figure, table.sort_values(["pair", "method"]), holes,
-                 "A mark is the worst error of all questions, the dash below it the median (lower end of its decade); the number "
-                 "at the right is the share that failed. Half of the questions and more are of families that broke "
-                 "libraries before. Times are one timing of all questions together, without repeats from which noise could be "
-                 "measured. A witness is timed inside its own process. Hollow marks are witnesses.",
+                 "A mark is the worst error of all questions, the dash the median (lower end of its decade), the number at the "
+                 "right the share that failed. At least half of the questions are of families that broke libraries before. All "
+                 f"questions are timed once together, so noise is unknown and only ratios beyond {noise.UNMEASURED:g} count. "
+                 "Witnesses (hollow marks) are timed in their own process.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
 def _cost_finding(rows, dimension, precision):
+    """Which methods without a failure are fastest on how many pairs of shapes, and how large their worst error is."""
     good, where = rows[rows["share"] == 0], f"In {dimension}D, {precision},"
+    leaders = {pair: [cell["method"] for cell in noise.leaders(part, "time", noise.UNMEASURED)] if len(part) > 1 else []
+               for pair, part in good.groupby("pair", sort=True)}
+    only = {pair: part["method"].iloc[0] for pair, part in good.groupby("pair", sort=True) if len(part) == 1}
+    counts = []
+    for method, part in rows.groupby("method", sort=True):
+        worst = part.loc[part["max_error"].fillna(-1).idxmax()]
+        counts.append({"method": method, "role": "LPC" if worst["role"] == "competitor" else worst["role"],
+                       "fastest on": sum(found == [method] for found in leaders.values()),
+                       f"within {noise.UNMEASURED:g} times the fastest on": sum(
+                           len(found) > 1 and method in found for found in leaders.values()),
+                       "the only one without a failure on": sum(name == method for name in only.values()),
+                       "fails on some questions of": int((part["share"] > 0).sum()),
+                       "worst error [1]": worst["max_error"], "on": worst["pair"]})
+    table = pd.DataFrame(counts)
+    names = list(table.columns[2:6])
+    table = table.sort_values(names[:3], ascending=False, kind="stable")
+    table = cut(table[[name for name in table if name not in names or table[name].any()]])
     if not len(good):
-        return f"{where} every pair query fails somewhere on every pair of shapes."
-    parts = [part for _, part in good.groupby("pair", sort=True)]
-    only = [part["method"].iloc[0] for part in parts if len(part) == 1]
-    first = [noise.leaders(part, "time", noise.UNMEASURED) for part in parts if len(part) > 1]
-    alone = [cells[0]["method"] for cells in first if len(cells) == 1]
-    near, role = len(first) - len(alone), rows["role"] == "competitor"
-    said = [only and f"on {len(only)} {_winners(only)} alone {verb(len(set(only)), 'have')} no failure",
-            alone and f"on {len(alone)} the fastest without one is {_winners(alone)}",
-            near and f"on {near} several are within {noise.UNMEASURED:g} times the fastest"]
-    theirs = sum(any(cell["role"] != "competitor" for cell in cells) for cells in first)
-    # Ours beside theirs: how wrong at worst.
-    errors = [part.loc[part["max_error"].fillna(-1).idxmax()] for part in (rows[role], rows[~role])
-              if part["max_error"].notna().any()]
-    off = [f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']}"
-           f"{', a witness' if worst['role'] != 'competitor' else ''})" for worst in errors]
-    return clauses(
-        f"{where} by one timing of each, so that only ratios beyond {noise.UNMEASURED:g} are told: of "
-        f"{plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {listing(filter(None, said))}",
-        not role.all() and (f"a witness is among the fastest on {theirs}" if theirs else "no witness is among the fastest"),
-        off and f"the worst {'errors are' if len(off) > 1 else 'error is'} {listing(off)}") + "."
-
-
-def _winners(names):
-    """Who is named how often; one who is named every time needs no number."""
-    several = sorted(set(names), key=lambda name: (-names.count(name), name))
-    return several[0] if len(several) == 1 else listing([f"{name} ({names.count(name)})" for name in several])
+        return Finding(f"{where} every pair query fails somewhere on every pair of shapes.", table)
+    alone = [found[0] for found in leaders.values() if len(found) == 1]
+    pairs, near = plural(len(leaders), "pair of shapes", "pairs of shapes"), sum(len(found) > 1 for found in leaders.values())
+    first = max(sorted(set(alone)), key=alone.count, default="")
+    said = [first and f"{first} is the fastest without a failure on {alone.count(first)}",
+            near and f"several methods are within {noise.UNMEASURED:g} times the fastest on "
+                     f"{'all' if near == len(leaders) else near}",
+            only and f"{some(sorted(set(only.values())))} alone {verb(len(set(only.values())), 'have')} no failure on "
+                     f"{len(only)}"]
+    return Finding(f"{where} of {pairs}, {listing(filter(None, said))}.", table)
 
 
 ROW, CELL, HEAD = 0.22, 0.4, 0.3  # inches
@@ -338,15 +351,15 @@ def clean(ledger):
 
 
 @of_store("ledger_clean", 82, SECTION,
-          "Ledgers without a failure", "No ledger without a failure is in this store.", made_by=MADE_BY)
+          "Ledgers without a failure", "This store has no ledger without a failure.", made_by=MADE_BY)
 def ledger_clean(context):
     rows = clean(context.store.ledger())
     return [_chart(context, rows)] if len(rows) else []
 
 
 def counted(rows):
-    """One row per stage, dimension and method, with its precisions; one column per kinds of shape, or per family of inputs
-    where a stage has no kinds: numbers of questions."""
+    """Numbers of questions: a row per stage, dimension and method, with its precisions; a column per pair of shapes, or per
+    family of inputs if a stage has no shapes."""
     rows = rows.assign(pair=["–".join((a, b)) if a or b else "" for a, b in zip(rows["kind_a"], rows["kind_b"])])
     kinds = rows[(rows["axis"] == "all") & (rows["pair"] != "")].assign(column=lambda part: part["pair"])
     families = rows[(rows["axis"] == "family") & (rows["pair"] == "")].assign(column=lambda part: part["value"])
@@ -394,18 +407,20 @@ def _chart(context, rows):
         top -= HEAD + high + feet[stage]
     everything = rows[rows["axis"] == "all"]
     ledgers = everything[PARTS].drop_duplicates()
-    text = (f"Nothing fails in {plural(len(ledgers), 'ledger')}: "
-            + listing([f"{NOUNS.get(stage, stage)} {listing([f'{d}D {p}' for d, p in zip(part['dimension'], part['precision'])])}"
-                       for stage, part in ledgers.groupby("stage", sort=True)])
-            + f"; {int(everything['asked'].sum()):,} questions to {everything['method'].nunique()} methods.")
+    asked = everything.groupby("stage", sort=True)["asked"].sum()
+    found = pd.DataFrame([{"ledgers": NOUNS.get(stage, stage), "dimension and precision": listing(
+        f"{d}D {p}" for d, p in zip(part["dimension"], part["precision"])), "questions": int(asked[stage]), "failures": 0}
+        for stage, part in ledgers.groupby("stage", sort=True)])
+    text = (f"Nothing fails in {plural(len(ledgers), 'ledger')}: {int(asked.sum()):,} questions to "
+            f"{plural(everything['method'].nunique(), 'method')}.")
     numbers = table.rename(columns={"in": "precisions", "column": "kinds or family"})
     unsure = int(everything["undecided"].sum())
-    return Chart("ledger_clean", SECTION, "Ledgers without a failure", text, "", figure, numbers, [],
-                 f"A number is how many questions were asked. {failure.DEFINITION}"
-                 + (f" On {plural(unsure, 'question')} the referee's interval was too wide to judge." if unsure else ""),
+    return Chart("ledger_clean", SECTION, "Ledgers without a failure", Finding(text, found), "", figure, numbers, [],
+                 f"A cell is the number of questions. {failure.DEFINITION}"
+                 + (f" For {plural(unsure, 'question')} the referee's interval was too wide to decide." if unsure else ""),
                  made_by=MADE_BY)
 
 
 def _short(number):
-    """Of questions, in a narrow cell."""
+    """A number of questions, for a narrow cell."""
     return f"{number}" if number < 10000 else f"{number / 1000:.0f}k" if number < 1e6 else f"{number / 1e6:.1f}M"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""What this store can tell: what was planned, how noisy its times are, and which methods are the same."""
+"""The quality of a store: planned and finished trials, noise of times, and methods with equal results."""
 
 import math
 from itertools import combinations
@@ -14,18 +14,19 @@ import measured
 import noise
 import ranking
 from chart import Chart, of_store
+from finding import Finding, cut
 from load import NOT_RUN, SEVERITY
-from sentences import clauses, listing, plural, sentence
+from sentences import listing, plural, some, verb
 from style import OUTCOMES, WIDTH, grid_of_axes, plt
 
 DIFFERENT = "Are these methods different?"
-MOST = 0.5  # part of the runs of two methods that must end in the same bits; larger: fewer methods are called one
-LEAST = 2  # runs that two methods must share, or nothing is said of them
+MOST = 0.5  # two methods are one path if more than this share of their runs ends in the same bits
+LEAST = 2  # common runs that two methods need to be compared
 SHOWN = 24  # bars at most
 
 
 @of_store("distinctness", 65, DIFFERENT,
-          "Runs that end in the same bits", "No two methods were run on the same worlds in this store.", "resolvers")
+          "Runs that end in the same bits", "This store has no two methods that ran on the same worlds.", "resolvers")
 def distinctness(context):
     found = [agreements(context.store, context.cells(sweep)) for sweep in context.store.sweeps()
              if context.store.sweep(sweep).kind == "world"]
@@ -34,7 +35,7 @@ def distinctness(context):
 
 
 def swept(context):
-    """{(sweep, method): the share of rows that it left to Gauss-Seidel, in words}: why two may be one path."""
+    """{(sweep, method): the share of rows that it left to Gauss-Seidel, as text}: a reason why two methods are one path."""
     found = {}
     for sweep in (sweep for sweep in context.store.sweeps() if context.store.sweep(sweep).kind == "world"):
         for _, cell in context.cells(sweep).iterrows():
@@ -46,8 +47,8 @@ def swept(context):
 
 
 def agreements(store, cells):
-    """One row for each two methods of a sweep: how many finished runs (a cell under one seed) they share, and how many of them
-    end in equal hashes."""
+    """One row per pair of methods of a sweep: the number of finished runs (a cell under one seed) that both have, and how many of
+    these end in equal hashes."""
     columns = ["sweep", "a", "b", "cells", "equal"]
     if not len(cells):
         return pd.DataFrame(columns=columns)
@@ -68,7 +69,7 @@ def agreements(store, cells):
 
 
 def paths(table):
-    """Methods of one sweep that are one path: each agrees in most cells with another of them."""
+    """Groups of methods of one sweep that are one path: each agrees in most cells with another of its group."""
     groups = []
     for row in table[table["equal"] > MOST * table["cells"]].itertuples():
         joined = [g for g in groups if row.a in g or row.b in g]
@@ -77,18 +78,25 @@ def paths(table):
 
 
 def finding_of_alike(table, swept):
-    said, different = [], []
+    rows = []
     for sweep, part in table.groupby("sweep", sort=True):
         for group in paths(part):
             inside = part[part["a"].isin(group) & part["b"].isin(group)]
             named = [ranking.beside(method, swept.get((sweep, method), "")) for method in group]
-            said.append(f"in {sweep} {listing(named)} are one path ({int(inside['equal'].sum())} of {int(inside['cells'].sum())} "
-                        "comparisons end in the same bits)")
+            rows.append((sweep, listing(named), int(inside["equal"].sum()), int(inside["cells"].sum()), group))
         if not paths(part):
-            different.append(sweep)
-    if not said:
-        return f"No two methods end in the same bits in most of the runs that they share, in {listing(different)}."
-    return sentence(clauses(*said, different and f"no two methods of {listing(different)} agree in most of their runs"))
+            rows.append((sweep, "none", int(part["equal"].sum()), int(part["cells"].sum()), []))
+    sweeps = table["sweep"].nunique()
+    same = [row for row in rows if row[4]]
+    if not same:
+        text = f"No two methods end in the same bits in most of their common runs, in {plural(sweeps, 'sweep')}."
+    else:
+        sweep, _, equal, cells, group = max(same, key=lambda row: (len(row[4]), row[2]))
+        ends = (f"they end in the same bits in {equal} of {cells} common runs" if len(group) == 2 else
+                "each ends in the same bits as another of them in most common runs")
+        text = f"In {sweep} {some(group)} are one path: {ends}."
+    columns = ["sweep", "one path", "pairs of runs with equal bits", "pairs of runs"]
+    return Finding(text, cut(pd.DataFrame([row[:4] for row in rows], columns=columns)))
 
 
 def _chart(table, swept):
@@ -115,44 +123,41 @@ def _chart(table, swept):
     more = int((table["equal"] > 0).sum()) - len(shown)
     return Chart("distinctness", DIFFERENT, "Runs that end in the same bits", finding_of_alike(table, swept), "", figure,
                  table.rename(columns={"share": "share [1]"}),
-                 [f"{plural(more, 'further pair')} that agree somewhere are in the numbers alone"] if more > 0 else [],
-                 "Two runs are equal when the hash of their final poses and velocities is: to the last bit, not nearly. Beyond "
-                 "the dashed line (half of the runs that both finished) a bar is dark: one path under two names, whose times are "
-                 "two measurements of the same thing. Exact broadphases agree by design, because the world sorts their pairs.")
+                 [f"{plural(more, 'further pair')} with equal runs: only in the numbers"] if more > 0 else [],
+                 "Runs are equal if the hashes of their final poses and velocities are. Dark bars beyond the dashed line (half "
+                 "of the runs that both finished): one path under two names, whose times measure the same thing twice. Exact "
+                 "broadphases agree by design, because the world sorts their pairs.")
 
 
 NOISY = "How noisy are these times?"
-WIDEST = 50.0  # percent that are drawn
+WIDEST = 50.0  # percent: the range of the first panel
 
 
-@of_store("noise", 115, NOISY, "Noise of times", "No timed trial is in this store.")
+@of_store("noise", 115, NOISY, "Noise of times", "This store has no timed trial.")
 def noise_floor(context):
     rows = [row for sweep in context.store.sweeps() for row in _rows(context, sweep)]
     if not rows:
         return []
-    figure = _drawn(rows) if any(row["ratios"] or row["loads"] for row in rows) else None  # stores of old hold neither
-    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "cells of the bar": len(row["ratios"]),
+    figure = _drawn(rows) if any(row["ratios"] or row["loads"] for row in rows) else None  # old stores have neither
+    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "cells with enough repeats": len(row["ratios"]),
                            "noise floor [1]": row["floor"] - 1 if row["ratios"] else math.nan,
                            "load average, median": float(np.median(row["loads"])) if row["loads"] else math.nan,
                            "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
     return [Chart("noise", NOISY, "The same method against itself", finding_of_noise(rows), "", figure, table,
-                  [f"{row['sweep']}: too few repeats to measure its noise, so only ratios beyond {noise.UNMEASURED:g} are told"
-                   for row in rows if not row["ratios"]],
-                  "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were "
-                  f"made in the same rounds. The bar is the floor: {noise.LIKELY} of 100 of the cells that the "
-                  "label counts are inside. A ratio is told in a chart when it is beyond the floor and the whiskers of the two "
-                  "are apart; else it is noise. Other libraries' methods and engines have floors of their own." + beyond(rows) +
-                  " Load is the mean of a minute.")]
+                  [], "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, "
+                  f"from the same rounds. The bar is the noise floor, with {noise.LIKELY} of 100 cells inside. A ratio counts "
+                  "in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries and engines have their "
+                  "own floors." + beyond(rows) + " Load is the mean of a minute.")]
 
 
 def beyond(rows):
-    """What stands at the edge of the first panel because it is farther off."""
+    """For the note: sweeps with marks outside the first panel, which are drawn at its edge."""
     said = []
     for row in rows:
         most = max([row["floor"], *(max(ratio, 1 / ratio) for ratio in row["ratios"])]) if row["ratios"] else 1.0
         if 100 * (most - 1) > WIDEST:
-            said.append(f"marks of {row['sweep']} (a factor of up to {most:.2g})")
-    return f" Beyond the edge of the first panel, and drawn at it: {listing(said)}." if said else ""
+            said.append(f"{row['sweep']} (a factor of up to {most:.2g})")
+    return f" Drawn at the edge of the first panel: marks of {listing(said)}." if said else ""
 
 
 def _drawn(rows):
@@ -172,24 +177,31 @@ def _drawn(rows):
         ax.set_yticks(range(len(rows)))
         ax.set_yticklabels(names if ax is left else [])
         ax.tick_params(axis="y", length=0)
-    left.set_xlabel("even repeats over odd ones, less 1 (%)")
-    right.set_xlabel("load average when a timed trial started")
+    left.set_xlabel("even over odd repeats, less 1 (%)")
+    right.set_xlabel("load average at the start of timed trials")
     right.set_xlim(left=0)
     return figure
 
 
 def finding_of_noise(rows):
     known = sorted((row for row in rows if row["ratios"]), key=lambda row: row["floor"])
+    found = [{"sweep": row["sweep"], "noise floor": f"{noise.percent(row['floor'])} %", "cells": len(row["ratios"])}
+             for row in known]
+    found += [{"sweep": row["sweep"], "noise floor": f"too few repeats: only ratios beyond {noise.UNMEASURED:g} count",
+               "cells": row["cells"]} for row in rows if not row["ratios"]]
+    loads = {row["sweep"]: row["loads"] for row in rows if row["loads"]}
+    for row in found if loads else ():
+        mine = loads.get(row["sweep"], [])
+        row["load average, median to most"] = f"{np.median(mine):.2g} to {max(mine):.2g}" if mine else ""
     if not known:
-        return "No cell was repeated often enough to measure its noise."
-    loads = [load for row in rows for load in row["loads"]]
-    said = [f"{noise.percent(row['floor'])} % in {row['sweep']}" for row in known]
-    busy = f"; the load average was {np.median(loads):.2g} in the median, {max(loads):.2g} at most" if loads else ""
-    return f"Timed against itself, a method differs by at most {listing(said)} ({noise.LIKELY} of 100 cells of each){busy}."
+        return Finding("No cell has enough repeats to measure the noise.", cut(pd.DataFrame(found)))
+    ends = dict.fromkeys(f"{noise.percent(row['floor'])} % ({row['sweep']})" for row in (known[0], known[-1]))
+    return Finding(f"A method differs from itself by at most {' to '.join(ends)} in {noise.LIKELY} of 100 cells.",
+                   cut(pd.DataFrame(found)))
 
 
 def _rows(context, sweep):
-    """One for each role: each has a floor of its own (noise.Floor)."""
+    """One row per role, because each role has its own floor (noise.Floor)."""
     kind, found = context.store.sweep(sweep).kind, []
     time = next((name for name in context.metrics(kind, "cost") if context.store.is_time(name)), None)
     for role, cells in noise.by_role(context, sweep) if time else ():
@@ -201,10 +213,10 @@ def _rows(context, sweep):
     return found
 
 
-PLANNED = "Coverage: what was planned, what came of it?"
+PLANNED = "Coverage: which planned trials have a result?"
 
 
-@of_store("coverage", 120, PLANNED, "What came of the planned trials", "Nothing was planned in this store.")
+@of_store("coverage", 120, PLANNED, "Outcomes of the planned trials", "This store has no planned trial.")
 def coverage_of_plan(context):
     table = coverage.trials(context.store)
     if not len(table):
@@ -229,7 +241,7 @@ def coverage_of_plan(context):
     ax.set_ylim(len(sweeps) - 0.5, -0.5)
     ax.set_yticks(range(len(sweeps)))
     ax.set_yticklabels(sweeps)
-    ax.set_xlabel("share of the planned trials (%); how many ran of how many planned at the right")
+    ax.set_xlabel("share of the planned trials (%); right: trials that ran of those planned")
     ax.grid(False)
     handles = [Patch(facecolor=OUTCOMES.get(o, ("#FF00FF", ""))[0], edgecolor="#888888", label=o,
                      hatch="///" if o == NOT_RUN else None) for o in outcomes]
@@ -237,16 +249,17 @@ def coverage_of_plan(context):
                   labelspacing=0.35)
     ran = int(_ran(table).sum())
     ok = int((table["outcome"] == "ok").sum())
-    kinds = [f"{int((table['outcome'] == o).sum())} {o}" for o in outcomes if o != "ok"]
-    text = (f"{ran} of {plural(len(table), 'planned trial')} ran, {ok} of them ok"
-            + (f"; not ok: {listing(kinds)}." if kinds else "."))
-    if context.store.superseded:
-        text += f" {plural(context.store.superseded, 'older plan')} of the same cells, made with other code, left out."
+    found = pd.DataFrame([(o, int((table["outcome"] == o).sum())) for o in outcomes], columns=["outcome", "trials"])
+    found["share"] = [f"{100 * count / len(table):.2g} %" for count in found["trials"]]
+    text = f"{ran:,} of {len(table):,} planned {verb(len(table), 'trials', 'trial')} ran, {ok:,} of them ok."
+    older = context.store.superseded
+    note = f" {plural(older, 'older plan')} of the same cells, made with other code: not counted." if older else ""
     counts = table.groupby(["sweep", "outcome"], sort=False).size().unstack(fill_value=0).reindex(columns=outcomes)
     counts.insert(0, "planned", counts.sum(axis=1))
-    return [Chart("coverage", PLANNED, "What came of the planned trials", text, "", figure, counts.reset_index(),
-                  note="What each outcome means stands under “All that is not ok”. Those that ended early, as by "
-                       "collapsing, ran; those that are unsupported did not.")]
+    return [Chart("coverage", PLANNED, "Outcomes of the planned trials", Finding(text, cut(found)), "", figure,
+                  counts.reset_index(),
+                  note="Trials that ended early, such as by collapsing, ran; unsupported trials did not. The list of outcomes on "
+                       "this page explains each." + note)]
 
 
 def _ran(table):

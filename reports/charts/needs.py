@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""What each switch of a scene's model saves and what it changes: the page of `lpc needs`, with the rows and by the rule of the
-table that it prints (experiments/runner/needs.cpp). Each model is compared with the scene's own, seed by seed."""
+"""The page of `lpc needs`: what each switch of a scene's model costs and changes. Rows and rules are those of the table that
+`lpc needs` prints (experiments/runner/needs.cpp). Each model is compared with the scene's own, seed by seed."""
 
 import math
 from dataclasses import dataclass, field
@@ -12,7 +12,8 @@ from matplotlib.patches import Patch
 
 import noise
 from chart import Chart, Headline, of_store
-from sentences import clauses, listing, plural, sentence
+from finding import Finding, cut, ends
+from sentences import listing, plural
 from style import ZeroLog, grid_of_axes, legend_right, letter, si
 from table import quantity
 
@@ -22,19 +23,19 @@ SWITCHED = {"cache": "cache", "continuous": "continuous", "sleeping": "sleep"}  
 COST, ROWS = "ms_per_step_median", "work_multiply_adds"
 WITHIN, UNKNOWN, EQUAL = "time within the noise", "too few seeds to measure the noise", "equal work counts"
 IDLE = "nothing to measure"
-TIME, FARTHEST = "time, times that of minimal [1]", "way from where bodies end, farthest [m]"  # columns
+TIME, FARTHEST = "time over that of minimal [1]", "distance of final positions, farthest [m]"  # columns
 INK, FAR = "#0072B2", "#D55E00"
 
 
 @dataclass
 class Model:
-    """What one model did, seed by seed against the scene's own with the same seed."""
+    """The results of one model, seed by seed against the scene's own model with the same seed."""
     name: str
-    time: list = field(default_factory=list)  # times those of the scene's own: time per step, multiply-adds per step
+    time: list = field(default_factory=list)  # time and multiply-adds per step, over those of the scene's own model
     rows: list = field(default_factory=list)
     same_work: bool = True
-    idle: str = ""  # "sleep=none": the stage that its switch turns does nothing
-    median: list = field(default_factory=list)  # over the bodies: how far they end from where they would (m)
+    idle: str = ""  # "sleep=none": the stage that its switch changes does nothing
+    median: list = field(default_factory=list)  # over the bodies: distance of final positions from the own model's (m)
     largest: list = field(default_factory=list)
     trials: int = 0
     failures: list = field(default_factory=list)  # (outcome, reason)
@@ -44,14 +45,14 @@ class Model:
 class Seen:
     models: list  # the scene's own first
     seeds: int = 0
-    failures: list = field(default_factory=list)  # of the scene's own; with a seed that fails nothing is compared
-    median: list = field(default_factory=list)  # how far another seed alone takes the bodies (m)
+    failures: list = field(default_factory=list)  # of the scene's own model; seeds that fail are not compared
+    median: list = field(default_factory=list)  # distance of final positions under another seed (m)
     largest: list = field(default_factory=list)
-    cost: float = math.nan  # of the scene's own (ms per step)
+    cost: float = math.nan  # of the scene's own model (ms per step)
 
 
 @of_store("needs", 49, SECTION,
-          "Needs", "No scene was asked for its needs in this store.", made_by="needs pyramid")
+          "Needs of a model", "This store has no result of lpc needs.", made_by="needs pyramid")
 def needs(context):
     return [_chart(context, name) for name in context.store.sweeps() if "needs" in context.store.sweep(name).report]
 
@@ -67,7 +68,7 @@ def read(store, sweep):
                 seen.failures.append((own["outcome"], own["reason"]))
                 own = None
             if own is not None:
-                cost = own["metrics"].get(COST)  # a run of one step has none
+                cost = own["metrics"].get(COST)  # a run of one step has no median
                 costs.append(math.nan if cost is None else cost)
                 if first is not None:
                     _compare(store, first, own, seen)
@@ -77,7 +78,7 @@ def read(store, sweep):
         name = AGAIN if again else entry.axes["model"]
         model = found.setdefault(name, Model(name))
         if own is None or trial is None:
-            continue  # stopped before it was run
+            continue  # the sweep stopped before this run
         model.trials += 1
         model.idle = "" if again else _idle(name, trial["canonical"].get("pipeline", ""))
         if trial["outcome"] != "ok":
@@ -95,7 +96,7 @@ def _idle(model, pipeline):
 
 
 def _places(store, trial):
-    """Of each body at the end, by slot (m)."""
+    """{slot: final position of the body (m)}."""
     dimension = trial["canonical"]["dimension"]
     poses = store.poses(trial.name, dimension)
     rows = poses[max(poses)] if poses else []
@@ -121,8 +122,7 @@ def _compare_work(own, other, into):
 
 
 def remark(model, again):
-    """What must be known of a model's numbers: how it failed, that its switch turns nothing, that its work is equal, that
-    its time tells nothing."""
+    """What qualifies a model's numbers: it failed, its switch changes nothing, its work is equal, or its time is noise."""
     if model.failures:
         outcome, reason = model.failures[0]
         return f"{len(model.failures)} of {model.trials} {outcome}: {reason}"
@@ -136,8 +136,8 @@ def remark(model, again):
 
 
 def why_no_time(ratios, again):
-    """Time tells nothing where its ratios over seeds meet those of the scene's own again, or 1; of few seeds it tells only what
-    is beyond a ratio that is no noise."""
+    """Why a time does not count: its ratios over seeds overlap those of the own model run again, or 1; or there are few seeds
+    and the ratio is below noise.UNMEASURED."""
     low, high = span([1.0, *again])
     if min(ratios) <= high and max(ratios) >= low:
         return WITHIN
@@ -162,12 +162,12 @@ def table_of(seen):
                for row in rows]
     return pd.DataFrame({
         "model": [row.name for row in rows],
-        **quantity("time, times that of minimal", "1", [middle(row.time) for row in rows]),
+        **quantity("time over that of minimal", "1", [middle(row.time) for row in rows]),
         **quantity("least over seeds", "1", [span(row.time)[0] for row in rows]),
         **quantity("most over seeds", "1", [span(row.time)[1] for row in rows]),
-        **quantity("multiply-adds, times those of minimal", "1", [middle(row.rows) for row in rows]),
-        **quantity("way from where bodies end, median", "m", [middle(row.median) for row in rows]),
-        **quantity("way from where bodies end, farthest", "m", [span(row.largest)[1] for row in rows]),
+        **quantity("multiply-adds over those of minimal", "1", [middle(row.rows) for row in rows]),
+        **quantity("distance of final positions, median", "m", [middle(row.median) for row in rows]),
+        **quantity("distance of final positions, farthest", "m", [span(row.largest)[1] for row in rows]),
         "remark": remarks})
 
 
@@ -181,13 +181,13 @@ def _chart(context, sweep):
     left = [model.name for model in seen.models if model.trials < seen.seeds - len(seen.failures)]
     holes += [f"not run with every seed: {listing(left)}"] if left else []
     if not any(model.time or model.largest for model in seen.models):
-        return Chart(sweep, SECTION, f"What {scene} needs", f"Nothing was compared: no run of {scene} with its own model and "
-                     "another finished.", sweep, holes=holes)
+        text = f"No run of {scene} with its own model and with another one finished."
+        return Chart(sweep, SECTION, f"What {scene} needs", text, sweep, holes=holes)
     return Chart(sweep, SECTION, f"What {scene} needs", _finding(seen, table, scene), sweep, _figure(context, seen, table), table,
-                 holes, "Each row is the scene with one switch of its model turned, compared with its own model (minimal) seed "
-                 "by seed: dots are medians over seeds, whiskers all of them. The band is minimal run again: ratios that meet it "
-                 "are noise. Right: how far bodies end from where they do under minimal; another seed starts each a little "
-                 "elsewhere (dotted: the farthest that it takes one).",
+                 holes, "A row is the scene with one switch of its model changed, against its own model (minimal): dots are "
+                 f"medians over {plural(seen.seeds, 'seed')}, whiskers all seeds. The band is minimal run again: ratios that "
+                 "overlap it are noise. Right: distance of final positions from those under minimal; another seed starts each "
+                 "body a little elsewhere (dotted: its farthest body).",
                  headline=_headline(seen, table, scene))
 
 
@@ -197,39 +197,38 @@ def _canonical(store, sweep):
 
 
 def _told(table):
-    """(model, ratio) of the times that are more than noise, on work that is not equal."""
+    """[(model, ratio of times)] where the time differs beyond the noise and the work differs."""
     return [(row["model"], row[TIME]) for _, row in table.iterrows()
             if math.isfinite(row[TIME]) and row["model"] not in (AGAIN, SEED) and not row["remark"]]
 
 
 def _finding(seen, table, scene):
-    told = sorted(_told(table), key=lambda pair: -pair[1])
-    ways = {row["model"]: row[FARTHEST] for _, row in table.iterrows() if math.isfinite(row[FARTHEST])}
-    least = ways.pop(SEED, None)
-    beyond = sorted((name for name in ways if ways[name] > (least or 0)), key=lambda name: -ways[name])
-    far, still = [f"{name} {si(ways[name], 'm')}" for name in beyond], [name for name in ways if ways[name] == 0]
-    alike = [(meaning, [row["model"] for _, row in table.iterrows() if row["remark"].startswith(meaning)])
-             for meaning in (IDLE, EQUAL, WITHIN, UNKNOWN)]
-    than = f" than {SEED} takes them ({si(least, 'm')})" if least is not None else ""
-    return clauses(
-        f"{scene}, {plural(seen.seeds, 'seed')}: " + (
-            f"times the time of its own model, {listing(f'{name} {ratio:.2f}' for name, ratio in told)}." if told else
-            "no switch changes its time beyond the noise."),
-        *(sentence(f"{meaning}: {listing(named)}") for meaning, named in alike if named),
-        beyond and f"Bodies end farther from their places{than}: up to {listing(far)}.",
-        still and f"Where bodies end is the same with {listing(still)}.", between=" ")
+    """The switch that changes the time most; all models from the most to the least expensive."""
+    told = _told(table)
+    if told:
+        model, ratio = max(told, key=lambda pair: abs(math.log(pair[1])))
+        way = table.set_index("model").loc[model, FARTHEST]
+        text = f"{scene} takes {ratio:.2f} times the time with {model}" + (
+            f", and its bodies end up to {si(way, 'm')} from their places with the own model." if math.isfinite(way) else ".")
+    else:
+        text = f"No switch changes the time of {scene} beyond the noise."
+    counted, rows = dict(told), []
+    least = max(seen.largest, default=0.0)
+    for model, row in table.set_index("model").iterrows():
+        low, high = (row[f"{end} over seeds [1]"] if model in counted else math.nan for end in ("least", "most"))
+        moved = "bodies end farther away than under another seed" if model != SEED and row[FARTHEST] > least else ""
+        rows.append({"model": model, TIME: counted.get(model, math.nan), "range over seeds": ends(low, high, "1"),
+                     "farthest body [m]": row[FARTHEST], "remark": ", ".join(filter(None, (row["remark"], moved)))})
+    return Finding(text, cut(pd.DataFrame(rows).sort_values(TIME, ascending=False, kind="stable")))
 
 
 def _headline(seen, table, scene):
-    """The switch that changes the time most, and what it does to the bodies."""
+    """For the first screen: the switch that changes the time most."""
     told = _told(table)
     if not told or not math.isfinite(seen.cost):
         return None
     model, ratio = max(told, key=lambda pair: abs(math.log(pair[1])))
-    way = table.set_index("model").loc[model, FARTHEST]
-    ends = f", and its bodies end up to {si(way, 'm')} from where they would" if math.isfinite(way) else ""
-    return Headline(f"{scene} takes {ratio:.2f} times the time with {model}{ends}.",
-                    {OWN: seen.cost / 1e3, model: seen.cost * ratio / 1e3}, "s")
+    return Headline("", {OWN: seen.cost / 1e3, model: seen.cost * ratio / 1e3}, "s", "time per step")
 
 
 def _figure(context, seen, table):
@@ -242,8 +241,8 @@ def _figure(context, seen, table):
                Patch(color="#E8E8E8", label=AGAIN),
                Line2D([], [], ls="none", color=INK, marker="o", label="median body"),
                Line2D([], [], ls="none", color=FAR, marker="D", label="farthest body")]
-    for ax, name, label in ((axes[0][0], "time", "time per step, times minimal's"),
-                            (axes[0][1], "rows", "multiply-adds, times minimal's")):
+    for ax, name, label in ((axes[0][0], "time", "time per step / minimal"),
+                            (axes[0][1], "rows", "multiply-adds / minimal")):
         values = [value for model in seen.models for value in getattr(model, name)] + [1.0]
         scale = ZeroLog(ax, "x", values, "1", failures=failed, failed_name="none")
         if name == "time" and AGAIN in models and models[AGAIN].time:
@@ -256,16 +255,16 @@ def _figure(context, seen, table):
                 ax.plot([scale.place(middle(ratios))], [y], color=INK, marker="o", ms=4)
         ax.set_xlabel(label)
         _letters(ax, scale, rows, models)
-    ways = [value for who in (seen, *seen.models) for value in (*who.median, *who.largest)]
+    ways = [value for found in (seen, *seen.models) for value in (*found.median, *found.largest)]
     scale = ZeroLog(axes[0][2], "x", ways, "m", failures=failed, failed_name="none")
     for y, row in enumerate(rows):
-        who = seen if row == SEED else models[row]
-        if who.largest:
-            axes[0][2].plot([scale.place(middle(who.median))], [y], ls="none", color=INK, marker="o")
-            axes[0][2].plot([scale.place(max(who.largest))], [y], ls="none", color=FAR, marker="D", ms=4.5)
+        found = seen if row == SEED else models[row]
+        if found.largest:
+            axes[0][2].plot([scale.place(middle(found.median))], [y], ls="none", color=INK, marker="o")
+            axes[0][2].plot([scale.place(max(found.largest))], [y], ls="none", color=FAR, marker="D", ms=4.5)
     if seen.largest:
         axes[0][2].axvline(scale.place(max(seen.largest)), color="#999999", lw=0.8, ls=":", zorder=0.5)
-    axes[0][2].set_xlabel("way from where bodies end")
+    axes[0][2].set_xlabel("distance of final positions")
     _letters(axes[0][2], scale, rows, models)
     for column, ax in enumerate(axes[0]):
         ax.set_ylim(len(rows) - 0.5, -0.5)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Whole steps: the usual one, the slow ones and the slowest, of methods and of whole engines beside them."""
+"""Times of whole steps: median, 99th percentile and slowest, of methods and of whole engines."""
 
 import math
 
@@ -14,8 +14,8 @@ import noise
 import over_steps
 import ranking
 from chart import Chart, Headline, Needs, dimension_of, holes, of_sweeps
+from finding import NOISE, Finding, Line, cut
 from load import one_machine, split
-from sentences import clauses, listing, span
 from style import ZeroLog, figures, grid_of_axes, legend_right, letter, si, times
 from table import quantity
 
@@ -26,66 +26,90 @@ MARKS = ((MEDIAN, "o", 5), (SLOW, "|", 9), (WORST, "x", 5))
 
 @of_sweeps("step_times", 38, SLOWEST,
            Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(MEDIAN,)),
-           "Times of whole steps", "No timed sweep of several methods is in this store.", "resolvers")
+           "Times of whole steps", "This store has no timed sweep of several methods.", "resolvers")
 def step_times(context, cells):
-    if not {SLOW, WORST} <= set(context.store.metrics):  # a store of an earlier program
+    if not {SLOW, WORST} <= set(context.store.metrics):  # an old store
         return []
     cells, refused = one_machine(context.store, cells)
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         shown, left_out, setting = over_steps.scenes(context, part)
         shown = [(where, over_steps.at_middle(mine, setting)) for where, mine in shown]
-        at = over_steps.setting_of(pd.concat([mine for _, mine in shown]), setting)
+        every = pd.concat([mine for _, mine in shown])
+        at, without = over_steps.setting_of(every, setting), over_steps.without_setting(every, setting)
         shown = [(where, mine.drop_duplicates("method")) for where, mine in shown]
-        made.append(_step_times_chart(context, part, shown, left_out + refused, at))
+        made.append(_step_times_chart(context, part, shown, left_out + refused, at, without))
     return made
 
 
-def finding(context, where, cells):
-    good = cells[(cells["outcome"] == "ok") & cells[MEDIAN].notna() & cells[WORST].notna()]
+def timed(cells):
+    return cells[(cells["outcome"] == "ok") & cells[MEDIAN].notna() & cells[WORST].notna()]
+
+
+RATIO = "slowest step over the median"
+
+
+def lines_of(context, cells):
+    """(lines of the finding's table, names that tie with the smallest ratio of the slowest step to the median). Engines, and
+    methods without a rank or time, stand last."""
+    good = timed(cells)
     engines = good[good["method"].map(context.store.role) == "engine"]
-    good = ranking.eligible(context, good)
+    good = ranking.eligible(context, good).drop(index=engines.index, errors="ignore")
+    order = good.assign(ratio=good[WORST] / good[MEDIAN]).sort_values(["ratio", "method"])
+    ties = [cell["method"] for _, cell in order.iloc[1:].iterrows() if _spread(cell)[0] <= _spread(order.iloc[0])[1]]
+    floor, first = noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN), good.loc[good[MEDIAN].idxmin()] if len(good) else None
+    lines = [Line(cell["method"], cell[WORST] / cell[MEDIAN], *_spread(cell), outcome,
+                  over_steps.one("slowest step", "ms", cell[WORST]))
+             for part, of in ((order, lambda _: ""), (engines, lambda engine: _beside(first, engine, floor)))
+             for _, cell in part.iterrows() for outcome in [of(cell)]]
+    excused = ranking.excused(context, cells)
+    why = {cell["method"]: f"failed: {cell['outcome']}" if cell["outcome"] != "ok" else
+           f"not ranked: {excused[i]}" if i in excused else "no time"
+           for i, cell in cells.iterrows() if i not in good.index and i not in engines.index}
+    return lines + ranking.lines(why), ties
+
+
+def words(context, where, at, cells):
+    """One scene in one sentence: the largest and the smallest ratio of the slowest step to the median."""
+    good = timed(cells)
+    good = ranking.eligible(context, good[good["method"].map(context.store.role) != "engine"])
     if not len(good):
-        return f"on {where} no timed run finished"
+        return f"On {where}{at} no timed run finished."
     ratios = good[WORST] / good[MEDIAN]
-    most, least, high, low = good.loc[ratios.idxmax()], good.loc[ratios.idxmin()], times(ratios.max()), times(ratios.min())
+    most, least = good.loc[ratios.idxmax()], good.loc[ratios.idxmin()]
     if len(good) == 1 or _spread(most)[0] <= _spread(least)[1]:  # the order of slowest steps is noise
-        told = f"{span(low, high)} times the median"
-    else:
-        # Whose ranges meet that of the one at the end are not told from it.
-        slow = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[1] >= _spread(most)[0]]
-        calm = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[0] <= _spread(least)[1]]
-        told = f"{high} times the median with {_named(most, slow, good)} and {low} times with {_named(least, calm, good)}"
-    ours = good[good["method"].map(context.store.role) != "engine"]
-    floor = noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)
-    beside = [f"a step of {engine['method']} takes {_beside(ours.loc[ours[MEDIAN].idxmin()], engine, floor)}"
-              for _, engine in engines.iterrows() if len(ours)]
-    return clauses(f"on {where} the slowest step takes {told}", *beside)
+        ends = " to ".join(dict.fromkeys((times(ratios.min()), times(ratios.max()))))
+        return (f"On {where}{at} the slowest step takes {ends} times the median; "
+                f"{'all methods tie' if len(good) > 1 else 'only ' + most['method'] + ' finished'}.")
+    return (f"On {where}{at} the slowest step takes {times(ratios.max())} times the median with {most['method']} "
+            f"({si(most[WORST], 'ms')}), {times(ratios.min())} times with {least['method']} ({si(least[WORST], 'ms')}).")
 
 
-def _beside(best, engine, floor):
-    """The time of an engine beside the fastest of ours; of two precisions no ratio is told."""
-    mine, ratio = ranking.precision(engine), noise.said(best, engine, MEDIAN, floor)
-    if mine != ranking.precision(best):
-        return f"{si(engine[MEDIAN], 'ms')} in {mine}"
+def _beside(first, engine, floor):
+    """The median of an engine over that of the fastest method; no ratio between precisions."""
+    if first is None:
+        return "engine"
+    mine, ratio = ranking.precision(engine), noise.said(first, engine, MEDIAN, floor)
+    if mine != ranking.precision(first):
+        return f"engine in {mine}: median {si(engine[MEDIAN], 'ms')}"
     if ratio[:1].isdigit():
-        return f"{ratio} times the time of our fastest, {best['method']}"
-    return f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}"
+        return f"engine: {ratio} times the median of {first['method']}"
+    return f"engine: median as {first['method']}, {NOISE if ratio == noise.NOISE else ratio}"
 
 
-def _named(cell, alike, good):
-    """The method of a cell with its slowest step, and how many are not told from it over the repeats."""
-    others = f", {len(alike)} of {len(good)} alike over their repeats" if len(alike) > 1 else ""
-    return f"{cell['method']} ({si(cell[WORST], 'ms')}{others})"
+def _largest_ratio(context, cells):
+    """For the scene of the headline: the one with the largest ratio of the slowest step to the median."""
+    good = ranking.eligible(context, timed(cells))
+    return float((good[WORST] / good[MEDIAN]).max()) if len(good) else 0.0
 
 
 def _spread(cell):
-    """The interval of the slowest step over the repeats, as a multiple of the median."""
+    """The interval of the slowest step over the repeats, in multiples of the median."""
     low, high = noise.interval(measured.runs(cell, WORST) or [cell[WORST]])
     return low / cell[MEDIAN], high / cell[MEDIAN]
 
 
-def _step_times_chart(context, cells, shown, gaps, at):
+def _step_times_chart(context, cells, shown, gaps, at, without):
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     looks, labels, called = context.looks(cells), sorted(cells["method"].unique()), ranking.names(context, cells)
     left = 0.3 + 0.078 * max(map(len, called.values()))
@@ -123,24 +147,25 @@ def _step_times_chart(context, cells, shown, gaps, at):
     columns = {"scene": drawn["where"], "method": drawn["method"], "outcome": drawn["outcome"]}
     for name, _, _ in MARKS:
         columns |= quantity(context.title(name), context.unit(name), metrics.column(drawn, name))
+    told = [(_largest_ratio(context, part), words(context, f"{where} in {dimension}D", at, part)) for where, part in shown]
     return Chart(f"{cells['sweep'].iloc[0]}_step_times_{dimension}d", SLOWEST, f"Times of whole steps, {dimension}D",
-                 f"In {dimension}D{at} " + "; ".join(finding(context, where, part) for where, part in shown) + "."
-                 + ranking.tail_of(context, [(where, part[part["method"].map(context.store.role) != "engine"])
-                                             for where, part in shown]),
+                 Finding(max(told, key=lambda pair: pair[0])[1], over_steps.by_scene(
+                     [(where, *lines_of(context, part)) for where, part in shown], RATIO, "1")),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(columns), gaps + holes(drawn, ["scene", "method"]),
-                 "Processor time of a step, broadphase to integration; medians over repeats, without each run's first ten steps. "
-                 "Engines stand beside our methods. " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)))
+                 "Processor time of a step, from broadphase to integration; medians over repeats, without the first ten steps of "
+                 "a run." + without + " " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)))
 
 
 SIXTY = "How many bodies keep sixty steps a second?"
 LIMIT = 1000 / 60  # ms
-WITHIN, TOP, BELOW, UNKNOWN = "within the ladder", "the ladder ended", "below the ladder", "unknown"
+WITHIN, TOP, BELOW, UNKNOWN = "within the sizes run", "at least the largest size", "below the smallest size", "unknown"
 
 
 @of_sweeps("bodies_at_rate", 39, SIXTY,
-           Needs("world", methods=(1, math.inf), metrics=(MEDIAN,), also="`report` that names it"),
+           Needs("world", methods=(1, math.inf), metrics=(MEDIAN,), also="a `report` that lists it"),
            "Bodies at sixty steps a second",
-           "No timed sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_bodies")
+           "This store has no timed sweep whose `report` lists this chart; experiments/run heritage makes one.",
+           "heritage_bodies")
 def bodies_at_rate(context, cells):
     if "bodies_at_rate" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
@@ -149,9 +174,9 @@ def bodies_at_rate(context, cells):
 
 
 def largest(rungs, limit=LIMIT):
-    """(number of bodies, how it is known) of a ladder [(bodies, ms or NaN)]: interpolated on log-log axes between the last rung
-    that stays within the limit before the first that does not, and that one. A rung without a time is one that does not: then the
-    number is that of the rung before."""
+    """(number of bodies, how it is known) from the sizes that were run [(bodies, ms or NaN)]: interpolated on log-log axes
+    between the last size within the limit and the first size beyond it. A size without a time is beyond it: then the number is
+    that of the size before."""
     rungs = sorted(rungs)
     if not any(math.isfinite(ms) for _, ms in rungs):
         return math.nan, UNKNOWN
@@ -180,28 +205,36 @@ def rows_of(cells):
             for name, metric in (("slow", SLOW), ("median", MEDIAN)):
                 good = (mine["outcome"] == "ok").to_numpy()
                 times = [ms if fine else math.nan for ms, fine in zip(metrics.column(mine, metric), good)]
-                # A run that failed may have no number of bodies: its rung is beyond those that have.
+                # A failed run may have no number of bodies: it counts as larger than all that have.
                 top = max([b for b in bodies if math.isfinite(b)], default=0) + 1
                 row[name], row[name + " known"] = largest([(b if math.isfinite(b) else top, ms) for b, ms in zip(bodies, times)])
             found.append(row)
     return found
 
 
-def words(number, known):
+def words_of_rate(number, known):
     sign = {TOP: "≥ ", BELOW: "< "}.get(known, "")
-    return "unknown" if known == UNKNOWN else f"{sign}{figures(float(f'{number:.1e}'))}"  # rungs are far apart
+    return "unknown" if known == UNKNOWN else f"{sign}{figures(float(f'{number:.1e}'))}"  # two digits: the sizes are far apart
 
 
-def finding_of_rate(rows):
-    said = []
-    for place in dict.fromkeys((row["scene"], row["dimension"]) for row in rows):
-        mine = [row for row in rows if (row["scene"], row["dimension"]) == place]
-        told = [f"{row['method']} {words(row['slow'], row['slow known'])} (by the median "
-                f"{words(row['median'], row['median known'])})"
-                for row in mine]
-        said.append(f"on {place[0]} in {place[1]}D {listing(told)}")
-    return ("Bodies whose slow steps, the 99th percentile, stay within a sixtieth of a second: " + "; ".join(said) + "."
-            if said else "No ladder was run.")
+def finding_of_rate(rows, why):
+    """The number of bodies that each method keeps at sixty steps a second, by scene. `why`: {method: why it has no rank}."""
+    found = []
+    for row in sorted(rows, key=lambda row: (row["scene"], row["dimension"], -row["slow"])):
+        found.append({"scene": f"{row['scene']}, {row['dimension']}D", "method": row["method"],
+                      "bodies by the 99th percentile": words_of_rate(row["slow"], row["slow known"]),
+                      "bodies by the median": words_of_rate(row["median"], row["median known"])})
+    others = [{"method": line.name, "remark": line.outcome} for line in ranking.lines(ranking.not_ranked(why))]
+    table = cut(pd.DataFrame(found + others), range(len(found), len(found) + len(others)))
+    head = _headline(rows)
+    if head:
+        return Finding(head.text, table)
+    known = [row for row in rows if row["slow known"] != UNKNOWN]
+    if not known:
+        return Finding("No size was run." if not rows else "No timed run finished.", table)
+    best = max(known, key=lambda row: row["slow"])
+    return Finding(f"On {best['scene']} in {best['dimension']}D {best['method']} keeps sixty steps a second with "
+                   f"{words_of_rate(best['slow'], best['slow known'])} bodies.", table)
 
 
 def _bar(ax, y, row, name, colour, height, alpha):
@@ -210,7 +243,7 @@ def _bar(ax, y, row, name, colour, height, alpha):
         ax.barh(y, number, height=height, color=colour, alpha=alpha, hatch="///" if known == TOP else None, edgecolor="white",
                 lw=0)
     at = number if known in (WITHIN, TOP) else 0
-    ax.annotate(words(number, known), (at, y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8)
+    ax.annotate(words_of_rate(number, known), (at, y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8)
     return at
 
 
@@ -236,19 +269,20 @@ def _rate_chart(context, cells, refused):
         ax.set_title(f"{place[0]}, {place[1]}D")
         ax.set_xlabel("bodies")
     legend_right(figure, [Patch(color="#555555", alpha=0.95, label="99th percentile"), Patch(color="#555555", alpha=0.45,
-                          label="median"), Patch(facecolor="#555555", hatch="///", edgecolor="white", label="ladder ended"),
-                          Line2D([], [], ls="none", label="<: the first rung\nwas too slow")], 1.9)
+                          label="median"), Patch(facecolor="#555555", hatch="///", edgecolor="white", label="largest size run"),
+                          Line2D([], [], ls="none", label="<: the smallest\nsize is too slow")], 1.9)
     table = {**{name: [r[name] for r in rows] for name in ("scene", "dimension", "method")},
              **quantity("bodies by the 99th percentile", "1", [r["slow"] for r in rows]),
              "how known": [r["slow known"] for r in rows],
              **quantity("bodies by the median", "1", [r["median"] for r in rows]),
              "how known of the median": [r["median known"] for r in rows]}
     return Chart(f"{sweep}_bodies_at_rate", SIXTY, "Bodies at sixty steps a second",
-                 finding_of_rate(ranked) + ranking.tail(context, cells), sweep, figure, pd.DataFrame(table),
+                 finding_of_rate(ranked, ranking.unranked(context, cells)), sweep, figure, pd.DataFrame(table),
                  refused + holes(cells, ["scene", "dimension", "method", *_ladders(cells)]),
-                 "Processor time of a step; between two rungs of a ladder interpolated on logarithmic axes. Bodies are counted "
-                 "with the ground. Hatched bars, ≥: the largest size of the ladder, or the last before one that failed, is still "
-                 "within a sixtieth of a second.", headline=_headline(ranked))
+                 "Bodies, including the ground, whose steps take a sixtieth of a second of processor time; interpolated between "
+                 "two sizes on logarithmic axes. Hatched bars, ≥: the largest size run, or the last before a failure, is still "
+                 "faster.",
+                 headline=_headline(ranked))
 
 
 def _ladders(cells):
@@ -256,7 +290,7 @@ def _ladders(cells):
 
 
 def _headline(rows):
-    """Where the most and the fewest bodies of one place are farthest apart, of ladders that have an end."""
+    """For the first screen: the scene with the largest ratio between methods with a known number of bodies."""
     best = None
     for place in dict.fromkeys((row["scene"], row["dimension"]) for row in rows):
         known = {row["method"]: row["slow"] for row in rows if (row["scene"], row["dimension"]) == place and

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of how many bodies keep sixty steps a second: ladders whose answer is known. Run by ctest, or
+"""Tests of how many bodies keep sixty steps a second: sizes and times with known answers. Run by ctest, or
 python3 reports/tests/bodies_at_rate_test.py [PICTURE.png]."""
 
 import math
@@ -22,7 +22,7 @@ LIMIT = step_times.LIMIT
 class BodiesAtRate(with_store.WithStore):
     @staticmethod
     def ladders(of=None, report=("bodies_at_rate",)):
-        """Of each method {bodies: ms, or None for a run that failed}; the 99th percentile is twice the median."""
+        """`of`: {method: {bodies: ms, or None for a failed run}}; the 99th percentile is twice the median."""
         def fill(maker):
             maker.sweep("heritage_bodies", "world", whole="label", n="parameter", report=list(report))
             for method, rungs in (of or {"linear": {100: LIMIT / 4, 1000: 2.5 * LIMIT}, "fast": {100: 0.1, 1000: 1.0},
@@ -46,26 +46,28 @@ class BodiesAtRate(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        # From a quarter of the limit at 100 to 2.5 times at 1000 the time is in proportion to the bodies.
-        self.assertEqual(made.finding, "Bodies whose slow steps, the 99th percentile, stay within a sixtieth of a second: on "
-                         "rain in 2D linear 200 (by the median 400), fast ≥ 1,000 (by the median ≥ 1,000), slow < 100 (by the "
-                         "median < 100) and hung ≥ 100 (by the median ≥ 100).")
+        # From a quarter of the limit at 100 to 2.5 times the limit at 1000, time is proportional to the bodies.
+        self.assertEqual(made.finding.headline, "On rain in 2D fast keeps sixty steps a second with ≥ 1,000 bodies.")
+        self.assertEqual({row["method"]: list(row.values())[2:] for row in made.finding.rows()}, {
+            "linear": ["200", "400"], "fast": ["≥ 1,000", "≥ 1,000"], "slow": ["< 100", "< 100"], "hung": ["≥ 100", "≥ 100"]})
         hatched = [patch for patch in made.figure.axes[0].patches if patch.get_hatch()]
-        self.assertEqual(len(hatched), 4, "of fast and of hung")
+        self.assertEqual(len(hatched), 4, "those of fast and hung")
 
-    def test_the_planted_bug_a_ladder_that_ended_is_no_answer(self):
+    def test_the_planted_bug_that_takes_the_largest_size_as_the_answer(self):
         self.assertEqual(step_times.largest([(100, 1.0), (1000, 2.0)])[1], step_times.TOP)
         self.assertEqual(step_times.largest([(100, 1.0), (1000, math.nan), (2000, 3.0)]), (100, step_times.TOP))
         self.assertEqual(step_times.largest([(100, 1.0), (200, 20.0), (300, 2.0), (400, 99.0)])[1], step_times.WITHIN)
         self.assertLess(step_times.largest([(100, 1.0), (200, 20.0), (300, 2.0), (400, 99.0)])[0], 200,
-                        "the lowest bracket counts")
+                        "the first size beyond the limit counts")
         self.assertIsNone(self.one(of={"a": {100: 0.1, 1000: 1.0}, "b": {100: 0.2, 1000: 2.0}}).headline)
 
-    def test_headline_compares_ladders_with_an_end(self):
+    def test_the_headline_compares_methods_with_a_known_number(self):
         made = self.one(of={"a": {100: LIMIT / 4, 1000: 2.5 * LIMIT}, "b": {100: LIMIT / 8, 1000: 1.25 * LIMIT}})
         self.assertEqual(made.headline.text, "On rain in 2D b keeps sixty steps a second with 400 bodies, a with 200.")
+        self.assertEqual(made.finding.headline, made.headline.text)
+        self.assertEqual([row["method"] for row in made.finding.rows()], ["b", "a"])
 
-    def test_only_where_a_sweep_asks(self):
+    def test_it_is_made_only_if_a_sweep_lists_it(self):
         self.assertEqual(self.made(bodies_at_rate, synthetic_store.resolvers), [bodies_at_rate.absent])
 
 

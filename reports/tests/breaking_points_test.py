@@ -25,7 +25,7 @@ EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations",
 
 class Ladders(undrawn.Undrawn):
     def made(self, heights, budgets=(), sizes=(5, 10, 20), fallbacks=(), **roles):
-        """`heights`: method -> the largest size that stands, at each budget; `fallbacks`: (method, size) of those that leave all
+        """`heights`: method -> the largest size that stands, at each budget; `fallbacks`: (method, size) of runs that leave all
         rows to Gauss-Seidel."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -51,48 +51,63 @@ class Ladders(undrawn.Undrawn):
         return found[0]
 
     @undrawn.drawn
-    def test_the_sentence_says_at_what_setting(self):
+    def test_the_headline_names_the_setting(self):
         made = self.made({"catto": (20,), "naive": (5,)})
-        self.assertEqual(made.finding, "In 2D on stack with iterations=10 naive fails first, at n = 10 (collapsed), while catto "
-                         "held to the largest tried (20).")
-        self.assertIn("need not cost the same", made.note)
-        self.assertIn("with iterations=10", made.headline.text)
+        self.assertEqual(made.finding.headline, "On stack in 2D with iterations=10 naive fails first, at n = 10; catto holds to "
+                         "the largest value tried, 20.")
+        self.assertEqual(self.rows(made), [("catto", 20, None, "holds to the last value tried"), ("naive", 5, 10, "collapsed")])
+        self.assertIn("their costs differ", made.note)
+        self.assertEqual(made.headline.text, made.finding.headline)
         self.assertEqual([tick.get_text() for tick in made.figure.axes[0].get_xticklabels()], ["5", "10", "20"])
         many = self.made({"catto": (300,), "naive": (30,)}, sizes=(3, 10, 30, 100, 300, 1000, 10000))
         self.assertEqual([tick.get_text() for tick in many.figure.axes[0].get_xticklabels()],
-                         ["3", "10", "30", "100", "300", "1000", "10k"], "a rung that the sentence may name has its label")
+                         ["3", "10", "30", "100", "300", "1000", "10k"], "each value that the headline may name has its label")
 
     @undrawn.drawn
-    def test_a_calibrated_ladder_is_one_per_budget_and_says_which(self):
+    def test_a_calibrated_ladder_is_one_per_budget_and_names_it(self):
         made = self.made({"catto": (10, 20), "naive": (5, 10)}, budgets=(800.0, 2400.0))
-        self.assertEqual(made.finding, "In 2D on stack with 800 row updates per step naive fails first, at n = 10 (collapsed) "
-                         "and catto last, at 20; on stack with 2,400 row updates per step naive fails first, at n = 20 "
-                         "(collapsed), while catto held to the largest tried (20).")
+        self.assertEqual(made.finding.headline, "On stack in 2D with 800 row updates per step naive fails first, at n = 10; "
+                         "catto fails last, at 20.")
+        self.assertEqual(self.rows(made), [("catto", 10, 20, "collapsed"), ("naive", 5, 10, "collapsed"),
+                                           ("catto", 20, None, "holds to the last value tried"), ("naive", 10, 20, "collapsed")])
+        self.assertEqual([row["scene, parameter, setting"] for row in made.finding.rows()][1:3],
+                         ["stack, n, 800 row updates per step", "stack, n, 2,400 row updates per step"])
         self.assertEqual([ax.get_title("left").split("\n")[1] for ax in made.figure.axes if ax.get_visible()],
                          ["800 row updates per step", "2,400 row updates per step"])
         self.assertEqual(len(made.table), 4, "no rung is lost because the iterations differ")
         self.assertEqual(list(made.table["largest that held"]), [10, 5, 20, 10])
-        self.assertIn("compared at equal cost, but for those with budget left at 256, the most", made.note)
+        self.assertIn("compared at equal cost: at each value the runner gives each method iterations, the most within the "
+                      "budget, at most 256.", made.note)
 
-    def test_what_left_its_rows_to_gauss_seidel_up_to_its_fall_has_no_rank(self):
+    def test_a_method_that_left_its_rows_to_gauss_seidel_up_to_its_failure_has_no_rank(self):
         heights, left = {"admm": (20,), "catto": (10,), "naive": (5,)}, {("admm", 10), ("naive", 20)}
         made = self.made(heights, fallbacks=left)
-        self.assertEqual(made.finding, "In 2D on stack with iterations=10 naive fails first, at n = 10 (collapsed) and catto "
-                         "last, at 20. Not ranked: admm (100 % Gauss-Seidel).", "beyond its fall nothing of naive is decided")
+        self.assertEqual(made.finding.headline, "On stack in 2D with iterations=10 naive fails first, at n = 10; catto fails "
+                         "last, at 20.")
+        self.assertEqual(self.rows(made), [("catto", 10, 20, "collapsed"), ("naive", 5, 10, "collapsed"),
+                                           ("admm", None, None, "not ranked: 100 % Gauss-Seidel")],
+                         "fallbacks of naive beyond its failure do not count")
         self.assertEqual(set(made.headline.values), {"catto", "naive"})
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
-            self.assertIn("admm held to the largest", self.made(heights, fallbacks=left).finding, "the planted bug was not seen")
+            self.assertIn("admm holds to the largest", self.made(heights, fallbacks=left).finding.headline,
+                          "the planted bug was not seen")
 
-    def test_where_all_fall_at_one_rung_no_method_is_first_or_last(self):
+    def test_if_all_fail_at_one_value_no_method_is_first_or_last(self):
         made = self.made({"catto": (10,), "naive": (10,)})
-        self.assertEqual(made.finding, "In 2D on stack with iterations=10 all 2 methods fail at n = 20 (collapsed), each after "
-                         "it held below.")
+        self.assertEqual(made.finding.headline, "On stack in 2D with iterations=10 all 2 methods fail at n = 20, and hold below.")
+        self.assertEqual(self.rows(made), [("catto and naive", 10, 20, "collapsed")])
         self.assertIsNone(made.headline)
         made = self.made({"catto": (1,), "naive": (1,)})
-        self.assertIn("all 2 methods fail at n = 5 (collapsed), already at the smallest tried.", made.finding)
+        self.assertIn("all 2 methods fail at n = 5, the smallest value tried.", made.finding.headline)
+        self.assertEqual(self.rows(made), [("catto and naive", None, 5, "collapsed")])
         made = self.made({"catto": (99,), "naive": (99,)})
-        self.assertEqual(made.finding, "In 2D on stack with iterations=10 nothing fails up to n = 20.")
+        self.assertEqual(made.finding.headline, "On stack in 2D with iterations=10 nothing fails up to n = 20.")
         self.assertIsNone(made.headline)
+
+    @staticmethod
+    def rows(made):
+        names = ("methods", "largest that holds [1]", "first that fails [1]", "outcome")
+        return [tuple(row.get(name) for name in names) for row in made.finding.rows()]
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the map of caches and resolvers: what stands, and which of the two matters more. Run by ctest, or
+"""Tests of the map of caches and resolvers: which pairs hold, and which choice matters more. Run by ctest, or
 python3 reports/tests/cache_solver_test.py."""
 
 import sys
@@ -25,8 +25,8 @@ SIZES = (4, 8, 16, 24)
 class CacheSolver(with_store.WithStore):
     @staticmethod
     def towers(heights=None, timed=False, fallbacks=()):
-        """`heights`: (resolver, cache) -> the largest size that stands; `fallbacks`: pairs whose rows are left to Gauss-Seidel,
-        all of them."""
+        """`heights`: (resolver, cache) -> the largest size that stands; `fallbacks`: pairs that leave all rows to
+        Gauss-Seidel."""
         def fill(maker):
             maker.sweep("mine", resolver="label", cache="stage", n="parameter", iterations="setting", budget="run",
                         calibrate=EQUAL)
@@ -42,29 +42,40 @@ class CacheSolver(with_store.WithStore):
         return fill
 
     @undrawn.drawn
-    def test_who_stands_and_which_choice_matters_more(self):
+    def test_the_headline_names_the_choice_that_matters_more(self):
         made = self.made(cache_solver, self.towers())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding, "On stack, 2D, at 2,400 row updates per step soft_step with recycling stands to "
-                         "n = 24, the largest tried. Another cache alone changes that by 8 to 20 (median 14). Another resolver "
-                         "alone changes it by 0 to 16 (median 4). By the medians the cache matters more.")
-        self.assertEqual(made[0].headline.text, "On stack, 2D, at 2,400 row updates per step, soft_step stands to n = 24 with "
-                         "the cache recycling and to 4 with none.")
+        self.assertEqual(made[0].finding.headline, "On stack, 2D, at 2,400 row updates per step the cache matters more: another "
+                         "cache changes the largest n that holds by 14, another resolver by 4 (medians).")
+        self.assertEqual(self.rows(made[0]), [
+            ("soft_step with recycling", 24, "", "best"),
+            ("catto with by_feature, catto with recycling and soft_step with by_feature", 8, "", "0.3 times"),
+            ("soft_step with none", 4, "", "0.2 times"), ("catto with none", None, "", "failed: at the smallest value tried"),
+            ("change by another cache", 14, "8 to 20", "median change"),
+            ("change by another resolver", 4, "0 to 16", "median change")])
+        self.assertEqual(made[0].headline.text, "On stack, 2D, at 2,400 row updates per step soft_step holds to n = 24 with "
+                         "the cache recycling, and to 4 with none.")
         panel = made[0].figure.axes[0]
         self.assertEqual([text.get_text() for text in panel.texts], ["8", "–", "8", "8", "4", "24"], "by rows of resolvers")
-        self.assertEqual(list(made[0].table["largest n that stands"]), [8, 0, 8, 8, 4, 24])
+        self.assertEqual(list(made[0].table["largest n that holds"]), [8, 0, 8, 8, 4, 24])
+
+    @staticmethod
+    def rows(made):
+        names = ("resolver and cache", "largest n that holds [1]", "range", "against the best")
+        return [tuple(row.get(name) for name in names) for row in made.finding.rows()]
 
     @undrawn.drawn
     def test_a_pair_that_left_its_rows_to_gauss_seidel_has_no_rank(self):
         best = {("soft_step", "recycling")}
         made = self.made(cache_solver, self.towers(fallbacks=best))[0]
-        self.assertIn("catto with by_feature, catto with recycling and soft_step with by_feature stand to n = 8.", made.finding)
-        self.assertTrue(made.finding.endswith(" Not ranked: soft_step with recycling (100 % Gauss-Seidel)."), made.finding)
+        self.assertIn(("catto with by_feature, catto with recycling and soft_step with by_feature", 8, "", "best"),
+                      self.rows(made))
+        self.assertIn(("soft_step with recycling", None, "", "not ranked: 100 % Gauss-Seidel"), self.rows(made))
         self.assertNotIn("recycling", made.headline.text)
         self.assertIn("100 % GS", [text.get_text() for text in made.figure.axes[0].texts])
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
             made = self.made(cache_solver, self.towers(fallbacks=best))[0]
-        self.assertIn("soft_step with recycling stands to n = 24", made.finding, "the planted bug was not seen")
+        self.assertIn(("soft_step with recycling", 24, "", "best"), self.rows(made), "the planted bug was not seen")
 
     def test_the_planted_bug_that_takes_the_other_axis_is_seen(self):
         found = {pair: float(height) for pair, height in HEIGHTS.items()}
@@ -72,23 +83,23 @@ class CacheSolver(with_store.WithStore):
         self.assertEqual(sorted(breaking_points.effects(found, 0)), [0, 4, 16], "of each cache over its resolvers")
 
     @undrawn.drawn
-    def test_times_stand_beside_and_the_letter_of_what_fell(self):
+    def test_times_and_letters_of_failed_runs_are_shown(self):
         made = self.made(cache_solver, self.towers(timed=True))[0]
         titles = [ax.get_title("left") for ax in made.figure.axes]
-        self.assertEqual(titles[0], "largest n that stands")
-        self.assertEqual(titles[2], "time per step, n = 4", "the size at which most stand")
+        self.assertEqual(titles[0], "largest n that holds")
+        self.assertEqual(titles[2], "time per step, n = 4", "the size at which most pairs hold")
         self.assertIn("C", [text.get_text() for text in made.figure.axes[2].texts], "catto with none fell there")
         self.assertIn("time per step at n = 4 [s]", made.table)
 
-    def test_nothing_is_said_of_one_cache_or_where_all_fall(self):
+    def test_one_cache_makes_no_chart_and_equal_pairs_no_headline(self):
         self.assertEqual(self.made(cache_solver, self.towers({pair: 8 for pair in HEIGHTS if pair[1] == "none"})),
                          [cache_solver.absent])
         none = self.made(cache_solver, self.towers(dict.fromkeys(HEIGHTS, 0)))[0]
-        self.assertIn("every pair falls already at the smallest n tried", none.finding)
+        self.assertIn("every pair fails at the smallest value tried.", none.finding.headline)
         self.assertIsNone(none.headline)
         alike = self.made(cache_solver, self.towers(dict.fromkeys(HEIGHTS, 24)))[0]
-        self.assertIn("6 of 6 pairs stand to n = 24, the largest tried", alike.finding)
-        self.assertIn("By the medians both choices matter alike.", alike.finding)
+        self.assertEqual([row[1] for row in self.rows(alike)], [24, 0, 0])
+        self.assertIn("cache and resolver matter alike", alike.finding.headline)
         self.assertIsNone(alike.headline)
 
 

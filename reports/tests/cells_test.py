@@ -16,6 +16,7 @@ import load  # noqa: E402
 import measured  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
 from charts import cost_against_error  # noqa: E402
 from charts.step_times import step_times  # noqa: E402
 
@@ -50,13 +51,14 @@ class Cells(unittest.TestCase):
         self.assertEqual([context.store.role(label) for label in ("catto", "erin", "mine")], ["competitor", "engine", "witness"])
         self.assertIn("erin is a whole engine, here in f32: a skin of 1 cm", 
                       chart.made(cost_against_error.cost_against_error, context)[0].note)
-        self.assertRegex(chart.made(step_times, context)[0].finding, r"a step of erin takes 30\d µs in f32")
+        erin = lambda: with_store.row(chart.made(step_times, context)[0], "erin")["against the best"]  # noqa: E731
+        self.assertRegex(erin(), r"^engine in f32: median 30\d µs$")
         with unittest.mock.patch.object(cost_against_error.metrics, "pareto", wraps=cost_against_error.metrics.pareto) as front:
             chart.made(cost_against_error.cost_against_error, context)
         ranked = [sum(error == error for error in call.args[1]) for call in front.call_args_list]
         self.assertEqual(set(ranked), {2}, "the front is of catto and mine; erin is f32 among f64")
         with unittest.mock.patch.object(load.Store, "role", by_label):
-            self.assertNotIn("a step of erin", chart.made(step_times, context)[0].finding, "the bug was not seen")
+            self.assertNotIn("engine", erin(), "the planted bug was not seen")
 
     def test_a_label_of_several_stages_has_all_their_roles(self):
         context = self.context(lambda maker: None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the pictures of falls: which run is drawn, as what, and what stands beneath."""
+"""Tests of the pictures of falls: which run is drawn, how, and with which curves."""
 
 import sys
 import tempfile
@@ -24,7 +24,7 @@ FLOOR = ["#cdcdc8", "#787873", [-10, 90, 110, 90, 110, 130, -10, 130]]
 
 
 def film(steps, gone=()):
-    """A square that goes aside with the steps; at those of `gone` it is out of the picture."""
+    """A square that moves sideways with the steps; at the steps in `gone` it is out of the picture."""
     def picture(step):
         square = [[40 + step / 20 + x, 80 + y] for x, y in ((0, 0), (10, 0), (10, 10), (0, 10))]
         body = [] if step in gone else [["#6699cc", "#385470", [v for corner in square for v in corner]]]
@@ -33,8 +33,8 @@ def film(steps, gone=()):
 
 
 def made_of(falling, contacts=True, gone=(), steps=300):
-    """The charts of a sweep of runs of so many steps (scene, dimension, method, outcome, step of the fall, whether it is
-    drawn)."""
+    """The charts of a sweep of runs (scene, dimension, method, outcome, step of the fall, whether it has pictures) of `steps`
+    steps."""
     with tempfile.TemporaryDirectory() as folder:
         maker = synthetic_store.Maker(Path(folder) / "store.db")
         for scene, dimension, method, outcome, step, drawn in [*falling, ("tower", 2, "catto", "ok", None, False)]:
@@ -67,15 +67,16 @@ THREE = [("tower", 2, "naive", "collapsed", 90, True), ("tower", 2, "millington"
 
 class Falls(undrawn.Undrawn):
     @undrawn.drawn
-    def test_of_each_scene_dimension_and_outcome_one_is_drawn_and_the_others_counted(self):
+    def test_one_run_of_each_scene_dimension_and_outcome_is_drawn_and_the_others_counted(self):
         made, = made_of(THREE)
         self.assertEqual(sorted(made.table["step"]), [120, 200, 250])
         self.assertEqual(list(made.table.set_index("step")["runs of this kind"][[120, 200, 250]]), [1, 1, 2])
-        self.assertTrue(made.finding.startswith("4 of 5 runs fell. "), made.finding)
-        self.assertIn("tower, 2D, millington: collapsed at step 250 (the last of 2), with an overlap of up to 30 mm.",
-                      made.finding)
-        self.assertIn("bridge, 2D, naive: exploded at step 200 (the only one)", made.finding)
-        self.assertIn("the last run that collapsed or exploded, six of a sweep at most", made.note)
+        self.assertEqual(made.finding.headline, "4 of 5 runs fell: 3 collapsed and 1 exploded.")
+        self.assertEqual([tuple(row.values()) for row in made.finding.rows()], [
+            ("tower, 2D, millington", "collapsed", 250, "the last of 2", 0.03),
+            ("tower, 3D, naive", "collapsed", 120, "the only one", 0.03),
+            ("bridge, 2D, naive", "exploded", 200, "the only one", 0.03)])
+        self.assertIn("the last run of a scene and dimension that fell, at most six of a sweep (collapsed: ", made.note)
         for outcome in ("collapsed", "exploded"):
             self.assertIn(f"{outcome}: {falls.FALLEN[outcome]}", made.note)
         self.assertNotIn("diverged", made.note)
@@ -85,30 +86,32 @@ class Falls(undrawn.Undrawn):
 
     def test_a_picture_of_an_earlier_fall_is_not_called_the_last(self):
         made, = made_of([("tower", 2, "naive", "collapsed", 90, True), ("tower", 2, "millington", "collapsed", 250, False)])
-        self.assertIn("naive: collapsed at step 90 (one of 2)", made.finding)
+        self.assertEqual([(row["step"], row["of the runs alike"]) for row in made.finding.rows()], [(90, "one of 2")])
 
-    def test_what_stands_to_its_last_step_has_not_fallen(self):
+    def test_a_run_that_creeps_to_its_last_step_has_not_fallen(self):
         creeps = [*THREE, ("tower", 2, "soft_step", "collapsed", 300, True)]
         made, = made_of(creeps)
         self.assertEqual(sorted(made.table["step"]), [120, 200, 250])
-        self.assertTrue(made.finding.startswith("4 of 6 runs fell. 1 more failed at its last step by creeping"), made.finding)
+        self.assertEqual(made.finding.headline, "4 of 6 runs fell: 3 collapsed and 1 exploded; 1 more failed at its last step by "
+                         "creeping.")
         with unittest.mock.patch.object(falls, "stood", lambda store, run: False):
             made, = made_of(creeps)
         self.assertIn(300, list(made.table["step"]), "the planted bug was not seen")
         made, = made_of(creeps[-1:])
         self.assertIsNone(made.figure)
 
-    def test_who_is_not_drawn_is_told(self):
+    def test_runs_without_pictures_are_listed(self):
         made, = made_of([("tower", 2, "naive", "collapsed", 90, True), ("bridge", 3, "naive", "diverged", 70, False)])
         self.assertEqual(made.holes, ["bridge, 3D, diverged: 1 run, not drawn"])
         made, = made_of([("tower", 2, "naive", "collapsed", 90, False)])
         self.assertIsNone(made.figure)
-        self.assertIn("1 of 2 runs fell. The store holds no pictures", made.finding)
+        self.assertEqual(made.finding.headline, "1 of 2 runs collapsed.")
+        self.assertIn("The store has no pictures of these runs.", " ".join(made.holes))
 
     def test_where_nothing_falls_the_page_says_so(self):
         made, = made_of([])
         self.assertIsNone(made.figure)
-        self.assertIn("nothing collapsed", made.finding)
+        self.assertIn("nothing collapsed", made.finding.headline)
 
     @undrawn.drawn
     def test_pictures_show_each_body_where_the_film_has_it(self):
@@ -119,11 +122,11 @@ class Falls(undrawn.Undrawn):
         for ax, step in zip(pictures, (0, 210, 230, 245, 250)):
             floor, square = (path.vertices for path in ax.findobj(PolyCollection)[0].get_paths())
             np.testing.assert_allclose(square[0], [40 + step / 20, 80])
-            self.assertEqual((ax.get_xlim(), ax.get_ylim()), ((0, 100), (122, 22)))  # upright, without the band for words
-            self.assertAlmostEqual(ax.bbox.width, ax.bbox.height)  # as wide as high: nothing is stretched
+            self.assertEqual((ax.get_xlim(), ax.get_ylim()), ((0, 100), (122, 22)))  # upright, without the band of words
+            self.assertAlmostEqual(ax.bbox.width, ax.bbox.height)  # as wide as high: not stretched
 
     @undrawn.drawn
-    def test_energy_and_overlap_stand_beneath_over_the_same_steps_with_the_fall_marked(self):
+    def test_energy_and_depth_are_drawn_over_the_same_steps_with_the_fall_marked(self):
         made, = made_of(THREE[1:2])
         energy, depth = [ax for ax in made.figure.axes if ax.get_ylabel()]
         self.assertEqual(energy.get_xlim(), depth.get_xlim())
@@ -137,30 +140,30 @@ class Falls(undrawn.Undrawn):
         self.assertAlmostEqual(change.get_ydata()[at[170]], 0)
         self.assertAlmostEqual(change.get_ydata()[at[250]], -35 * 80 / 249)  # from 100 J to 65 J in 249 steps
         self.assertAlmostEqual(motion.get_ydata()[at[250]], 5)
-        # Each line of the fan ends at its step.
+        # Each line from a picture ends at its step.
         ends = made.figure.transFigure.transform([[line.get_xdata()[1], line.get_ydata()[1]] for line in made.figure.artists])
         steps = energy.transData.inverted().transform(ends)[:, 0]
         np.testing.assert_allclose(steps, [210, 230, 245, 250], atol=1e-6)
 
     @undrawn.drawn
-    def test_who_tells_no_contacts_says_so_and_is_measured_by_its_shapes(self):
+    def test_a_run_without_contacts_says_so_and_shows_the_depth_of_its_shapes(self):
         for contacts in (True, False):
             made, = made_of(THREE[1:2], contacts)
-            self.assertEqual("no contacts are told" in words(made.figure), not contacts)
-            self.assertIn("of shapes, every 10 steps", words(made.figure))
+            self.assertEqual("contacts: not reported" in words(made.figure), not contacts)
+            self.assertIn("shapes, every 10 steps", words(made.figure))
             depth = [ax for ax in made.figure.axes if ax.get_ylabel()][1]
             np.testing.assert_allclose(depth.lines[1].get_xdata(), range(170, 251, 10))
             self.assertEqual(len(depth.lines[0].get_xdata()), 81 if contacts else 0)
             top = depth.transData.inverted().transform(depth.transAxes.transform((0, 1)) - (0, 4))[1]
-            self.assertLess(max(depth.lines[1].get_ydata()), top)  # no dot is cut in half
+            self.assertLess(max(depth.lines[1].get_ydata()), top)  # no dot is cut
             self.assertAlmostEqual(made.table["largest penetration of shapes [m]"][0], 0.03)
 
     @undrawn.drawn
-    def test_what_has_left_the_picture_is_told(self):
+    def test_a_body_that_left_the_picture_is_marked(self):
         made, = made_of(THREE[1:2], gone=(250,))
         self.assertEqual(words(made.figure).count("out of sight"), 1)
 
-    def test_runs_of_a_sweep_for_other_charts_are_not_said_not_to_be(self):
+    def test_a_sweep_for_other_charts_is_named(self):
         with tempfile.TemporaryDirectory() as folder:
             maker = synthetic_store.Maker(Path(folder) / "store.db")
             maker.sweep("equal", "world", "naive", resolver="stage", report=["equal_cost"])
@@ -171,7 +174,7 @@ class Falls(undrawn.Undrawn):
             found = chart.made(falls.falls, chart.Context(store))
             store.db.close()
         self.assertEqual([c.id for c in found], ["falls"])
-        self.assertTrue(found[0].finding.endswith("That is without equal, which names other charts."), found[0].finding)
+        self.assertEqual(found[0].holes, ["Not used for this chart: equal. The `report` of this sweep lists other charts."])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of what charts find: no rank by noise, by rounding, by one seed or by where a run starts. Run by ctest, or
-python3 reports/tests/findings_test.py. Every check that guards a promise is seen to fail on a planted bug."""
+"""Tests of findings: no rank by noise, by rounding, by one seed or by the start of a run. Run by ctest, or
+python3 reports/tests/findings_test.py. Each check is seen to fail on a planted bug."""
 
 import ast
 import math
@@ -39,7 +39,7 @@ PEOPLE = re.compile(r"\b(nobody|somebody|whoever|everyone|who)\b", re.IGNORECASE
 
 
 def of_people(source):
-    """Sentences of a file, which are all of its strings but docstrings, that speak of code as of people."""
+    """Strings of a file, except docstrings, that speak of code as of people."""
     tree = ast.parse(source)
     said = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     return [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str) and
@@ -101,10 +101,12 @@ class Findings(with_store.WithStore):
                         maker.world("ensemble", axes, 1.0, 1e-3, repeats=0,
                                     hash=f"{perturb} {seed}" + ("" if seed in alike else label))
         found = chart.made(distinctness, self.context(fill))[0]
-        self.assertIn("No two methods end in the same bits in most of the runs", found.finding)
+        self.assertIn("No two methods end in the same bits in most of their common runs", found.finding.headline)
         self.assertEqual(found.table[["cells", "equal"]].to_numpy().tolist(), [[20, 2]])
         found = chart.made(distinctness, self.context(lambda maker: fill(maker, range(1, 9))))[0]
-        self.assertIn("catto and naive are one path (16 of 20 comparisons", found.finding)
+        self.assertEqual(found.finding.headline, "In ensemble catto and naive are one path: they end in the same bits in 16 "
+                         "of 20 common runs.")
+        self.assertEqual([tuple(row.values()) for row in found.finding.rows()], [("ensemble", "catto and naive", 16, 20)])
 
     @staticmethod
     def cut(runs):
@@ -167,18 +169,21 @@ class Findings(with_store.WithStore):
         self.assertEqual([entry[-1] for entry in told[:4]], [4e-3, 4e-3, 2e-3, 1e-3])
         self.assertRegex(told[4][0], r"^[\d,]+ multiply-adds per step$")
 
-    def test_what_is_below_rounding_has_no_rank_in_rest(self):
-        said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
-                                  ["catto", "soft_step", "millington", "naive"])
-        self.assertEqual(said, "on pyramid catto and soft_step come to rest (below 1 nm/s in the last quarter); it is most "
-                         "restless with millington (100 mm/s); naive fails")
-        said = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 0.0}, [], ["catto", "soft_step"])
-        self.assertEqual(said, "on pyramid catto and soft_step come to rest (below 1 nm/s in the last quarter)")
+    def test_speeds_below_rounding_are_at_rest(self):
+        speeds = {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}
+        self.assertEqual(standing.headline("pyramid", speeds, ["naive"]).text, "On pyramid catto and soft_step come to rest; "
+                         "millington is most restless, 100 mm/s, and naive fails.")
+        lines = standing.lines_of_steadiness(speeds, {"naive": "failed: collapsed"}, [*speeds, "naive"])
+        rows = standing.table_of_steadiness([("pyramid", *lines)]).values.tolist()
+        self.assertEqual([(row[0], row[2]) for row in rows], [("catto and soft_step", "at rest"), ("millington", "+100 mm/s"),
+                                                              ("naive", "failed: collapsed")])
+        speeds = {"catto": 6.6e-13, "soft_step": 0.0}
+        self.assertEqual(standing.headline("pyramid", speeds).text, "On pyramid catto and soft_step come to rest.")
         with unittest.mock.patch.object(standing, "at_rest", lambda speeds: speeds):
-            bad = standing.finding_of_steadiness("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13}, [], ["catto", "soft_step"])
-        self.assertIn("calmest with soft_step", bad, "the planted bug was not seen")
+            bad = standing.headline("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13}).text
+        self.assertIn("soft_step is calmest", bad, "the planted bug was not seen")
 
-    def test_who_fails_is_told_beside_the_speeds_of_the_others(self):
+    def test_failed_methods_are_named_beside_the_speeds_of_the_others(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
             for label, restless in (("catto", 1e-2), ("naive", 9.0), ("soft_step", 1e-3)):
@@ -187,10 +192,12 @@ class Findings(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 1.0, 1e-3, *failed, restless=restless)
         found = self.made(steadiness, fill)[0]
-        self.assertRegex(found.headline.text, r"^On stack in 2D at iterations=10, by the RMS of .* in the last quarter, .*; of "
-                         r"those that finish, the fastest goes at .* with catto; naive fails\.$")
+        self.assertRegex(found.finding.headline, r"^On stack in 2D at iterations=10 soft_step is calmest, .*m/s, and catto most "
+                         r"restless, .*m/s; naive fails\.$")
+        self.assertEqual(found.headline.text, found.finding.headline)
         self.assertTrue(math.isnan(found.headline.values["naive"]))
-        self.assertRegex(found.finding, r"^In 2D at iterations=10 on stack .*; naive fails\.$")
+        self.assertEqual([(row["method"], row["against the best"]) for row in found.finding.rows()][::2],
+                         [("soft_step", "best"), ("naive", "failed: collapsed")])
 
     def test_who_solves_the_contacts_is_not_ranked_by_the_start(self):
         def fill(maker):

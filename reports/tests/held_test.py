@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the chart of methods that hold what is hard to hold. Run by ctest, or python3 reports/tests/held_test.py."""
+"""Tests of the chart of methods that hold hard scenes. Run by ctest, or python3 reports/tests/held_test.py."""
 
 import math
 import sys
@@ -16,7 +16,7 @@ import with_store  # noqa: E402
 from charts import falls  # noqa: E402
 from charts.falls import held  # noqa: E402
 
-# (method, n) -> milliseconds, sideways drift in m; none: it falls
+# (method, n) -> milliseconds, sideways drift in m; None: the run falls
 RUNS = {("catto", 10): (1.0, 1e-3), ("catto", 100): (2.0, None), ("newton", 10): (2.0, 1e-6), ("newton", 100): (3.0, 1e-5)}
 SUNK = {"soft": 0.05, "naive": 0.99}  # of the smallest body
 
@@ -41,21 +41,24 @@ class Held(with_store.WithStore):
         return fill
 
     @undrawn.drawn
-    def test_who_holds_and_at_what_cost(self):
+    def test_the_table_has_the_methods_that_hold_and_their_cost(self):
         chart, = self.made(held, self.fill())
-        self.assertRegex(chart.finding, r"^In 2D tower, n=10: Each method holds it\. The cheapest but catto is newton, at "
-                         r"(1\.9|2|2\.\d+) times the time of catto\. tower, n=100: newton holds it\. The cheapest is newton, at "
-                         r"1\.\d+ times the time of catto\.$")
-        self.assertEqual(chart.headline.text, "tower, n=100 in 2D is held by newton alone.")
-        self.assertTrue(math.isnan(chart.headline.values["catto"]), "what fell has no place among numbers")
+        self.assertEqual(chart.finding.headline, "Only newton holds tower, n=100 in 2D.")
+        self.assertEqual(chart.headline.text, chart.finding.headline)
+        first, second = chart.finding.rows()
+        self.assertEqual([list(row.values())[:4] for row in (first, second)], [
+            ["tower, n=10", "all methods", "", "newton"], ["tower, n=100", "newton", "catto", "newton"]])
+        self.assertRegex(first["its time over that of catto"], r"^(1\.9|2|2\.\d+) times$")
+        self.assertRegex(second["its time over that of catto"], r"^1\.\d+ times$")
+        self.assertTrue(math.isnan(chart.headline.values["catto"]), "a failed run has no number")
         texts = [text.get_text() for text in chart.figure.axes[0].texts]
         self.assertIn("C at step 115", texts)
         self.assertIn("500 nm sag", texts)
         self.assertEqual(list(chart.table["outcome"]), ["ok", "ok", "collapsed", "ok"])
 
     @undrawn.drawn
-    def test_who_has_sunk_is_told_by_how_much_and_does_not_hold(self):
-        """A box of 1 m that has sunk by 0.99 m stands on nothing."""
+    def test_a_method_that_sinks_does_not_hold_and_has_its_depth(self):
+        """A box of 1 m that has sunk by 0.99 m no longer stands."""
         def fill(maker):
             for name in ("lateral_max", "sag_end", "sunk"):
                 maker.db.execute("INSERT INTO metrics VALUES ('metric', ?, 'world', ?, '1', '', 'detail', '', '')", (name, name))
@@ -66,38 +69,42 @@ class Held(with_store.WithStore):
                             "sank" if method in SUNK else "ok", "sagged" if method in SUNK else "",
                             600 if method in SUNK else None)
         chart, = self.made(held, fill)
-        self.assertEqual(chart.finding, "In 2D mass_ratio: catto holds it. soft sinks by 5 % of the smallest body.")
+        self.assertEqual(chart.finding.headline, "Only catto holds mass_ratio in 2D.")
+        self.assertEqual(chart.finding.rows(), [{"scene": "mass_ratio", "held by": "catto", "sinks": "soft by 5 %",
+                                                 "fails": "naive"}])
         texts = [text.get_text() for text in chart.figure.axes[0].texts]
-        for words in ("S by 5 %", "held to 10 % alone", "S by 99 %", "beyond 50 %"):
+        for words in ("S by 5 %", "holds to 10 %", "S by 99 %", "beyond 50 %"):
             self.assertIn(words, texts)
         self.assertEqual(list(chart.table["held to 1 %"]), ["yes", "no", "no"])
         self.assertEqual(list(chart.table["held to 10 %"]), ["yes", "no", "yes"])
 
     @undrawn.drawn
-    def test_what_left_its_rows_to_gauss_seidel_holds_nothing(self):
+    def test_a_method_that_left_its_rows_to_gauss_seidel_holds_nothing(self):
         chart, = self.made(held, self.fill(fallbacks="newton"))
-        self.assertEqual(chart.finding, "In 2D tower, n=10: catto holds it. Not ranked: newton (62 % Gauss-Seidel). tower, "
-                         "n=100: No method holds it. Not ranked: newton (62 % Gauss-Seidel).")
+        self.assertEqual(chart.finding.headline, "In 2D 1 of 2 scenes is held by a ranked method.")
+        self.assertEqual([tuple(row.values()) for row in chart.finding.rows()], [
+            ("tower, n=10", "catto", "", "not ranked: newton (62 % Gauss-Seidel)"),
+            ("tower, n=100", "none", "catto", "not ranked: newton (62 % Gauss-Seidel)")])
         self.assertIsNone(chart.headline)
         self.assertIn("62 % Gauss-Seidel", [text.get_text() for text in chart.figure.axes[0].texts])
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
             bug, = self.made(held, self.fill(fallbacks="newton"))
-        self.assertIn("newton holds it", bug.finding, "the planted bug was not seen")
+        self.assertIn("Only newton holds", bug.finding.headline, "the planted bug was not seen")
 
     def test_methods_whose_times_are_noise_are_cheapest_together(self):
         near = {**RUNS, ("other", 10): (2.01, 1e-6), ("other", 100): (2.99, 1e-5)}
         with unittest.mock.patch.dict(RUNS, near):
             chart, = self.made(held, self.fill())
-        self.assertIn("The cheapest but catto are newton and other (not told apart), at", chart.finding)
+        self.assertEqual({row["cheapest besides catto"] for row in chart.finding.rows()}, {"newton and other (tie)"})
 
-    def test_a_chart_that_counts_what_fell_as_held_is_seen(self):
+    def test_the_planted_bug_that_a_failed_run_holds_is_seen(self):
         chart, = self.made(held, self.fill())
         right, falls.holders = falls.holders, lambda column, limit=0.01: sorted(column.index)
         self.addCleanup(setattr, falls, "holders", right)
         wrong, = self.made(held, self.fill())
-        self.assertNotEqual(wrong.finding, chart.finding)
+        self.assertNotEqual(wrong.finding.text(), chart.finding.text())
 
-    def test_it_is_made_where_a_sweep_asks_for_it(self):
+    def test_it_is_made_only_if_a_sweep_lists_it(self):
         self.assertEqual(self.made(held, self.fill(asks=False)), [held.absent])
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the report: noise over repeats, ranks over seeds. Run by ctest, or python3 reports/tests/noise_test.py. Every
-check that guards a promise is seen to fail on a planted bug."""
+"""Tests of the report: noise over repeats, ranks over seeds. Run by ctest, or python3 reports/tests/noise_test.py. Each check is
+seen to fail on a planted bug."""
 
 import math
 import random
@@ -39,7 +39,7 @@ def cell(runs, **more):
 
 
 def check_interval(interval_of):
-    """It holds the median of the distribution at least as often as it promises, whatever the distribution."""
+    """The interval contains the median with at least the promised probability, for any distribution."""
     source = random.Random(4)
     for size in (5, 8, 10):
         for draw, median in ((source.random, 0.5), (lambda: source.expovariate(1.0), math.log(2))):
@@ -51,7 +51,7 @@ def check_interval(interval_of):
 
 
 class Noise(unittest.TestCase):
-    def test_an_interval_holds_the_median(self):
+    def test_an_interval_contains_the_median(self):
         self.assertEqual(check_interval(noise.interval), "")
         quartiles = lambda values: (float(np.percentile(values, 25)), float(np.percentile(values, 75)))  # noqa: E731
         self.assertNotEqual(check_interval(quartiles), "", "quartiles were not seen")
@@ -59,7 +59,7 @@ class Noise(unittest.TestCase):
         self.assertEqual(noise.interval(range(10)), (1, 8))
         self.assertEqual([noise.certainty(n) for n in (2, 3, 4, 5, 10)], [50, 75, 87, 90, 90])
 
-    def test_a_ratio_is_told_only_beyond_the_floor_and_with_intervals_apart(self):
+    def test_a_ratio_counts_only_beyond_the_floor_and_with_disjoint_intervals(self):
         base = cell([1.0, 1.01, 1.02, 1.03, 1.04])
         for runs, least, told in (([1.5, 1.51, 1.52, 1.53, 1.54], 1.1, "1.49"), ([1.05, 1.06, 1.07, 1.08, 1.09], 1.1, "noise"),
                                   ([0.9, 1.5, 1.5, 1.5, 1.6], 1.1, "noise"), ([math.nan] * 5, 1.1, "")):
@@ -71,9 +71,9 @@ class Noise(unittest.TestCase):
         self.assertEqual(noise.said(base, cell(other, work_row_updates=700.0), COST, 1.05), "identical work")
         self.assertEqual(noise.said(base, cell(other, work_row_updates=701.0), COST, 1.05), "0.80")
         self.assertEqual(noise.said(base, {**cell(other, work_row_updates=700.0), "arithmetic": (2, "f32")}, COST, 1.05), "0.80")
-        self.assertEqual(noise.said(base, cell(other), COST, 1.05), "0.80", "nobody counted")
+        self.assertEqual(noise.said(base, cell(other), COST, 1.05), "0.80", "no work counts")
 
-    def test_too_few_repeats_are_not_called_noise(self):
+    def test_few_repeats_are_not_called_noise(self):
         few, many = cell([1.0, 1.02, 1.01]), cell([1.03, 1.02, 1.0, 1.01, 1.04])
         for a, b, least, told in ((few, few, noise.UNMEASURED, noise.FEW), (few, many, 1.1, noise.FEW),
                                   (many, many, 1.1, noise.NOISE), (many, many, noise.UNMEASURED, noise.FEW)):
@@ -92,19 +92,21 @@ class OfStores(with_store.WithStore):
         return fill
 
     def test_identical_work_is_never_a_finding(self):
-        """A scene without joints cannot be 0.81 times with joints."""
+        """A scene without joints cannot take 0.81 times the time with joints."""
         found = self.made(unneeded, self.features(1.0))[0]
-        self.assertIn("+cache 1.3", found.finding)
-        self.assertIn("identical work with +joints", found.finding)
-        self.assertIn("within the noise +friction", found.finding)
-        self.assertNotIn("0.8", found.finding)
+        rows = {row["feature"]: (row["time over that of minimal [1]"], row["remark"]) for row in found.finding.rows()}
+        self.assertRegex(found.finding.headline,
+                         r"^slope does not need \+cache, which takes 1\.\d+ times the time of minimal\.$")
+        self.assertAlmostEqual(rows.pop("+cache")[0], 1.3, delta=0.05)
+        self.assertEqual(rows, {"+joints": (None, "identical work"), "+friction": (None, "inside the noise")})
         told = found.table.set_index("run")
         self.assertTrue(math.isnan(told.loc["+joints", "ratio of time per step [1]"]))
         self.assertEqual(told.loc["+joints", "time per step: why no ratio"], "identical work")
         self.assertIn("+cache", found.headline.text)
         with unittest.mock.patch.object(noise, "same_work", lambda a, b: False):
             bad = self.made(unneeded, self.features(1.0))[0]
-        self.assertRegex(bad.finding, r"\+joints 0\.8\d", "the planted bug was not seen")
+        ratio = next(row["time over that of minimal [1]"] for row in bad.finding.rows() if row["feature"] == "+joints")
+        self.assertAlmostEqual(ratio, 0.81, delta=0.05, msg="the planted bug was not seen")
 
     def test_all_repeats_are_kept(self):
         context = self.context(self.features(1.0))
@@ -124,21 +126,26 @@ class OfStores(with_store.WithStore):
         few = context.store.cells("noisy").assign(measured=[{COST: Measured((1.0, 1.1, 1.0))}])
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
         row = chart.made(noise_floor, context)[0]
-        self.assertIn("a method differs by at most 20 % in noisy (95 of 100 cells of each)", row.finding)
+        self.assertEqual(row.finding.headline, "A method differs from itself by at most 20 % (noisy) in 95 of 100 cells.")
+        self.assertEqual([(found["sweep"], found["noise floor"], found["cells"]) for found in row.finding.rows()],
+                         [("noisy", "20 %", 1)])
         drawn = [x for line in row.figure.axes[0].lines for x in line.get_xdata()]
-        self.assertAlmostEqual(max(drawn), 20.0, msg="percent of the ratio, as in the finding")
+        self.assertAlmostEqual(max(drawn), 20.0, msg="percent, as in the finding")
         self.assertIn("noisy, 1 cell", [label.get_text() for label in row.figure.axes[0].get_yticklabels()])
 
-    def test_precisions_within_the_noise_are_said_to_be(self):
+    def test_precisions_within_the_noise_have_no_ratio(self):
         def fill(maker, ratio=1.01):
             for name in ("f64", "f32"):
                 maker.world("precision", {"scene": "stack", "dimension": 2, "resolver": "catto", "precision": name},
                             1.0 if name == "f64" else ratio, 1e-3)
-        self.assertIn("the same time within the noise", self.made(precision, fill)[0].finding)
-        found = self.made(precision, lambda maker: fill(maker, 0.5))[0]
-        self.assertRegex(found.finding, "f32 takes 0.[45]")
+        found = self.made(precision, fill)[0].finding
+        self.assertEqual(found.headline, "Steps in f32 and f64 take the same time within the noise (1 pair); no outcome differs.")
+        self.assertEqual(found.rows()[0]["remark"], "inside the noise")
+        found = self.made(precision, lambda maker: fill(maker, 0.5))[0].finding
+        self.assertRegex(found.headline, "A step in f32 takes 0.[45]")
+        self.assertAlmostEqual(found.rows()[0]["time over that of f64 [1]"], 0.5, delta=0.05)
 
-    def test_a_median_over_precisions_takes_all_pairs(self):
+    def test_a_median_over_precisions_is_that_of_all_pairs(self):
         def fill(maker):
             for scene, ratio in (("a", 0.5), ("b", 0.52), ("c", 1.0), ("d", 1.0), ("e", 0.54)):
                 for name in ("f64", "f32"):
@@ -148,11 +155,12 @@ class OfStores(with_store.WithStore):
                         ms = (ratio if name == "f32" else 1.0) * (1 + 0.01 * (repeat % 2))
                         maker.trial("precision", axes, {COST: ms, "lean": 1e-3})
         found = self.made(precision, fill)[0]
-        for text in (found.finding, found.headline.text):
-            self.assertIn("0.54 times", text)
-            self.assertRegex(text, "5 pairs.* 3 (of them )?differ beyond the noise")
+        self.assertEqual(found.finding.headline, "A step in f32 takes 0.54 times the time of one in f64 (median of 5 pairs, 3 "
+                         "beyond the noise); no outcome differs.")
+        self.assertEqual(found.headline.text, found.finding.headline)
+        self.assertEqual([row["remark"] for row in found.finding.rows()], ["", "", "", "inside the noise", "inside the noise"])
         for least in (1.1, noise.UNMEASURED):
-            self.assertIn("and the whiskers of the two are apart", noise.rule(least))
+            self.assertIn("two whiskers do not overlap", noise.rule(least))
 
     @undrawn.drawn
     def test_the_fastest_broadphases_within_the_noise_are_all_named(self):
@@ -176,8 +184,8 @@ class OfStores(with_store.WithStore):
         self.assertNotIn("wins", drawn)
         self.assertIn("faster than naive", drawn.replace("\n", " "))
 
-    def test_a_time_that_was_not_taken_is_told_as_that(self):
-        """All ten frames are warm-up: what finished has no time, and is no line and no failure."""
+    def test_a_missing_time_is_neither_a_line_nor_a_failure(self):
+        """All ten frames are warm-up: runs that finished have no time, and are neither a line nor a failure."""
         def fill(maker, time=math.nan):
             maker.sweep("boxes", "boxes", "naive", broadphase="stage")
             for method in ("naive", "widest"):
@@ -230,14 +238,15 @@ class OfStores(with_store.WithStore):
         for kind in (unneeded, cost_against_error, precision, broadphase.broadphase,
                      step_times):
             for made in chart.made(kind, context):
-                self.assertNotIn("within the noise", made.finding + (made.headline.text if made.headline else ""), made.id)
+                told = made.finding.text() + (made.headline.text if made.headline else "")
+                self.assertNotRegex(told, "(within|inside) the noise", made.id)
                 self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
-                said += made.finding
+                said += told
         self.assertGreaterEqual(said.lower().count("too few repeats"), 5, said)
 
     @staticmethod
     def two_scenes(maker, wide=0.2):
-        """One scene whose repeats agree, and one whose repeats do not, in one sweep; naive is 1.1 times as dear."""
+        """A sweep of two scenes, of which one has noisy repeats; naive takes 1.1 times the time of catto."""
         maker.sweep("costs", "world", "naive", resolver="label")
         for scene, spread in (("calm", 0.01), ("busy", wide)):
             for label, ms, error in (("naive", 1.1, 2e-3), ("catto", 1.0, 1e-3), ("soft_step", 0.5, 3e-3)):
@@ -280,13 +289,13 @@ class OfStores(with_store.WithStore):
         self.assertIn("2 % (competitor), 90 % (witness) in 95", noise.rule(least))
         self.assertEqual([noise.percent(v) for v in (1.0234, 1.9, 2.6)], ["2.3", "90", "160"])
         found = chart.made(noise_floor, context)[0]
-        self.assertIn("2 % in pairs", found.finding)
-        self.assertIn("in pairs (witness)", found.finding)
-        self.assertIn("drawn at it: marks of pairs (witness) (a factor of up to 1.9)", found.note)
+        self.assertEqual({row["sweep"]: row["noise floor"] for row in found.finding.rows()},
+                         {"pairs": "2 %", "pairs (witness)": "90 %"})
+        self.assertIn("Drawn at the edge of the first panel: marks of pairs (witness) (a factor of up to 1.9)", found.note)
         with unittest.mock.patch.object(measurements, "WIDEST", 200.0):
-            self.assertNotIn("drawn at it", chart.made(noise_floor, context)[0].note)
+            self.assertNotIn("Drawn at the edge", chart.made(noise_floor, context)[0].note)
 
-    def test_a_cell_of_few_repeats_is_not_judged_as_if_it_had_many(self):
+    def test_a_cell_of_few_repeats_is_judged_by_a_larger_floor(self):
         many = cell([1.0, 1.01, 1.02, 1.01, 1.0])
         self.assertEqual(noise.said(many, cell([1.08]), COST, 1.05), noise.FEW)
         self.assertEqual(noise.said(many, cell([2.5]), COST, 1.05), "2.48")
@@ -333,7 +342,7 @@ class OfStores(with_store.WithStore):
 
     def test_the_interval_of_a_chance_of_failure_is_wilsons(self):
         def seen(of):
-            # Wilson 1927, as other programs print them; it holds no less than 0 and no more than 1, and mirrors.
+            # Wilson 1927, as other programs print it: within 0 and 1, and symmetric.
             known = {(0, 20): (0, 0.1611), (1, 20): (0.0089, 0.2361), (10, 20): (0.2993, 0.7007), (20, 20): (0.8389, 1)}
             return [case for case, ends in known.items() if not np.allclose(of(*case), ends, atol=5e-5)]
         self.assertEqual(seen(noise.wilson), [])
@@ -341,7 +350,7 @@ class OfStores(with_store.WithStore):
         self.assertEqual(seen(lambda failed, count: (failed / count - half(failed, count), failed / count + half(failed, count))),
                          [(0, 20), (1, 20), (10, 20), (20, 20)], "the planted bug, a normal distribution, was not seen")
 
-    def test_a_headline_of_seeds_tells_each_perturbation_and_equal_states_are_no_turn(self):
+    def test_a_headline_of_seeds_has_each_perturbation_and_equal_states_tie(self):
         def fill(maker):
             maker.sweep("ensemble", "world", resolver="label", perturb="parameter")
             for perturb, errors in ((1e-6, (1e-3, 1e-3, 2e-3)), (1e-3, (3e-3, 3e-3, 2e-3))):
@@ -359,7 +368,7 @@ class OfStores(with_store.WithStore):
         for errors, alike in (([1.0, 1.0], (2, 2)), ([1.0, 2.0], (1, 1)), ([0.5, 2.0], (0, 0))):
             self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), alike)
 
-    def test_seeds_that_change_nothing_are_told(self):
+    def test_seeds_without_effect_are_reported(self):
         found = self.made(ensembles.ensembles, self.ensemble(idle=True))[0]
         self.assertIn("seeds change nothing here: all 10 end in the same state", " ".join(found.holes))
         found = self.made(ensembles.ensembles, self.ensemble())[0]
@@ -379,7 +388,7 @@ class OfStores(with_store.WithStore):
             self.assertIn(words, found[0].finding.headline)
             self.assertIn("tie" if turned else "2.0 times", row(found[0], "naive")["against the best"])
 
-    def test_errors_within_a_cost_name_the_setting_and_those_that_read_alike(self):
+    def test_errors_within_a_cost_name_the_setting_and_equal_methods(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
             for label, each, errors in (("weld", 1.0, (3e-3, 2e-3, 1e-3)), ("pivot", 0.3, (9e-3, 8e-3, 7e-3)),
@@ -395,7 +404,7 @@ class OfStores(with_store.WithStore):
         self.assertEqual([row(found, name)["against the best"] for name in ("weld", "hinge", "pivot", "rod")],
                          ["best", *["2.7 times"] * 3])
 
-    def test_slowest_steps_name_the_setting_and_who_is_not_told_apart(self):
+    def test_slowest_steps_have_the_setting_and_ties(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
             for iterations in (4, 10, 30):
@@ -406,8 +415,14 @@ class OfStores(with_store.WithStore):
                         maker.trial("costs", axes, {COST: 1.0, "ms_per_step_p99": 1.2,
                                                     "ms_per_step_worst": worst * (1 + 0.1 * (repeat % 2))})
         found = self.made(step_times, fill)[0]
-        self.assertEqual(found.finding, "In 2D at iterations=10 on stack the slowest step takes 4.1 times the median with c (4.1 "
-                         "ms, 3 of 4 alike over their repeats) and 1.5 times with a (1.5 ms).")
+        self.assertEqual(found.finding.headline, "On stack in 2D at iterations=10 the slowest step takes 4.1 times the median "
+                         "with c (4.1 ms), 1.5 times with a (1.5 ms).")
+        rows = {row["method"]: row for row in found.finding.rows()}
+        self.assertEqual({name: row["against the best"] for name, row in rows.items()},
+                         {"a": "best", "d": "2.6 times", "b": "2.7 times", "c": "2.7 times"})
+        self.assertEqual({name: row["range"] for name, row in rows.items() if name > "a"},
+                         {"b": "4 to 4.4", "c": "4.1 to 4.51", "d": "3.9 to 4.29"})
+        self.assertAlmostEqual(rows["c"]["slowest step [s]"], 4.1e-3)
 
     def test_slowest_steps_and_engines(self):
         def fill(maker):
@@ -415,8 +430,11 @@ class OfStores(with_store.WithStore):
             for label, ms in (("catto", 1.0), ("naive", 0.9), ("box2d", 0.3)):
                 maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label}, ms, 1e-3)
         found = self.made(step_times, fill)[0]
-        self.assertRegex(found.finding, r"the slowest step takes 2\.\d times the median")
-        self.assertRegex(found.finding, r"a step of box2d takes 0\.3\d times the time of our fastest, naive")
+        self.assertRegex(found.finding.headline,
+                         r"the slowest step takes 2(\.\d)?( to 2\.\d)? times the median; all methods tie\.$")
+        rows = {row["method"]: row["against the best"] for row in found.finding.rows()}
+        self.assertRegex(rows.pop("box2d"), r"^engine: 0\.3\d times the median of naive$")
+        self.assertEqual(sorted(rows.values()), ["best, tie", "tie"])
 
     def test_no_two_ticks_have_one_label(self):
         labels = [style._tick(value, "1") for value in style._ticks(math.log10(1.4e-4), math.log10(8e-4), 8)]

@@ -26,7 +26,7 @@ from charts.step_times import step_times  # noqa: E402
 
 
 def letters_one_by_one(ax, spots, **kwargs):
-    """Planted bug: what fails at one place lies on one another."""
+    """Planted bug: letters of runs that fail at one place overlap."""
     for x, y, outcome, colour in spots:
         ax.plot([x], [y], marker=style.letter(outcome), ls="none", color=colour)
 
@@ -44,7 +44,7 @@ class OverSteps(with_store.WithStore):
                 maker.world("mine", axes, 1.0, 1e-3, *failed)
 
     @undrawn.drawn
-    def test_runs_that_fail_at_one_place_are_one_letter_with_their_number(self):
+    def test_runs_that_fail_at_one_place_share_a_letter_with_their_number(self):
         for kind in (energy, residual, steadiness):
             figure = self.made(kind, self.two_that_fail_alike)[0].figure
             self.assertEqual(overlap.overlaps(figure), ([], []), kind.name)
@@ -54,7 +54,7 @@ class OverSteps(with_store.WithStore):
             figure = self.made(energy, self.two_that_fail_alike)[0].figure
         self.assertNotEqual(overlap.overlaps(figure)[0], [], "the planted bug was not seen")
 
-    def test_a_chart_that_is_asked_for_says_what_is_missing_and_not_what_is_there(self):
+    def test_a_listed_chart_names_only_what_is_missing(self):
         def fill(maker):
             maker.sweep("mine", "world", resolver="label", iterations="setting",
                         report=["steadiness", "residual", "energy", "ensembles", "broadphase"])
@@ -66,9 +66,9 @@ class OverSteps(with_store.WithStore):
         for kind in (steadiness, residual, energy):
             found = self.made(kind, fill)
             self.assertEqual([c.figure for c in found], [None])
-            self.assertIn("The `report` of mine lists this chart", found[0].finding.headline)
+            self.assertEqual(found[0].finding.headline, "The `report` of mine lists this chart, but the sweep lacks its data.")
             self.assertTrue(found[0].holes[0].startswith("The chart needs one seed"), found[0].holes)
-            self.assertNotIn("trials of kind world", found[0].holes[0], "it has these")
+            self.assertNotIn("trials of kind world", found[0].holes[0], "the sweep has these")
         self.assertIn("trials of kind boxes", self.made(broadphase, fill)[0].holes[0])
         self.assertIsNotNone(self.made(ensembles, fill)[0].figure)
 
@@ -83,7 +83,7 @@ class OverSteps(with_store.WithStore):
                         maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2}[label])
         found = self.made(steadiness, fill)[0]
         self.assertEqual(set(found.table["scene"]), {"A", "B"}, "B has no 30 iterations and vanished")
-        self.assertIn("; on B the last quarter", found.finding)
+        self.assertEqual({row["scene"] for row in found.finding.rows()}, {"A", "B"})
         self.assertEqual(overlap.overlaps(found.figure), ([], []))
         self.assertEqual([len(ax.lines) for ax in found.figure.axes], [2, 2, 1, 1], "equal contacts are one line")
 
@@ -97,11 +97,11 @@ class OverSteps(with_store.WithStore):
         for kind in (steadiness, energy, step_times):
             found = self.made(kind, fill)[0]
             self.assertEqual(set(found.table["method"]), {"catto", "direct_lcp", "naive"}, kind.name)
-            self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", found.finding)
-        self.assertIn("calmest with direct_lcp", self.made(steadiness, fill)[0].finding)
+            self.assertIn("at iterations=10", found.finding.headline)
+        self.assertIn("direct_lcp is calmest", self.made(steadiness, fill)[0].finding.headline)
 
-    def test_a_store_that_tells_settings_is_not_guessed_at(self):
-        """naive has one value of the setting that it has; direct_lcp has none, and no axis says so in its place."""
+    def test_a_store_with_settings_needs_no_guess(self):
+        """naive has one value of its setting; direct_lcp has no setting, and so no axis."""
         def fill(maker, told=True):
             maker.sweep("mine", "world", resolver="label", iterations="setting", **({"settings_told": True} if told else {}))
             for label, settings in (("catto", (4, 10, 30)), ("naive", (10,)), ("direct_lcp", (None,) if told else (4,))):
@@ -109,13 +109,13 @@ class OverSteps(with_store.WithStore):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label}
                     axes |= {} if iterations is None else {"iterations": iterations}
                     maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2, "direct_lcp": 0.05}[label])
-        for kind in (steadiness, energy, step_times):
-            self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", self.made(kind, fill)[0].finding)
+        for kind in (steadiness, step_times):
+            self.assertIn("Without iterations: direct_lcp.", self.made(kind, fill)[0].note)
             older = self.made(kind, lambda maker: fill(maker, False))[0]
-            self.assertIn("(direct_lcp and naive have none)", older.finding, "the planted guess was not seen")
+            self.assertIn("Without iterations: direct_lcp and naive.", older.note, "the planted guess was not seen")
         for kind in (residual, error_within_budgets, cost_against_error, over_time, momenta):
             for made in self.made(kind, fill):
-                self.assertNotIn("nan", f"{made.finding} {made.note}", kind.name)
+                self.assertNotIn("nan", f"{made.finding.text()} {made.note}", kind.name)
 
 
 if __name__ == "__main__":

@@ -41,16 +41,16 @@ class OverTime(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
-    def test_who_falls_and_who_stands(self):
+    def test_the_finding_has_the_methods_that_fall_and_that_stand(self):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding, "In 2D on falling_stack with naive+linear half of the height is lost at step 100; with "
-                         "catto+linear and catto+ngs it stands, and no body is turned by more than 0.01 rad in the end. That a "
-                         "position method which turns no body (linear) makes piles fall is not borne by this scene: under catto "
-                         "linear and ngs stand.")
-        self.assertEqual(made.headline.text, "On falling_stack in 2D a pile falls with naive+linear and stands with catto+linear "
-                                             "and catto+ngs.")
+        self.assertEqual(made.finding.headline, "On falling_stack in 2D the pile falls with naive+linear; it stands with "
+                         "catto+linear and catto+ngs.")
+        self.assertEqual([tuple(row.values()) for row in made.finding.rows()], [
+            ("catto+linear", "never", 0.01), ("catto+ngs", "never", 0.01), ("naive+linear", "100", 1.5)])
+        self.assertIn("is not confirmed by this scene", made.note)
+        self.assertEqual(made.headline.text, made.finding.headline)
         self.assertEqual(list(made.table["height at the end [m]"]), [10.0, 10.0, 2.0])
 
     def test_the_planted_bug_half_is_half(self):
@@ -62,17 +62,21 @@ class OverTime(with_store.WithStore):
         finally:
             standing.LOST = real
 
-    def test_what_the_report_says_of_linear_is_borne_or_not(self):
-        said = lambda **falls: self.one(falls={name.replace("_", "+"): at for name, at in falls.items()}).finding  # noqa: E731
-        self.assertIn("is borne by this scene: under catto linear falls at step 50 and ngs stands.",
-                      said(catto_linear=50, catto_ngs=None))
-        self.assertIn("is not borne by this scene: under naive linear falls at step 90 and ngs falls at step 50.",
-                      said(naive_linear=90, naive_ngs=50))
-        self.assertIn("is borne in part by", said(naive_linear=90, naive_ngs=50, catto_linear=50, catto_ngs=None))
-        self.assertNotIn("this scene", said(catto_ngs=None, catto_nonlinear=None))
+    def test_the_claim_of_2009_on_linear_is_confirmed_or_not(self):
+        made = lambda **falls: self.one(falls={name.replace("_", "+"): at for name, at in falls.items()})  # noqa: E731
+        rows = lambda found: {row["method"]: row["half of the height lost at step"] for row in found.finding.rows()}  # noqa: E731
+        found = made(catto_linear=50, catto_ngs=None)
+        self.assertIn("is confirmed by this scene", found.note)
+        self.assertEqual(rows(found), {"catto+ngs": "never", "catto+linear": "50"})
+        found = made(naive_linear=90, naive_ngs=50)
+        self.assertIn("is not confirmed by this scene", found.note)
+        self.assertEqual(rows(found), {"naive+linear": "90", "naive+ngs": "50"})
+        self.assertIn("is confirmed under catto only by",
+                      made(naive_linear=90, naive_ngs=50, catto_linear=50, catto_ngs=None).note)
+        self.assertNotIn("this scene", made(catto_ngs=None, catto_nonlinear=None).note)
 
     @undrawn.drawn
-    def test_the_planted_bug_curves_apart_are_no_one_line(self):
+    def test_the_planted_bug_that_draws_distant_curves_as_one_line(self):
         def drawn(apart):
             made = self.made(over_time, self.piles(falls={"catto+linear": None, "catto+ngs": None}, apart=apart))[0]
             return len([line for line in made.figure.axes[0].lines])
@@ -83,7 +87,7 @@ class OverTime(with_store.WithStore):
         finally:
             standing.SEEN = real
 
-    def test_where_all_stand_there_is_no_headline(self):
+    def test_if_all_stand_there_is_no_headline(self):
         self.assertIsNone(self.one(falls={"catto+linear": None, "catto+ngs": None}).headline)
 
     def test_only_where_a_sweep_asks(self):

@@ -263,7 +263,9 @@ class Words(undrawn.Undrawn):
             maker.plan("s", kind="world", n=9)
             maker.close()
             made = coverage_of_plan.make(chart.Context(load.Store(Path(folder) / "s.db")))[0]
-        self.assertIn("2 of 4 planned trials ran, 1 of them ok; not ok: 1 unsupported, 1 collapsed and 1 not run.", made.finding)
+        self.assertEqual(made.finding.headline, "2 of 4 planned trials ran, 1 of them ok.")
+        self.assertEqual({row["outcome"]: (row["trials"], row["share"]) for row in made.finding.rows()}, dict.fromkeys(
+            ("ok", "unsupported", "collapsed", "not run"), (1, "25 %")))
         self.assertIn("2 of 4", [text.get_text() for text in made.figure.axes[0].texts])
         style.plt.close(made.figure)
 
@@ -322,8 +324,8 @@ class WholeReport(unittest.TestCase):
 
     def test_a_ratio_of_one_is_not_told(self):
         for made in self.charts:
-            told = made.finding + (made.headline.text if made.headline is not None else "")
-            self.assertNotRegex(told, r"\b1(\.0+)? times\b", made.id)
+            told = made.finding.text() + (made.headline.text if made.headline is not None else "")
+            self.assertNotRegex(told, r"(?<![\d.,])1(\.0+)? times\b", made.id)
 
     def test_every_small_chart_names_its_quantity(self):
         self.assertEqual([c.id for c in self.charts if c.headline is not None and not c.headline.quantity], [])
@@ -332,7 +334,7 @@ class WholeReport(unittest.TestCase):
         many = re.compile(r"(?<![\d.,])1 (?!is\b|has\b|times\b|s\b|ms\b)[a-z]{3,}s\b")
         self.assertRegex("planted: 1 of 1 cells", many)
         for made in self.charts:
-            texts = [made.finding, made.note, *made.holes, made.headline.text if made.headline is not None else ""]
+            texts = [made.finding.text(), made.note, *made.holes, made.headline.text if made.headline is not None else ""]
             if made.figure is not None:
                 texts += [text.get_text() for text in made.figure.findobj(matplotlib.text.Text)]
             for text in texts:
@@ -366,7 +368,8 @@ class WholeReport(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             pages.write_charts(self.store, [made], Path(folder))
             read = json.loads((Path(folder) / "tables" / "coverage.json").read_text(encoding="utf-8"))
-        self.assertEqual((read["id"], read["finding"], read["store"]), ("coverage", made.finding, "store.db"))
+        self.assertEqual((read["id"], read["finding"], read["store"]), ("coverage", made.finding.headline, "store.db"))
+        self.assertEqual(read["found"], made.finding.rows())
         for name in ("first_trial", "last_trial"):
             self.assertRegex(read[name], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
 

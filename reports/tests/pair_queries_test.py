@@ -166,33 +166,39 @@ class PairQueries(undrawn.Undrawn):
 
 
 class OneTiming(undrawn.Undrawn):
-    """Of the ledger: a time has no repeats, so that no floor can be measured."""
+    """Times of the ledger have no repeats, so no noise floor is measured."""
 
     def rows(self, *of_methods):
-        """Of one pair of shapes: (method, role, ns a question, share that failed)."""
+        """`of_methods`: for each pair of shapes [(method, role, ns per question, share that failed)]."""
         return pd.DataFrame([{"pair": pair, "method": method, "role": role, "time": ns, "share": share, "max_error": 1e-16}
                              for pair, found in zip("abcdefg", of_methods) for method, role, ns, share in found])
 
     def finding(self, *of_methods):
         return ledger._cost_finding(self.rows(*of_methods), 3, "f64")
 
-    def test_only_what_is_beyond_a_factor_of_two_is_told(self):
+    def test_only_a_ratio_beyond_two_makes_a_method_the_fastest(self):
         ours = lambda sat, gjk: [("sat", "competitor", sat, 0.0), ("gjk_epa", "competitor", gjk, 0.0)]  # noqa: E731
-        said = self.finding(ours(100, 150), ours(100, 250), ours(180, 100), ours(300, 100))
-        self.assertIn("by one timing of each, so that only ratios beyond 2 are told: of 4 pairs of shapes, on 2 the fastest "
-                      "without one is gjk_epa (1) and sat (1) and on 2 several are within 2 times the fastest", said)
+        four = (ours(100, 150), ours(100, 250), ours(180, 100), ours(300, 100))
+        found = self.finding(*four)
+        self.assertEqual(found.headline, "In 3D, f64, of 4 pairs of shapes, gjk_epa is the fastest without a failure on 1 and "
+                         "several methods are within 2 times the fastest on 2.")
+        counts = lambda found: {row["method"]: row["fastest on"] for row in found.rows()}  # noqa: E731
+        self.assertEqual(counts(found), {"gjk_epa": 1, "sat": 1})
+        self.assertEqual([row["within 2 times the fastest on"] for row in found.rows()], [2, 2])
         with unittest.mock.patch.object(noise, "UNMEASURED", 1.0):
-            self.assertIn("gjk_epa (2) and sat (2)", self.finding(ours(100, 150), ours(100, 250), ours(180, 100), ours(300, 100)),
-                          "the planted bug: every difference counts")
+            self.assertEqual(counts(self.finding(*four)), {"gjk_epa": 2, "sat": 2}, "the planted bug: every difference counts")
 
-    def test_rivals_count_where_they_do_not_fail(self):
+    def test_witnesses_compete_only_where_they_do_not_fail(self):
         fast = lambda share: [("sat", "competitor", 100, 0.0), ("gjk_epa", "competitor", 300, 0.0),  # noqa: E731
                               ("bullet", "witness", 20, share)]
-        self.assertIn("the fastest without one is bullet; a witness is among the fastest on 1", self.finding(fast(0.0)))
-        self.assertIn("the fastest without one is sat; no witness is among the fastest", self.finding(fast(0.1)))
+        self.assertIn("bullet is the fastest without a failure on 1", self.finding(fast(0.0)).headline)
+        found = self.finding(fast(0.1))
+        self.assertIn("sat is the fastest without a failure on 1", found.headline)
+        self.assertEqual([row["fails on some questions of"] for row in found.rows() if row["method"] == "bullet"], [1])
 
-    def test_who_has_no_rival_is_not_called_the_fastest(self):
-        self.assertIn("of 1 pair of shapes, on 1 gjk_epa alone has no failure", self.finding([("gjk_epa", "competitor", 1, 0.0)]))
+    def test_a_method_without_a_rival_is_not_called_the_fastest(self):
+        self.assertEqual(self.finding([("gjk_epa", "competitor", 1, 0.0)]).headline,
+                         "In 3D, f64, of 1 pair of shapes, gjk_epa alone has no failure on 1.")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of what all charts that rank have in common: intervals over seeds, ties, and who has no rank. Run by ctest, or
+"""Tests of the rules of all charts that rank: intervals over seeds, ties, and methods without a rank. Run by ctest, or
 python3 reports/tests/ranking_test.py."""
 
 import itertools
@@ -27,13 +27,13 @@ from with_store import row  # noqa: E402
 
 
 def cell(*values):
-    """One method under seeds 1, 2, ...; a NaN failed."""
+    """One method under seeds 1, 2, ...; NaN is a failure."""
     return {"e": values[0], measured.MEASURED: {"e": Measured(seeds=tuple(values))}, "seeds": list(range(1, len(values) + 1)),
             "outcome": "ok"}
 
 
 def false_ranks(better, methods=5, seeds=20, trials=400):
-    """How often one rank or more is told among methods that are alike: every seed moves all of them, and each a little."""
+    """How often at least one difference is reported among equal methods: each seed shifts all of them, and each method a little."""
     source, told = random.Random(9), 0
     many = ranking.comparisons(methods)
     for _ in range(trials):
@@ -45,11 +45,11 @@ def false_ranks(better, methods=5, seeds=20, trials=400):
 
 class Intervals(unittest.TestCase):
     def test_what_an_interval_leaves_out_is_the_binomial_distribution(self):
-        # Tables of the sign test: the largest count that is significant at 5 % on both sides (Dixon and Mood 1946).
+        # Tables of the sign test: the largest count that is significant at 5 %, two-sided (Dixon and Mood 1946).
         known = {5: -1, 6: 0, 8: 0, 9: 1, 11: 1, 12: 2, 15: 3, 17: 4, 20: 5, 25: 7, 30: 9}
         self.assertEqual({count: ranking.left_out(count) for count in known}, known)
         self.assertEqual([ranking.fewest(many) for many in (1, 10, 105, 210)], [6, 9, 13, 14])
-        # Of 210 pairs, those of 21 methods: 2 * 21 / 2^20 is below 0.05 / 210, and 2 * 211 / 2^20 is not.
+        # 210 pairs of 21 methods: 2 * 21 / 2^20 is below 0.05 / 210, and 2 * 211 / 2^20 is not.
         self.assertEqual([ranking.left_out(ranking.ENOUGH, many) for many in (124, 125, 210)], [2, 1, 1])
         self.assertEqual(ranking.interval(range(20)), (5, 14))
         self.assertEqual(ranking.interval(range(5)), (-math.inf, math.inf))
@@ -62,8 +62,8 @@ class Intervals(unittest.TestCase):
         for value in ranking.ratio(a, b, "e"):
             self.assertAlmostEqual(value, 1.01)
         turned = cell(*reversed([1.01 * v for v in starts]))
-        self.assertFalse(ranking.better(a, {**turned, "seeds": a["seeds"]}, "e"), "unpaired they are one another's noise")
-        self.assertTrue(ranking.better(a, {**turned, "seeds": a["seeds"][::-1]}, "e"), "a pair has one seed, not one place")
+        self.assertFalse(ranking.better(a, {**turned, "seeds": a["seeds"]}, "e"), "unpaired, the seeds are noise")
+        self.assertTrue(ranking.better(a, {**turned, "seeds": a["seeds"][::-1]}, "e"), "pairs have equal seeds, not equal positions")
 
     def test_zeros_and_failures_are_ends_of_the_scale(self):
         nan = math.nan
@@ -74,20 +74,20 @@ class Intervals(unittest.TestCase):
         self.assertEqual(ranking.ratio(cell(*[1.0] * 20), cell(*[nan] * 20), "e"), (math.inf, math.inf, math.inf))
         self.assertEqual(ranking.ratio(cell(*[0.0] * 20), cell(*[0.0] * 20), "e"), (1, 1, 1))
 
-    def test_so_few_seeds_tell_nothing_and_one_start_is_no_sample(self):
+    def test_few_seeds_decide_nothing_and_one_seed_is_no_sample(self):
         self.assertFalse(ranking.better(cell(*[1.0] * 5), cell(*[9.0] * 5), "e"))
         self.assertTrue(ranking.better(cell(*[1.0] * 6), cell(*[9.0] * 6), "e"))
         self.assertFalse(ranking.better(cell(*[1.0] * 6), cell(*[9.0] * 6), "e", many=3))
         self.assertTrue(ranking.better(cell(1.0), cell(9.0), "e"))
-        self.assertIn("One start: an order", ranking.rule(1, 4))
-        self.assertIn("5 seeds tell nothing of 6 pairs, which takes 8", ranking.rule(5, 4))
-        self.assertIn("under 19 seeds", ranking.rule(20, 21))
+        self.assertIn("One seed: this is an order", ranking.rule(1, 4))
+        self.assertIn("5 seeds cannot decide 6 pairs, which takes 8", ranking.rule(5, 4))
+        self.assertIn("under 19 of 20 seeds", ranking.rule(20, 21))
         self.assertIn("for up to 6 pairs together", ranking.rule(20, 2, 4), "two budgets")
         self.assertEqual(ranking.rule(20, 1), "Fewer than two methods have a rank here.")
 
-    def test_methods_that_are_alike_are_ranked_in_five_of_a_hundred_at_most(self):
+    def test_equal_methods_are_ranked_in_at_most_five_percent(self):
         self.assertLessEqual(false_ranks(ranking.better), 0.05)
-        # The planted bugs: pairs as if each were alone, and medians without an interval.
+        # Planted bugs: each pair at the full level, and medians without an interval.
         self.assertGreater(false_ranks(lambda a, b, metric, many: ranking.better(a, b, metric)), 0.1)
         self.assertGreater(false_ranks(lambda a, b, metric, many: measured.seeds(a, "e")[0] < b["e"], trials=20), 0.5)
 
@@ -98,7 +98,7 @@ METHODS = {"catto": 3e-3, "admm": 1e-3, "naive": 4e-3, "box2d": 5e-4}
 class WithoutRank(with_store.WithStore):
     @staticmethod
     def sweep(fallbacks=400.0, about=None, precision="f32", start=0.0, **roles):
-        """admm leaves rows to Gauss-Seidel; box2d, the best, computes in f32."""
+        """admm leaves rows to Gauss-Seidel; box2d, the best method, is in f32."""
         def fill(maker):
             maker.sweep("mine", resolver="label", iterations="setting", perturb="parameter",
                         **({"calibrate": about, "budget": "run"} if about else {}), **roles)
@@ -132,7 +132,7 @@ class WithoutRank(with_store.WithStore):
         found[equal_cost] = self.made(equal_cost, self.sweep(about=self.CALIBRATED, **more))
         return {kind.name: made for kind, (made, *_) in found.items()}
 
-    def test_what_others_have_computed_and_what_has_other_digits_has_no_rank(self):
+    def test_fallbacks_and_other_precisions_have_no_rank(self):
         for name, made in self.all_charts().items():
             with self.subTest(name):
                 self.assertRegex(made.finding.text(), "not ranked: 80 % Gauss-Seidel")
@@ -144,24 +144,24 @@ class WithoutRank(with_store.WithStore):
                 if made.headline:
                     self.assertTrue(all(made.headline.values.get(m) != made.headline.values[m] for m in ("admm", "box2d")
                                         if m in made.headline.values), "no number that ranks")
-        # Where nothing is left and all have the same digits, all have a rank.
+        # Without fallbacks and in one precision, all methods have a rank.
         for name, made in self.all_charts(fallbacks=0.0, precision="f64").items():
             with self.subTest(name):
                 self.assertNotIn("not ranked", made.finding.text())
                 self.assertNotIn("Gauss-Seidel", made.finding.text())
                 self.assertIn("box2d", made.finding.headline)
-        # The planted bug: whoever has a number has a rank.
+        # Planted bug: every method with a number has a rank.
         with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
             for name, made in self.all_charts().items():
                 self.assertNotIn("Gauss-Seidel", made.finding.text(), name)
                 self.assertIn("box2d", made.finding.headline, name)
 
-    def test_the_pairs_of_a_note_are_those_of_methods_that_have_a_rank(self):
+    def test_the_note_counts_pairs_of_ranked_methods(self):
         for about, pairs in (({}, "1 pair"), ({"fallbacks": 0.0, "precision": "f64"}, "6 pairs")):
             for name, made in self.all_charts(**about).items():
                 self.assertIn(f"with 95 % for {pairs} together", made.note, name)
 
-    def test_an_overlap_at_the_start_ranks_nobody(self):
+    def test_a_penetration_at_the_start_prevents_ranks(self):
         for start, words in ((1.5e-3, "no method has a rank: bodies overlap by up to 1.5 mm at the start"),
                              (1e-9, "catto has the smallest penetration")):
             made = self.made(ensembles.ensembles, self.sweep(start=start))[0]
@@ -174,8 +174,8 @@ class WithoutRank(with_store.WithStore):
             self.assertIn("catto has", self.made(ensembles.ensembles, self.sweep(start=1.5e-3))[0].finding.headline,
                           "the planted bug was not seen")
 
-    def test_what_a_method_keeps_on_purpose_is_told_apart(self):
-        """The raw depth ranks; beyond the slop another may be first."""
+    def test_the_depth_beyond_the_slop_has_its_own_column(self):
+        """The raw depth ranks; another method may be best beyond the slop."""
         def fill(maker):
             maker.sweep("mine", resolver="label", perturb="parameter")
             for name, error, slop in (("catto", 6e-3, 0.005), ("naive", 3e-3, 0.0)):
@@ -189,21 +189,21 @@ class WithoutRank(with_store.WithStore):
         found = row(made, "catto")
         self.assertEqual((found["penetration beyond the slop, median"], found["beyond the slop"]), ("1.06 mm", "best"))
         self.assertEqual(row(made, "naive")["beyond the slop"], "")
-        self.assertIn("What ranks is raw: largest penetration. Beyond the slop", made.note)
+        self.assertIn("Ranks use the raw depth, largest penetration;", made.note)
         self.assertIn("penetration beyond the slop, median [m]", made.table)
 
-    def test_air_that_goes_with_the_perturbation_names_no_place(self):
+    def test_a_gap_that_follows_the_perturbation_names_no_place(self):
         cells = pd.DataFrame({"gap": [4e-6, 4e-3, 4e-6], "perturb": [1e-6, 1e-3, 1e-6], "n": [5, 5, 10]})
         self.assertEqual(ensembles.telling(cells, ["gap", "n", "perturb"]), ["perturb", "n"])
         self.assertEqual(ensembles.telling(cells, []), [])
 
-    def test_names_have_what_keeps_them_from_a_rank(self):
+    def test_names_have_the_reason_without_a_rank(self):
         context = self.context(self.sweep())
         found = ranking.names(context, context.cells("mine"))
         self.assertEqual(found, {"catto": "catto", "admm": "admm (80 % Gauss-Seidel)", "naive": "naive",
                                  "box2d": "box2d (engine, f32 among f64)"})
 
-    def test_rows_of_joints_are_not_known(self):
+    def test_the_share_of_rows_is_unknown_with_joints(self):
         context = self.context(self.sweep())
         cells = context.cells("mine").assign(joint_error_max=1e-3)
         self.assertEqual(ranking.names(context, cells)["admm"], "admm (rows by Gauss-Seidel)")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the report: nothing vanishes, findings follow the data, charts are readable. Run by ctest, or
-python3 reports/tests/reports_test.py. Every check that guards a promise is seen to fail on a planted bug."""
+"""Tests of the report: no cell is lost, findings follow the data, charts are readable. Run by ctest, or
+python3 reports/tests/reports_test.py. Each check is seen to fail on a planted bug."""
 
 import itertools
 import math
@@ -82,12 +82,12 @@ def check_crossover(crossover_of):
 
 
 def pareto_without_zero(cost, error):
-    """Planted bug: `if not x or not y: continue`, which ann-benchmarks has, drops what costs or errs exactly 0."""
+    """Planted bug, as in ann-benchmarks: `if not x or not y: continue` drops points with a cost or error of exactly 0."""
     return [i for i in metrics.pareto(cost, error) if cost[i] and error[i]]
 
 
 def first_crossing(n, a, b):
-    """Planted bug: the first sign change, though the methods cross again."""
+    """Planted bug: the first crossing, though the methods cross again."""
     for i in range(len(n) - 1):
         if a[i] <= b[i] and a[i + 1] > b[i + 1]:
             return metrics.crossover(n[i:i + 2], a[i:i + 2], b[i:i + 2])
@@ -107,12 +107,12 @@ def check_median(median_of):
 
 
 def median_without_zero(histogram):
-    """Planted bug: exact answers are left out, and the median of an exact method is that of its worst answers."""
+    """Planted bug: without exact answers, the median of an exact method is that of its worst answers."""
     return ledger.median_error({name: count for name, count in histogram.items() if name != "zero"})
 
 
 def check_ledger(questions, by_method_of):
-    """Every question to every method is in the summary, under one of the ways in which it can end."""
+    """Each question to each method is in the summary, under exactly one result."""
     rows = questions[questions["axis"] == "all"]
     summary = by_method_of(rows)
     for method, part in rows.groupby("method"):
@@ -124,7 +124,7 @@ def check_ledger(questions, by_method_of):
 
 
 def check_clean(questions, clean_of):
-    """A ledger is wholly in the matrix or not at all, and it is there if nothing failed."""
+    """The matrix has all rows of a ledger without a failure, and none of the others."""
     kept = clean_of(questions)
     for parts, part in questions.groupby(ledger.PARTS):
         inside = kept.index.isin(part.index).sum()
@@ -134,12 +134,12 @@ def check_clean(questions, clean_of):
 
 
 def with_failures(questions):
-    """Planted bug: the rows of clean methods stand in the matrix though others of their ledger failed."""
+    """Planted bug: the matrix has the clean methods of a ledger in which others failed."""
     return questions[questions["wrong"] == 0]
 
 
 def only_with_an_error(rows):
-    """Planted bug: a method that refused or failed everywhere has no error, and with it no row."""
+    """Planted bug: a method that refused or failed everywhere has no error, and so loses its row."""
     return ledger.by_method(rows.dropna(subset=["max_error"]))
 
 
@@ -245,7 +245,7 @@ class Loading(WithStore):
             self.assertEqual(store.superseded, 1)
             self.assertEqual(list(store.cells("resolvers")["max_penetration"]), [2.0])
             made = coverage_of_plan.make(chart.Context(store))[0]
-            self.assertIn("1 older plan of the same cells", made.finding)
+            self.assertIn("1 older plan of the same cells", made.note)
             style.plt.close(made.figure)
 
     def test_one_name_is_one_metric(self):
@@ -297,42 +297,49 @@ class Findings(WithStore):
         self.assertEqual(check_ledger(questions, ledger.by_method), "")
         self.assertNotEqual(check_ledger(questions, only_with_an_error), "", "the planted bug was not seen")
 
-    def test_failures_on_the_right_side_say_so(self):
+    def test_failures_on_the_right_side_have_a_remark(self):
         rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64'")
         rows = rows[rows["method"] == "gjk_epa"]
         some = rows.assign(wrong=rows["asked"] // 4, agree=rows["agree"] - rows["asked"] // 4)
-        said = ledger.finding("pair_query", 3, "f64", some[some["axis"] == "all"])
-        self.assertIn("gjk_epa fails on 25% (never by a wrong yes or no)", said)
-        said = ledger.finding("pair_query", 3, "f64", some[some["axis"] == "all"].assign(wrong_side=1))
-        self.assertIn("gjk_epa fails on 25%.", said)
+        some = some[some["axis"] == "all"]
+        found = ledger.finding("pair_query", 3, "f64", some)
+        self.assertIn("of LPC's pair queries only gjk_epa fails, on 25% of its questions.", found.headline)
+        self.assertEqual([row["remark"] for row in found.rows()], ["no wrong yes or no"])
+        found = ledger.finding("pair_query", 3, "f64", some.assign(wrong_side=1))
+        self.assertNotIn("remark", found.table)
 
-    def test_shares_are_of_different_questions(self):
+    def test_the_parts_of_a_share_are_different_questions(self):
         rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64' and axis == 'all'")
 
         def of(method, **more):
-            return ledger._of(ledger.by_method(rows[rows["method"] == method].assign(**more)).iloc[0])
-        self.assertEqual(of("libccd_mpr", wrong=4000, refused=3000), "35% (20% wrong + 15% refused)")
-        self.assertEqual(of("fcl_libccd", wrong=5000, refused=0, crashed=200), "26% (25% wrong + 1% without an answer)")
-        self.assertEqual(of("libccd_gjk", wrong=1000), "5%")
+            row, = ledger.finding("pair_query", 3, "f64", rows[rows["method"] == method].assign(**more)).rows()
+            return [row.get(name) for name in ("fails", "wrong", "refused", "other without an answer")]
+        self.assertEqual(of("libccd_mpr", wrong=4000, refused=3000), ["35%", "20%", "15%", None])
+        self.assertEqual(of("fcl_libccd", wrong=5000, refused=0, crashed=200), ["26%", "25%", None, "1%"])
+        self.assertEqual(of("libccd_gjk", wrong=1000), ["5%", "5%", None, None])
 
-    def test_who_computes_in_single_precision_is_named_in_the_ledger(self):
+    def test_methods_in_single_precision_are_named_in_the_note_of_a_ledger(self):
         rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64' and axis == 'all'")
         coarser = rows.assign(judged=["f32" if method == "libccd_gjk" else "f64" for method in rows["method"]])
-        self.assertIn("at 1e-12 of the size (libccd_gjk, in single precision, at 1e-5 of the size), ",
-                      ledger.finding("pair_query", 3, "f64", coarser))
-        self.assertIn("at 1e-12 of the size, ", ledger.finding("pair_query", 3, "f64", rows))
+        note = lambda part: ledger._heat_map(self.context, part, "pair_query", 3, "f64").note  # noqa: E731
+        self.assertIn("Tolerance: 1e-12 of the size (libccd_gjk, in single precision, at 1e-5 of the size). ", note(coarser))
+        self.assertIn("Tolerance: 1e-12 of the size. ", note(rows))
 
-    def test_who_fails_is_named_with_the_share(self):
+    def test_failing_methods_have_their_shares(self):
         made = {c.id: c for c in ledger.ledger.make(self.context)}
         solid = made["ledger_pair_query_3d_f64"]
-        self.assertNotIn("ledger_pair_query_2d_f64", made, "what never failed has no heat map")
-        self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
-        self.assertIn("of the 8 witnesses bullet_box_box fails most often, on 100% (all of them refused) of its questions",
-                      solid.finding)
-        # One that is asked at another tolerance, too, is one witness.
+        self.assertNotIn("ledger_pair_query_2d_f64", made, "a ledger without a failure has no heat map")
+        self.assertEqual(solid.finding.headline, "In 3D, f64, none of LPC's pair queries fails on any of 520,000 questions; of 8 "
+                         "witnesses, bullet_box_box fails most, on 100%.")
+        rows = {row["method"]: row for row in solid.finding.rows()}
+        self.assertEqual([rows["bullet_box_box"][name] for name in ("role", "fails", "wrong", "refused")],
+                         ["witness", "100%", "", "100%"])
+        clean = next(row for row in solid.finding.rows() if row["role"] == "LPC")
+        self.assertEqual((clean["questions"], clean["fails"]), (520000, "0"))
+        # A witness with a second tolerance counts once.
         rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64'")
         twice = pd.concat([rows, rows[rows["method"] == "libccd_mpr"].assign(method="libccd_mpr{tolerance=1e-14}")])
-        self.assertIn("of the 8 witnesses (in 9 settings) bullet_box_box", ledger.finding("pair_query", 3, "f64", twice))
+        self.assertIn("of 8 witnesses in 9 settings, bullet_box_box", ledger.finding("pair_query", 3, "f64", twice).headline)
         numbers = solid.table.set_index("method")
         self.assertEqual(numbers.loc["fcl_libccd", "crashed"], 4 * 200)
         self.assertEqual(numbers.loc["closed_form", "median error [1]"], 0.0)
@@ -345,7 +352,7 @@ class Findings(WithStore):
         for c in made.values():
             style.plt.close(c.figure)
 
-    def test_ledgers_without_a_failure_share_a_matrix_and_lose_no_question(self):
+    def test_ledgers_without_a_failure_share_a_matrix_with_all_questions(self):
         questions = self.store.ledger()
         self.assertEqual(check_clean(questions, ledger.clean), "")
         self.assertNotEqual(check_clean(questions, with_failures), "", "the planted bug was not seen")
@@ -353,18 +360,20 @@ class Findings(WithStore):
         failing = (questions["stage"] == "pair_query") & (questions["dimension"] == 3)
         everything = questions[(questions["axis"] == "all") & ~failing]
         asked = everything["asked"].sum()
-        self.assertIn(f"Nothing fails in 2 ledgers: broadphases 3D f64 and pair queries 2D f64; {asked:,} questions to 3 "
-                      "methods.",
-                      made.finding)
+        self.assertEqual(made.finding.headline, f"Nothing fails in 2 ledgers: {asked:,} questions to 3 methods.")
+        self.assertEqual([list(row.values())[:2] for row in made.finding.rows()], [["broadphases", "3D f64"],
+                                                                                   ["pair queries", "2D f64"]])
+        self.assertEqual(sum(row["questions"] for row in made.finding.rows()), asked)
         queries = made.table[made.table["stage"] == "pair_query"]["asked"].sum()
         self.assertEqual(queries, everything[everything["stage"] == "pair_query"]["asked"].sum())
         style.plt.close(made.figure)
 
-    def test_what_falls_first_and_what_has_no_result_beyond(self):
+    def test_ladders_have_the_first_failure_and_missing_results(self):
         made = chart.made(breaking_points, self.context)
-        text = " ".join(c.finding for c in made)
-        self.assertIn("vertical_stack naive fails first, at n = 6 (collapsed)", text)
-        self.assertIn("soft_step held to 33.3 ms with no result beyond", text)
+        rows = [row for c in made for row in c.finding.rows()]
+        self.assertTrue(any(row["scene, parameter, setting"].startswith("vertical_stack, n") and row["methods"] == "naive" and
+                            row["first that fails [1]"] == 6 and row["outcome"] == "collapsed" for row in rows), rows)
+        self.assertTrue(any(row["methods"] == "soft_step" and row["outcome"] == "no result beyond" for row in rows), rows)
         for c in made:
             style.plt.close(c.figure)
 
