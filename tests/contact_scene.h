@@ -60,11 +60,11 @@ struct ContactScene {
   /// `old`: the generator's manifolds of the previous step.
   std::vector<Manifold<D>> run(ContactGenerator<D>& generator, std::span<const Manifold<D>> old = {}) const {
     const ShapePair pair{0, 1};
-    ChildPairs<D> childPairs;
+    PartPairs<D> partPairs;
     WorkDone work;
-    const auto children = childPairs.of({&pair, 1}, shapes, pose, margin, work);
+    const auto convexPairs = partPairs.of({&pair, 1}, shapes, pose, margin, work);
     std::vector<Manifold<D>> fresh;
-    generator.generate({children, shapes, pose, margin, true, {}, {}, old}, fresh, work);
+    generator.generate({convexPairs, shapes, pose, margin, true, {}, {}, old}, fresh, work);
     return fresh;
   }
 };

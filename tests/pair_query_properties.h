@@ -193,7 +193,7 @@ class PairQueryProperties {
     out << what << value;
     return out.str();
   }
-  PairAnswer<D> ask(const Asked<D>& pair, QueryNeed need = QueryNeed::witnesses) {
+  PairAnswer<D> ask(const Asked<D>& pair, QueryNeed need = QueryNeed::closestPoints) {
     return queryPair<D>(m_method, pair.a.view(), pair.b.view(), pair.X_AB, need);
   }
   double askDistance(const Asked<D>& pair) { return static_cast<double>(ask(pair, QueryNeed::distance).distance); }
@@ -307,7 +307,8 @@ class PairQueryProperties {
   }
 
   // The distance of the pair with B shifted along x, computed with this memory.
-  double askWith(PairMemory& memory, const Asked<D>& pair, double shift = 0, QueryNeed need = QueryNeed::witnesses) {
+  double askWith(PairMemory& memory, const Asked<D>& pair, double shift = 0,
+                 QueryNeed need = QueryNeed::closestPoints) {
     PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
     view.X_AB.p[0] += static_cast<Real>(shift);
     PairAnswer<D> warm;
@@ -342,7 +343,7 @@ class PairQueryProperties {
       if (draw.coin()) memory.bytes[0] = std::byte{1};
     }
     // A query for closest points examines one more direction, which may hide the damage of wrong memory.
-    const QueryNeed need = draw.coin() ? QueryNeed::witnesses : QueryNeed::distance;
+    const QueryNeed need = draw.coin() ? QueryNeed::closestPoints : QueryNeed::distance;
     PairMemory cold;
     return near(askWith(memory, pair, 0, need), askWith(cold, pair, 0, need), 2);
   }

@@ -32,7 +32,7 @@ BodyDef<D> body(const Shape<D>& shape, const Vec<D>& position, BodyType type = B
 }
 
 template <int D>
-JointDef<D> pivot(Handle bodyA, Handle bodyB, const Vec<D>& anchor) {
+JointDef<D> pivot(BodyHandle bodyA, BodyHandle bodyB, const Vec<D>& anchor) {
   return {.kind = "pivot", .bodyA = bodyA, .bodyB = bodyB, .X_WJ = {anchor, {}}};
 }
 
@@ -56,7 +56,7 @@ inline std::string dragKind(double linear, double quadratic) {
 }
 
 template <int D>
-Handle addGround(World<D>& world, const Vec<D>& place = Vec<D>::Zero()) {
+BodyHandle addGround(World<D>& world, const Vec<D>& place = Vec<D>::Zero()) {
   Vec<D> half = Vec<D>::Constant(20);
   half[1] = 1;
   return world.add(body<D>(Shape<D>::box(half), place - Vec<D>::Unit(1), BodyType::fixed));
@@ -64,11 +64,11 @@ Handle addGround(World<D>& world, const Vec<D>& place = Vec<D>::Zero()) {
 
 /// A ground with a row of n boxes on it; the boxes touch only the ground.
 template <int D>
-std::vector<Handle> addRow(World<D>& world, int n) {
+std::vector<BodyHandle> addRow(World<D>& world, int n) {
   Vec<D> half = Vec<D>::Constant(1);
   half[0] = static_cast<Real>(2 * n);
   world.add(body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed));
-  std::vector<Handle> row;
+  std::vector<BodyHandle> row;
   for (int i = 0; i < n; ++i) {
     row.push_back(world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(2 * i - n, 0.5))));
   }
@@ -98,8 +98,8 @@ void addHeap(World<D>& world, int n, std::uint64_t seed, const Vec<D>& place = V
     world.add(def);
   }
   const Vec<D> hook = place + at<D>(0, 12);
-  const Handle post = world.add(body<D>(Shape<D>::sphere(Real(0.1)), hook, BodyType::fixed));
-  const Handle bob = world.add(body<D>(Shape<D>::sphere(Real(0.3)), hook + at<D>(2, 0)));
+  const BodyHandle post = world.add(body<D>(Shape<D>::sphere(Real(0.1)), hook, BodyType::fixed));
+  const BodyHandle bob = world.add(body<D>(Shape<D>::sphere(Real(0.3)), hook + at<D>(2, 0)));
   world.add(pivot<D>(post, bob, hook));
 }
 
@@ -118,9 +118,9 @@ void addJointed(World<D>& world, const Vec<D>& place) {
   Real x = 0;
   for (const char* kind : kinds) {
     const Vec<D> top = place + x * Vec<D>::Unit(0), bottom = top - Vec<D>::Unit(1) / 2;
-    const Handle a = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.2))), top));
-    const Handle b = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.1))), bottom));
-    world.add(pivot<D>(Handle{}, a, top + Vec<D>::Unit(0) / 10));
+    const BodyHandle a = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.2))), top));
+    const BodyHandle b = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.1))), bottom));
+    world.add(pivot<D>(BodyHandle{}, a, top + Vec<D>::Unit(0) / 10));
     JointDef<D> def{.kind = kind, .bodyA = a, .bodyB = b, .X_WJ = {top, {}}, .collide = true};
     if (std::string(kind).starts_with("distance")) def.X_WJb = Pose<D>{bottom, {}};
     if (x == 8) def.breakForce = Real(0.05);

@@ -26,12 +26,12 @@ struct Inhabitants {
   BodyTable<D> table{*broadphase, settings.margin};
   Profiler profiler;
 
-  std::size_t add(const BodyDef<D>& def) { return table.add(def, weigh(def)); }
+  std::size_t add(const BodyDef<D>& def) { return table.add(def, checkBody(def)); }
   /// A unit ball.
   std::size_t ball(const Vec<D>& place, BodyType type = BodyType::dynamic) {
     return add(body<D>(Shape<D>::sphere(1), place, type));
   }
-  Handle handle(std::size_t body) const { return table.handle(static_cast<std::int32_t>(body)); }
+  BodyHandle handle(std::size_t body) const { return table.handle(static_cast<std::int32_t>(body)); }
 };
 
 template <class F>

@@ -90,10 +90,10 @@ class Recycling final : public ContactCache<D> {
     const Real tilt = cross(turn, m.normalA).norm();
     if (!(std::abs(moved.dot(m.normalA)) + width * tilt <= in.margin)) return false;
     // Shapes that are farther apart have no contacts.
-    for (const Manifold<D>& child : old) {
-      const Vec<D> n = X_WA.q * child.normalA;
-      for (int i = 0; i < child.count; ++i) {
-        if (separation(child.points[i], n, X_WA, X_WB) <= in.margin) return true;
+    for (const Manifold<D>& manifold : old) {
+      const Vec<D> n = X_WA.q * manifold.normalA;
+      for (int i = 0; i < manifold.count; ++i) {
+        if (separation(manifold.points[i], n, X_WA, X_WB) <= in.margin) return true;
       }
     }
     return false;

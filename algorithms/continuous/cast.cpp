@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "algorithms/time_of_impact/closing.h"
+#include "algorithms/time_of_impact/motion_bounds.h"
 #include "framework/math/tolerances.h"
 #include "framework/stage/stage_continuous.h"
 
@@ -47,18 +47,18 @@ class Cast final : public ContinuousCollision<D> {
             .complexity = "a broadphase query per fast part, a time of impact per pair"};
   }
 
-  Lookout lookout() const override { return Lookout::after; }
+  CcdPhase ccdPhase() const override { return CcdPhase::after; }
   Real threshold() const override { return m_params.threshold; }
   bool supports(ShapeKind a, ShapeKind b) const override { return m_method->supports(a, b) && m_query->supports(a, b); }
 
-  void meetings(std::span<const FastPair<D>> pairs, Real duration, std::span<Real> t, WorkDone& work) override {
-    for (std::size_t i = 0; i < pairs.size(); ++i) t[i] = meeting(pairs[i], duration, work);
+  void timesOfImpact(std::span<const FastPair<D>> pairs, Real duration, std::span<Real> t, WorkDone& work) override {
+    for (std::size_t i = 0; i < pairs.size(); ++i) t[i] = timeOfImpact(pairs[i], duration, work);
   }
 
  private:
   static constexpr Real kNever = std::numeric_limits<Real>::infinity();
 
-  Real meeting(const FastPair<D>& p, Real duration, WorkDone& work) {
+  Real timeOfImpact(const FastPair<D>& p, Real duration, WorkDone& work) {
     TimeOfImpactAnswer<D> found;
     m_method->cast({&p.pair, 1}, duration, {&found, 1}, work);
     if (!(found.t < duration)) return kNever;
@@ -73,7 +73,7 @@ class Cast final : public ContinuousCollision<D> {
     const Real ball = std::min(p.fastA ? p.a.inner : kNever, p.fastB ? p.b.inner : kNever);
     const Real inner = std::max(ball, m_params.depth);  // a segment has no inner ball
     Real allowed = std::min(m_params.depth, m_params.threshold * inner);
-    const Closing<D> closing(p.pair);
+    const MotionBounds<D> bounds(p.pair);
     PairMemory memory;
     for (int k = 0; k < m_params.iterations; ++k) {
       const PairView<D> view = p.pair.at(t);
@@ -85,7 +85,7 @@ class Cast final : public ContinuousCollision<D> {
       const Real left = allowed + answer.distance;  // m
       // At the first query the part may be half way through, and the side is then unknown.
       if (!(left > kAlmostThere * allowed)) return k == 0 ? kNever : t;
-      const Real speed = closing.closing(p.pair.A.bodyAt(t).q * (p.pair.A.X_CS.q * answer.normal));
+      const Real speed = bounds.closingSpeed(p.pair.A.bodyAt(t).q * (p.pair.A.X_CS.q * answer.normal));
       if (!std::isfinite(speed) || answer.normal.isZero(0)) return t;
       if (!(speed * (duration - t) > left)) return kNever;
       t += left / speed;

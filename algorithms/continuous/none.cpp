@@ -28,7 +28,7 @@ class None final : public ContinuousCollision<D> {
                      {"several bullets in a row", "they pass through", "Continuous.QueueIsStopped"}}};
   }
 
-  Lookout lookout() const override { return Lookout::never; }
+  CcdPhase ccdPhase() const override { return CcdPhase::never; }
 };
 
 }  // namespace

@@ -39,25 +39,25 @@ class Ray final : public ContinuousCollision<D> {
                  "Continuous.SpinningRodIsStopped"}}};
   }
 
-  Lookout lookout() const override { return Lookout::after; }
+  CcdPhase ccdPhase() const override { return CcdPhase::after; }
   Real threshold() const override { return m_params.threshold; }
 
-  void meetings(std::span<const FastPair<D>> pairs, Real duration, std::span<Real> t, WorkDone& work) override {
+  void timesOfImpact(std::span<const FastPair<D>> pairs, Real duration, std::span<Real> t, WorkDone& work) override {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const FastPair<D>& p = pairs[i];
       t[i] = std::numeric_limits<Real>::infinity();
-      if (p.fastA) t[i] = std::min(t[i], meeting(p.a, p.pair.A, p.pair.b, p.pair.B, duration));
-      if (p.fastB) t[i] = std::min(t[i], meeting(p.b, p.pair.B, p.pair.a, p.pair.A, duration));
+      if (p.fastA) t[i] = std::min(t[i], timeOfImpact(p.a, p.pair.A, p.pair.b, p.pair.B, duration));
+      if (p.fastB) t[i] = std::min(t[i], timeOfImpact(p.b, p.pair.B, p.pair.a, p.pair.A, duration));
       work[WorkCount::pairQueries] += p.fastA + p.fastB;
     }
   }
 
  private:
-  static Real meeting(const Girth<D>& girth, const ShapeMotion<D>& motion, const ShapeView<D>& other,
-                      const ShapeMotion<D>& others, Real duration) {
+  static Real timeOfImpact(const InnerOuterRadii<D>& radii, const ShapeMotion<D>& motion, const ShapeView<D>& other,
+                           const ShapeMotion<D>& others, Real duration) {
     const auto centerAt = [&](Real t) {
       const Pose<D> X_OM = others.X_CS.inverse() * poseBetween(others.bodyAt(t), motion.bodyAt(t)) * motion.X_CS;
-      return Vec<D>(X_OM * girth.center);
+      return Vec<D>(X_OM * radii.center);
     };
     const Vec<D> from = centerAt(0), way = centerAt(duration) - from;
     const RayEntry<D> entry = rayEntry(other, Pose<D>{}, from, way, Real(1));
@@ -65,7 +65,7 @@ class Ray final : public ContinuousCollision<D> {
     // The ray misses, or starts inside.
     if (entry.t < 0 || !(closing > 0)) return std::numeric_limits<Real>::infinity();
     // A segment has no inner ball.
-    const Real clearance = std::max(girth.inner, kLinearSlop);
+    const Real clearance = std::max(radii.inner, kLinearSlop);
     for (const Real before : {clearance, clearance / 2}) {
       const Real share = entry.t - before / closing;
       if (share > 0) return share * duration;

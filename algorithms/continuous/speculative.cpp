@@ -38,7 +38,7 @@ class Speculative final : public ContinuousCollision<D> {
                           "Continuous.QueueIsStopped"}}};
   }
 
-  Lookout lookout() const override { return Lookout::before; }
+  CcdPhase ccdPhase() const override { return CcdPhase::before; }
   Real threshold() const override { return m_params.threshold; }
 
  private:

@@ -41,7 +41,7 @@ class ImplicitGyroscopic final : public Integrator<D> {
 
   void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {
     kick(in, m_wrenches);
-    if (in.features.rotation) {
+    if (in.model.rotation) {
       for (std::size_t i = 0; i < in.bodies.pose.size(); ++i) turn(in, i);
     }
     std::copy(in.bodies.motion.begin(), in.bodies.motion.end(), drift.begin());

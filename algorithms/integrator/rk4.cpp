@@ -89,7 +89,7 @@ class Rk4 final : public Integrator<D> {
     for (std::size_t i = 0; i < n; ++i) {
       const Inertia<D>& inverse = b.invInertiaBody[i];
       const bool regular = b.invInertia[i].trace() > 0 && inverse.determinant() > 0;
-      m_turns[i] = in.features.rotation && regular;
+      m_turns[i] = in.model.rotation && regular;
       if (m_turns[i]) m_momentum[i] = rotateInertia(b.pose[i].q, Inertia<D>(inverse.inverse())) * b.motion[i].w;
     }
   }

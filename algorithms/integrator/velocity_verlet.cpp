@@ -50,7 +50,7 @@ class VelocityVerlet final : public Integrator<D> {
       m_motion[i].v = start.v + 2 * push;
       m_pose[i].p = b.pose[i].p + in.dt * drift[i].v;
       const Inertia<D>& inverse = b.invInertiaBody[i];
-      m_turns[i] = in.features.rotation && b.invInertia[i].trace() > 0 && inverse.determinant() > 0;
+      m_turns[i] = in.model.rotation && b.invInertia[i].trace() > 0 && inverse.determinant() > 0;
       if (m_turns[i]) {
         const Ang<D> twist = in.dt / 2 * m_wrenches[i].torque;
         m_momentum[i] = rotateInertia(b.pose[i].q, Inertia<D>(inverse.inverse())) * start.w + twist;

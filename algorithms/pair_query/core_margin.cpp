@@ -3,7 +3,7 @@
 
 #include "algorithms/pair_query/core/plane_pair.h"
 #include "algorithms/pair_query/gjk/epa3.h"
-#include "algorithms/pair_query/gjk/pair_warmth.h"
+#include "algorithms/pair_query/gjk/gjk_cache.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
@@ -141,18 +141,17 @@ class CoreMargin final : public PairQuery<D> {
   };
 
   // GJK from the remembered simplex to the nearest point. `best` collects the bounds of its directions.
-  Walk approach(const CorePair<D>& pair, Real rounding, PairWarmth<D>& warmth, BestAxis<D>& best,
-                WorkDone& work) const {
+  Walk approach(const CorePair<D>& pair, Real rounding, GjkCache<D>& cache, BestAxis<D>& best, WorkDone& work) const {
     const auto support = [&](const Vec<D>& n) {
       work[WorkCount::supportCalls] += 2;
-      const Vec<D> w = warmth.support(pair, n);
+      const Vec<D> w = cache.support(pair, n);
       best.take(n, n.dot(w));
       return w;
     };
     Walk walk;
-    walk.simplex = warmth.simplex();
+    walk.simplex = cache.simplex();
     if (walk.simplex.count == 0) {
-      Vec<D> n = warmth.direction();
+      Vec<D> n = cache.direction();
       if (!makeUnit<D>(n)) n = pair.p;
       if (!makeUnit<D>(n)) n = Vec<D>::Unit(0);
       walk.simplex.push(support(n));
@@ -183,10 +182,10 @@ class CoreMargin final : public PairQuery<D> {
     const CorePair<D> inner = pair.withShapes(m_a.view, m_b.view);
     const Real rounding = kBoundRounding * pair.scale, near = kShallow * pair.scale;
     PairMemory corners = memory ? *memory : PairMemory{};
-    m_warmth.recall(inner, &corners);
+    m_cache.recall(inner, &corners);
     BestAxis<D> core;  // of the inner cores
-    const Walk walk = approach(inner, rounding, m_warmth, core, work);
-    m_warmth.remember(core.n, walk.last(), corners);
+    const Walk walk = approach(inner, rounding, m_cache, core, work);
+    m_cache.remember(core.n, walk.last(), corners);
     if (memory) *memory = corners;
     if (!(walk.length() <= near)) {  // nearer than this, GJK's direction is rounding
       best.tryDirection(pair, core.n, work);
@@ -195,8 +194,8 @@ class CoreMargin final : public PairQuery<D> {
         return walk.capped ? QueryStatus::iterationLimit : QueryStatus::converged;
       }
     }
-    m_warmth.recall(pair, &corners);
-    const Walk whole = approach(pair, rounding, m_warmth, best, work);
+    m_cache.recall(pair, &corners);
+    const Walk whole = approach(pair, rounding, m_cache, best, work);
     if (!(whole.length() <= near)) return whole.capped ? QueryStatus::iterationLimit : QueryStatus::converged;
     const EpaLimits limits{m_params.faces, m_params.faces, rounding, 0, whole.inside};
     return m_epa.run(pair, whole.last(), limits, best, work);
@@ -204,7 +203,7 @@ class CoreMargin final : public PairQuery<D> {
 
   Params m_params;
   InnerCore<D> m_a, m_b;
-  PairWarmth<D> m_warmth;
+  GjkCache<D> m_cache;
   Epa<D> m_epa;
   PlanePair<D> m_plane;
   TouchingPoint m_touching;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/pair_query/core/plane_pair.h"
-#include "algorithms/pair_query/gjk/pair_warmth.h"
+#include "algorithms/pair_query/gjk/gjk_cache.h"
 #include "algorithms/pair_query/sat/sat_boxes.h"
 #include "algorithms/pair_query/sat/sat_polytope3.h"
 

@@ -47,7 +47,7 @@ class Linear final : public PositionResolver<D> {
     };
     for (int i = 0; i < m_params.iterations; ++i) {
       for (const JointRecord<D>& j : in.joints) {
-        if (!j.active() || !in.features.joints) continue;
+        if (!j.active() || !in.model.joints) continue;
         jointRows(j, bodies, m_rows);
         Vec<D> error = Vec<D>::Zero();  // errors that only a rotation could correct remain
         for (const ConstraintRow<D>& row : m_rows.all()) {

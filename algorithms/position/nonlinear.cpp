@@ -59,7 +59,7 @@ class Nonlinear final : public PositionResolver<D> {
         m_contacts.push_back({m.bodyA, m.bodyB, m.normal, m.points[k].localA, m.points[k].localB, -1, false});
       }
     }
-    if (in.features.joints) {
+    if (in.model.joints) {
       for (std::size_t j = 0; j < in.joints.size(); ++j) {
         if (in.joints[j].active()) addJoint(in, static_cast<std::int32_t>(j));
       }

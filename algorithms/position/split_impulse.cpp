@@ -41,7 +41,7 @@ class SplitImpulse final : public PositionResolver<D> {
   void correct(const PositionInput<D>& in) override {
     prepare(in);
     if (!m_wrong) return;
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     for (int i = 0; i < m_params.iterations; ++i) {
       m_joints.sweepErrors(m_moves, m_params.factor, m_params.factor);
       for (Contact& c : m_contacts) {
@@ -93,7 +93,7 @@ class SplitImpulse final : public PositionResolver<D> {
     }
     countMadeRows<D>(in.work, m_contacts.size());
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(in.work, bodies, in.joints);
+    if (in.model.joints) m_joints.prepare(in.work, bodies, in.joints);
     m_wrong = m_wrong || !m_joints.rows.empty();
     m_moves.assign(bodies.pose.size(), Motion<D>{});
   }

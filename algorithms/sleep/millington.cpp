@@ -23,7 +23,7 @@ double power(double base, double exponent) {
 // that of his code, bias^dt per step, which decays over seconds; the 2009 report prints it per step (6.5). In the book
 // a body wakes if an awake body hits it with a resolvable speed, or if the user pushes it. With these rules alone a
 // pile hangs in the air when its support is removed, slow throws freeze at their apex, and joints pull at walls
-// (BookAlone in tests/planted_bugs/sleep_twins.h). Therefore the report's repairs decide which bodies wake and which
+// (BookAlone in tests/planted_bugs/sleep_bugs.h). Therefore the report's repairs decide which bodies wake and which
 // may sleep.
 template <int D>
 class Millington final : public SleepPolicy<D> {

@@ -84,7 +84,7 @@ class Avbd final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    m_rotation = in.features.rotation, m_h = in.dt;
+    m_rotation = in.model.rotation, m_h = in.dt;
     auto& motion = in.bodies.motion;
     haltUnmoving(in.bodies, m_rotation);
     {
@@ -115,7 +115,7 @@ class Avbd final : public Solver<D> {
       move(in);
       motion.assign(m_velocity.begin(), m_velocity.end());
     }
-    if (in.features.restitution) bounce(in);
+    if (in.model.restitution) bounce(in);
     learn(in);
     store(in);
   }
@@ -138,18 +138,18 @@ class Avbd final : public Solver<D> {
     return std::clamp(m_params.gamma * penalty, m_params.minPenalty, m_params.maxPenalty);
   }
   // The previous step's force is kept when dt changes, not its impulse.
-  Real warmth(const StepInput<D>& in) const {
+  Real warmStartScale(const StepInput<D>& in) const {
     const Real scale = lastImpulseScale(in);
     return m_params.postStabilize ? scale : m_params.alpha * m_params.gamma * scale;
   }
 
   void prepareContacts(const StepInput<D>& in) {
     const NoBias none;
-    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
+    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.model,
                         in.restitutionThreshold, in.work, in.profiler});
     m_points.resize(m_contacts.points.size());
     m_at.assign(in.manifolds.size(), -1);
-    const Real warm = warmth(in);
+    const Real warm = warmStartScale(in);
     for (std::size_t i = 0; i < m_contacts.manifolds.size(); ++i) {
       const ManifoldRows<D>& m = m_contacts.manifolds[i];
       m_at[m.manifold] = static_cast<int>(i);
@@ -174,8 +174,8 @@ class Avbd final : public Solver<D> {
   void prepareJoints(const StepInput<D>& in) {
     m_joints.clear();
     m_jointAt.assign(in.joints.size(), -1);
-    if (!in.features.joints) return;
-    const Real warm = warmth(in);
+    if (!in.model.joints) return;
+    const Real warm = warmStartScale(in);
     for (std::size_t j = 0; j < in.joints.size(); ++j) {
       const JointRecord<D>& record = in.joints[j];
       if (!record.active() || !(moves(in, record.bodyA) || moves(in, record.bodyB))) continue;
@@ -207,7 +207,7 @@ class Avbd final : public Solver<D> {
     auto& motion = in.bodies.motion;
     m_start.assign(motion.begin(), motion.end());
     m_from.assign(in.bodies.pose.begin(), in.bodies.pose.end());
-    kick<D>({in.dt, in.time, in.bodies, in.forces, in.features, in.work}, m_wrenches);
+    kick<D>({in.dt, in.time, in.bodies, in.forces, in.model, in.work}, m_wrenches);
     m_free.assign(motion.begin(), motion.end());
     m_inertia.resize(motion.size());
     for (std::size_t i = 0; i < motion.size(); ++i) {
@@ -269,26 +269,26 @@ class Avbd final : public Solver<D> {
     if (ask.impulse > hi) return {hi, 0, 0};
     return ask;
   }
-  struct Rub {
+  struct FrictionStep {
     RealMatrix<D - 1, 1> impulse;
     Real stiffness, violation;
   };
   // For a sliding point, uses the stiffness of the line from zero force to the limit: its own stiffness would hold it
   // back.
-  Rub askFriction(const ManifoldRows<D>& m, int at, Real limit, const Motion<D>& a, const Motion<D>& b) const {
+  FrictionStep askFriction(const ManifoldRows<D>& m, int at, Real limit, const Motion<D>& a, const Motion<D>& b) const {
     const PointRows<D>& row = m_contacts.points[at];
     RealMatrix<D - 1, 1> v, wanted;
-    Rub rub;
-    rub.stiffness = m_points[at].tangent * row.slide;
+    FrictionStep friction;
+    friction.stiffness = m_points[at].tangent * row.slide;
     for (int d = 0; d < D - 1; ++d) {
       v[d] = rowVelocity<D>(row.tangent[d], m.t.col(d), a, b, m_rotation);
-      wanted[d] = row.impulse[d + 1] - rub.stiffness * v[d];
+      wanted[d] = row.impulse[d + 1] - friction.stiffness * v[d];
     }
-    rub.impulse = clampFriction<D>(wanted, limit);
+    friction.impulse = clampFriction<D>(wanted, limit);
     const Real asked = wanted.norm();
-    rub.violation = asked <= limit ? m_h * v.norm() : Real(0);
-    if (asked > limit) rub.stiffness *= limit / asked;
-    return rub;
+    friction.violation = asked <= limit ? m_h * v.norm() : Real(0);
+    if (asked > limit) friction.stiffness *= limit / asked;
+    return friction;
   }
   Ask askJoint(const StepInput<D>& in, const Joint& joint, int i) const {
     const ConstraintRow<D>& row = joint.rows.row[i];
@@ -369,10 +369,10 @@ class Avbd final : public Solver<D> {
         add(m.n, isB ? row.normal.armB : row.normal.armA, side * push.impulse, push.stiffness);
         bends += push.impulse * (isB ? m_points[p].reachB : m_points[p].reachA);
         if (!(m.friction > 0 && row.impulse[0] > 0)) continue;
-        const Rub rub = askFriction(m, p, m.friction * row.impulse[0], ma, mb);
+        const FrictionStep friction = askFriction(m, p, m.friction * row.impulse[0], ma, mb);
         for (int d = 0; d < D - 1; ++d) {
           const Row<D>& tangent = row.tangent[d];
-          add(m.t.col(d), isB ? tangent.armB : tangent.armA, side * rub.impulse[d], rub.stiffness);
+          add(m.t.col(d), isB ? tangent.armB : tangent.armA, side * friction.impulse[d], friction.stiffness);
         }
       }
       countBodyRows(in, m.rows());
@@ -416,9 +416,9 @@ class Avbd final : public Solver<D> {
         const Ask push = askNormal(m, p, a, b);
         row.impulse[0] = push.impulse;
         if (m.friction > 0) {
-          const Rub rub = askFriction(m, p, m.friction * push.impulse, a, b);
-          for (int d = 0; d < D - 1; ++d) row.impulse[d + 1] = rub.impulse[d];
-          m_points[p].tangent = grown(m_points[p].tangent, rub.violation);
+          const FrictionStep friction = askFriction(m, p, m.friction * push.impulse, a, b);
+          for (int d = 0; d < D - 1; ++d) row.impulse[d + 1] = friction.impulse[d];
+          m_points[p].tangent = grown(m_points[p].tangent, friction.violation);
         }
         m_points[p].normal = grown(m_points[p].normal, push.violation);
       }
@@ -455,7 +455,7 @@ class Avbd final : public Solver<D> {
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, m_rotation);
         countRows<D>(in.work, 1);
         if (!(m.friction > 0) || !(row.impulse[0] > old)) continue;
-        rubBeside(m, row, row.impulse[0] - old, a, b, m_rotation);
+        solveFrictionBeside(m, row, row.impulse[0] - old, a, b, m_rotation);
         countRows<D>(in.work, D - 1);
       }
     }

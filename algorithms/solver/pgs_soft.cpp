@@ -82,9 +82,10 @@ class PgsSoft final : public Solver<D> {
     const Feedback joints = m_params.joints == Joints::rigid
                                 ? Feedback{.rate = m_params.jointFactor / in.dt}
                                 : Softness(std::min(2 * m_params.hertz, most), m_params.jointDampingRatio, in.dt);
-    const Push push{Softness(hertz, ratio, in.dt), Softness(2 * hertz, ratio, in.dt), joints, 0, m_params.pushSpeed,
-                    m_params.gaps == Gaps::soft};
-    m_step.step(in, 0, push, m_params.iterations, m_params.relax, m_params.relaxAt == RelaxAt::end);
+    const ErrorFeedback errors{
+        Softness(hertz, ratio, in.dt), Softness(2 * hertz, ratio, in.dt), joints, 0, m_params.pushSpeed,
+        m_params.gaps == Gaps::soft};
+    m_step.step(in, 0, errors, m_params.iterations, m_params.relax, m_params.relaxAt == RelaxAt::end);
     m_step.finish(in);
   }
 

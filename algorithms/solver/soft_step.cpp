@@ -59,9 +59,10 @@ class SoftStep final : public Solver<D> {
   void step(const StepInput<D>& in) override {
     m_substeps.prepare(in, m_params.substeps, m_params.warmStart, m_params.arms == Arms::asMade);
     const Real h = m_substeps.h(), hertz = std::min(m_params.hertz, Real(0.25) / h);
-    const Push push = springs(hertz, m_params.dampingRatio, m_params.jointDampingRatio, m_params.pushSpeed, h);
-    for (int i = 0; i < m_params.substeps; ++i) m_substeps.step(in, i, push, 1, m_params.relax);
-    m_substeps.finish(in, m_params.bounceFriction ? Bounce::withFriction : Bounce::frictionless);
+    const ErrorFeedback errors =
+        springs(hertz, m_params.dampingRatio, m_params.jointDampingRatio, m_params.pushSpeed, h);
+    for (int i = 0; i < m_params.substeps; ++i) m_substeps.step(in, i, errors, 1, m_params.relax);
+    m_substeps.finish(in, m_params.bounceFriction ? BounceFriction::withFriction : BounceFriction::frictionless);
   }
 
  private:

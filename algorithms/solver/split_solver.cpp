@@ -67,7 +67,7 @@ class SplitSolver final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    haltUnmoving(in.bodies, in.features.rotation);
+    haltUnmoving(in.bodies, in.model.rotation);
     arrange(in);
     m_arrival.assign(in.bodies.motion.begin(), in.bodies.motion.end());
     m_drift.resize(in.bodies.pose.size());
@@ -145,19 +145,17 @@ class SplitSolver final : public Solver<D> {
 
   void integrate(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.integrate");
-    m_integrator->integrate({in.dt, in.time, in.bodies, in.forces, in.features, in.work}, m_drift);
+    m_integrator->integrate({in.dt, in.time, in.bodies, in.forces, in.model, in.work}, m_drift);
   }
   void solveVelocities(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.velocity");
-    Features features = in.features;
-    const VelocityInput<D> problem{in.dt,        in.lastDt,   in.bodies,
-                                   in.manifolds, m_order,     in.joints,
-                                   *m_position,  features,    in.restitutionThreshold,
-                                   in.work,      in.profiler, m_arrival,
-                                   m_colours};
-    if (features.restitution && m_params.impact != ImpactLaw::newton) {
+    PhysicsModel model = in.model;
+    const VelocityInput<D> problem{
+        in.dt,   in.lastDt,   in.bodies, in.manifolds, m_order, in.joints, *m_position, model, in.restitutionThreshold,
+        in.work, in.profiler, m_arrival, m_colours};
+    if (model.restitution && m_params.impact != ImpactLaw::newton) {
       m_impact.strike(m_params.impact, problem, in.graph, m_params.impactLimit);
-      features.restitution = false;
+      model.restitution = false;
     }
     if (m_params.order == Order::worstFirst) sortWorstFirst(problem);
     if (in.watcher) in.watcher->see(problem);
@@ -169,13 +167,13 @@ class SplitSolver final : public Solver<D> {
   void move(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.move");
     for (std::size_t i = 0; i < m_drift.size(); ++i) {
-      if (travels(in.bodies, i)) moveBody(in.bodies.pose[i], m_drift[i], in.dt, in.features.rotation);
+      if (travels(in.bodies, i)) moveBody(in.bodies.pose[i], m_drift[i], in.dt, in.model.rotation);
     }
   }
   void correct(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.position");
     m_position->correct(
-        {in.dt, in.bodies, in.manifolds, m_order, in.joints, in.features, in.work, in.profiler, m_colours});
+        {in.dt, in.bodies, in.manifolds, m_order, in.joints, in.model, in.work, in.profiler, m_colours});
   }
 
   Params m_params;

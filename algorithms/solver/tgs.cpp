@@ -71,10 +71,10 @@ class Tgs final : public Solver<D> {
   void step(const StepInput<D>& in) override {
     m_substeps.prepare(in, m_params.substeps, m_params.warmStart);
     const Feedback rigid{.rate = m_params.factor / in.dt};
-    const Push push{rigid, rigid, rigid, m_params.slop, m_params.pushSpeed};
+    const ErrorFeedback errors{rigid, rigid, rigid, m_params.slop, m_params.pushSpeed};
     for (int i = 0; i < m_params.substeps; ++i) {
       const bool relaxes = m_params.relaxAt == RelaxAt::eachSubstep || i + 1 == m_params.substeps;
-      m_substeps.step(in, i, push, m_params.sweeps, relaxes ? m_params.relax : 0);
+      m_substeps.step(in, i, errors, m_params.sweeps, relaxes ? m_params.relax : 0);
     }
     m_substeps.finish(in);
   }

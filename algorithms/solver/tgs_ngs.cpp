@@ -66,8 +66,8 @@ class TgsNgs final : public Solver<D> {
       Profiler::Scope scope(in.profiler, "solver.position");
       for (int k = 0; k < m_params.positionIterations; ++k) {
         if (!m_sweep.sweep(
-                {m_substeps.h(), in.bodies, in.manifolds, in.active, in.joints, in.features, in.work, in.profiler},
-                m_params.share, m_substeps.places())) {
+                {m_substeps.h(), in.bodies, in.manifolds, in.active, in.joints, in.model, in.work, in.profiler},
+                m_params.share, m_substeps.displacements())) {
           break;
         }
       }

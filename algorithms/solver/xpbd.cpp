@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
 
+#include "algorithms/solver/rows/body_displacements.h"
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
-#include "algorithms/solver/rows/places.h"
 #include "algorithms/solver/step/free_motion.h"
 #include "framework/stage/profiler.h"
 
@@ -84,7 +84,7 @@ class Xpbd final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     const Real h = in.dt / static_cast<Real>(m_params.substeps);
     auto& pose = in.bodies.pose;
     auto& motion = in.bodies.motion;
@@ -94,19 +94,19 @@ class Xpbd final : public Solver<D> {
     m_joints.clear();
     m_start.resize(pose.size());
     for (std::size_t k = 0; k < pose.size(); ++k) m_start[k] = pose[k].p;
-    m_way.assign(pose.size(), Vec<D>::Zero());
+    m_displacement.assign(pose.size(), Vec<D>::Zero());
     for (int i = 0; i < m_params.substeps; ++i) {
       {
         Profiler::Scope scope(in.profiler, "solver.integrate");
         m_arrival.assign(motion.begin(), motion.end());
-        kick<D>({h, in.time + static_cast<Real>(i) * h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
+        kick<D>({h, in.time + static_cast<Real>(i) * h, in.bodies, in.forces, in.model, in.work}, m_wrenches);
       }
       {
         Profiler::Scope scope(in.profiler, "solver.prepare");
         prepareContacts(in, h);
         if (i == 0) m_total.assign(m_contacts.points.size(), {});
         m_from.assign(pose.begin(), pose.end());
-        if (in.features.joints) {
+        if (in.model.joints) {
           move(in, h);  // to the predicted poses
           prepareJoints(in, h);
         }
@@ -121,7 +121,7 @@ class Xpbd final : public Solver<D> {
         Profiler::Scope scope(in.profiler, "solver.move");
         for (std::size_t k = 0; k < pose.size(); ++k) pose[k].q = m_from[k].q;
         move(in, h);
-        for (std::size_t k = 0; k < pose.size(); ++k) m_way[k] += h * motion[k].v;
+        for (std::size_t k = 0; k < pose.size(); ++k) m_displacement[k] += h * motion[k].v;
       }
       Profiler::Scope scope(in.profiler, "solver.velocities");
       for (int k = 0; k < kSettle; ++k) {
@@ -138,10 +138,10 @@ class Xpbd final : public Solver<D> {
   // Positions are the start of the step plus one displacement; thirty small displacements would be rounded thirty
   // times.
   void move(const StepInput<D>& in, Real h) {
-    m_ahead.assign(m_way.begin(), m_way.end());
+    m_ahead.assign(m_displacement.begin(), m_displacement.end());
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
       if (!travels(in.bodies, k)) continue;
-      moveBody(in.bodies.pose[k], in.bodies.motion[k], h, in.features.rotation);
+      moveBody(in.bodies.pose[k], in.bodies.motion[k], h, in.model.rotation);
       m_ahead[k] += h * in.bodies.motion[k].v;
       in.bodies.pose[k].p = m_start[k] + m_ahead[k];
     }
@@ -150,11 +150,11 @@ class Xpbd final : public Solver<D> {
   // Corrects a velocity that closes more than the gap, or that leaves depth.
   void prepareContacts(const StepInput<D>& in, Real h) {
     const NoBias none;
-    m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.features, in.restitutionThreshold,
+    m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.model, in.restitutionThreshold,
                         in.work, in.profiler, m_arrival});
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& of = in.manifolds[m.manifold];
-      const auto [atA, atB] = Places<D>{m_start, m_way}.pair(in.bodies, m.a, m.b);
+      const auto [atA, atB] = BodyDisplacements<D>{m_start, m_displacement}.pair(in.bodies, m.a, m.b);
       for (int k = 0; k < m.count; ++k) {
         const ContactArms<D> arms(of.points[k], m.n, atA, atB);
         const Real kept = std::clamp(-arms.separation, Real(0), m_params.slop);
@@ -176,7 +176,7 @@ class Xpbd final : public Solver<D> {
 
   // Corrects positions. Friction acts only where it can hold the point in place; sliding is left to the velocity pass.
   void push(const ManifoldRows<D>& m, const StepInput<D>& in, Real h) {
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     Motion<D>& a = in.bodies.motion[m.a];
     Motion<D>& b = in.bodies.motion[m.b];
     for (int k = 0; k < m.count; ++k) {
@@ -206,9 +206,9 @@ class Xpbd final : public Solver<D> {
   // Corrects velocities: a point that was pushed stops or bounces, whatever the reason for the push. It may be pulled
   // by no more than it was pushed.
   void settle(const ManifoldRows<D>& m, const StepInput<D>& in) {
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     const auto a = m.a, b = m.b;
-    const Real e = in.features.restitution ? in.manifolds[m.manifold].restitution : Real(0);
+    const Real e = in.model.restitution ? in.manifolds[m.manifold].restitution : Real(0);
     auto& motion = in.bodies.motion;
     for (int k = 0; k < m.count; ++k) {
       PointRows<D>& row = m_contacts.points[m.first + k];
@@ -223,7 +223,7 @@ class Xpbd final : public Solver<D> {
     }
     if (!(m.friction > 0)) return;
     for (int k = 0; k < m.count; ++k) {
-      rubAt(m, m_contacts.points[m.first + k], motion[a], motion[b], rotation);
+      solveFrictionAt(m, m_contacts.points[m.first + k], motion[a], motion[b], rotation);
     }
     countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (D - 1));
   }
@@ -252,7 +252,7 @@ class Xpbd final : public Solver<D> {
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
   IndexedVector<Pose<D>> m_from;  // before this sub-step's motion
-  IndexedVector<Vec<D>> m_start, m_way,
+  IndexedVector<Vec<D>> m_start, m_displacement,
       m_ahead;  // position at the start of the step, displacement since, the same with this sub-step, m
   IndexedVector<Motion<D>> m_arrival;  // before this sub-step's forces
   IndexedVector<IndexedArray<Real, D>> m_total;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/time_of_impact/closing.h"
+#include "algorithms/time_of_impact/motion_bounds.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
@@ -50,21 +50,21 @@ class Bilateral final : public TimeOfImpact<D> {
   };
 
   TimeOfImpactAnswer<D> advance(const MovingPair<D>& pair, Real duration, WorkDone& work) {
-    const Closing<D> closing(pair);
+    const MotionBounds<D> bounds(pair);
     TimeOfImpactAnswer<D> out;
     PairMemory memory;
     GapSeen<D> seen;
     Real next = 0;
     for (int k = 0; k < m_params.iterations; ++k) {
       out.t = next;
-      if (!look(*m_query, pair, closing, m_params.tolerance, memory, out, seen, work) || out.t >= duration) return out;
+      if (!look(*m_query, pair, bounds, m_params.tolerance, memory, out, seen, work) || out.t >= duration) return out;
       next = duration;
       if (!(seen.speed * (duration - out.t) > seen.gap)) continue;
       next = std::min(duration, out.t + seen.gap / seen.speed);
       for (const AxisFrame frame : {AxisFrame::world, AxisFrame::bodyA, AxisFrame::bodyB}) {
         if (next >= duration) break;
-        if (frame != AxisFrame::world && !closing.turns(frame)) continue;
-        next = std::max(next, lastsUntil(closing, frame, seen.n, {out.t, seen.gap}, seen.band, duration, work));
+        if (frame != AxisFrame::world && !bounds.turns(frame)) continue;
+        next = std::max(next, lastsUntil(bounds, frame, seen.n, {out.t, seen.gap}, seen.band, duration, work));
       }
     }
     out.status = QueryStatus::iterationLimit;
@@ -72,18 +72,18 @@ class Bilateral final : public TimeOfImpact<D> {
   }
 
   // A time up to which the shapes are certainly separated along this axis.
-  static Real lastsUntil(const Closing<D>& closing, AxisFrame frame, const Vec<D>& n, const Moment& now, Real band,
+  static Real lastsUntil(const MotionBounds<D>& bounds, AxisFrame frame, const Vec<D>& n, const Moment& now, Real band,
                          Real duration, WorkDone& work) {
     const auto gapAt = [&](Real t) {
       work[WorkCount::supportCalls] += 2;
-      return closing.separation(frame, n, now.t, t) - band / 2;
+      return bounds.separation(frame, n, now.t, t) - band / 2;
     };
     // The chord from gap a to gap b over a time h, less the bend, stays above 0 if and only if (sqrt a + sqrt b)^2 >=
     // bend h^2 / 2. That certainly holds while h is at most sqrt(2 a / bend). The bend is that of the interval
     // examined, and the second pass examines a shorter one.
     Real end = duration;
     for (int look = 0; look < 3; ++look) {
-      const Real bend = closing.bend(frame, now.t, end);
+      const Real bend = bounds.bend(frame, now.t, end);
       const Moment last = lastApart(gapAt, now, end, band);
       const Real root = std::sqrt(now.gap) + std::sqrt(last.gap), h = last.t - now.t;
       if (root * root >= bend * h * h / 2) return last.t;

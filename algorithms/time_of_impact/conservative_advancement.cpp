@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/time_of_impact/closing.h"
+#include "algorithms/time_of_impact/motion_bounds.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
@@ -45,14 +45,14 @@ class ConservativeAdvancement final : public TimeOfImpact<D> {
 
  private:
   TimeOfImpactAnswer<D> advance(const MovingPair<D>& pair, Real duration, WorkDone& work) {
-    const Closing<D> closing(pair);
+    const MotionBounds<D> bounds(pair);
     TimeOfImpactAnswer<D> out;
     PairMemory memory;
     GapSeen<D> seen;
     Real next = 0;
     for (int k = 0; k < m_params.iterations; ++k) {
       out.t = next;
-      if (!look(*m_query, pair, closing, m_params.tolerance, memory, out, seen, work) || out.t >= duration) return out;
+      if (!look(*m_query, pair, bounds, m_params.tolerance, memory, out, seen, work) || out.t >= duration) return out;
       const Real step = seen.gap / seen.speed;
       next = seen.speed > 0 && step < duration - out.t ? std::min(duration, out.t + step) : duration;
     }

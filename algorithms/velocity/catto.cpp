@@ -76,7 +76,7 @@ class Catto final : public VelocityResolver<D> {
       Profiler::Scope scope(in.profiler, "solver.prepare");
       m_contacts.prepare(in);
       m_joints.clear();
-      if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
+      if (in.model.joints) m_joints.prepare(in.work, in.bodies, in.joints);
       if (m_params.block) prepareBlocks(in.work);
       if (m_params.friction == Friction::box) prepareLimits(in);
       if (m_params.warmStart) warmStart(in);
@@ -134,7 +134,7 @@ class Catto final : public VelocityResolver<D> {
 
   void solveManifold(std::size_t k, const VelocityInput<D>& in, bool back) {
     Bodies<D>& bodies = in.bodies;
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     const ManifoldRows<D>& m = m_contacts.manifolds[k];
     // Local copies: the compiler keeps them in registers over all rows of the manifold.
     Motion<D> a = bodies.motion[m.a], b = bodies.motion[m.b];
@@ -143,20 +143,20 @@ class Catto final : public VelocityResolver<D> {
     if (m_params.block && m_isBlock[k]) {
       pushTogether(m_blocks[k], m, points, a, b, in);
     } else {
-      for (int i = 0; i < m.count; ++i) pushAt(m, points[place(i)], m_params.relaxation, a, b, rotation);
+      for (int i = 0; i < m.count; ++i) solveNormalAt(m, points[place(i)], m_params.relaxation, a, b, rotation);
     }
     // Friction last, with the updated normal impulse: Coulomb's law holds exactly at the end of the sweep.
     for (int i = 0; i < m.count && m.friction > 0; ++i) {
       PointRows<D>& row = points[place(i)];
       switch (m_params.friction) {
         case Friction::cone:
-          rubAt(m, row, a, b, rotation);
+          solveFrictionAt(m, row, a, b, rotation);
           break;
         case Friction::pyramid:
-          rubSquareAt(m, row, m.friction * row.impulse[0], a, b, rotation);
+          solveBoxFrictionAt(m, row, m.friction * row.impulse[0], a, b, rotation);
           break;
         case Friction::box:
-          rubSquareAt(m, row, m_limits[m.first + place(i)], a, b, rotation);
+          solveBoxFrictionAt(m, row, m_limits[m.first + place(i)], a, b, rotation);
           break;
       }
     }
@@ -166,7 +166,7 @@ class Catto final : public VelocityResolver<D> {
 
   void pushTogether(const NormalBlock<D>& block, const ManifoldRows<D>& m, PointRows<D>* points, Motion<D>& a,
                     Motion<D>& b, const VelocityInput<D>& in) const {
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     typename NormalBlock<D>::Impulses old{}, v{};
     for (int i = 0; i < m.count; ++i) {
       old[i] = points[i].impulse[0];

@@ -172,7 +172,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
       for (std::size_t i = 0; i < m_island.size(); ++i) m_du[i] = m_way[i] + m_product[i];
       if (fresh < m_island.size()) sign = room(fresh, limit, m_dx, m_du, 0) < 0 ? -1 : 1;
       double step = sign < 0 ? t : std::numeric_limits<double>::infinity();
-      std::size_t who = m_island.size();
+      std::size_t blocking = m_island.size();
       int which = 0;
       for (std::size_t i = 0; i < m_island.size(); ++i) {
         for (int k = 0; k < limits(i); ++k) {
@@ -180,7 +180,7 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
           const double change = sign * room(i, k, m_dx, m_du, 0);
           if (!(change < 0)) continue;
           const double far = std::max(room(i, k, m_island.x, m_velocity, 1), 0.0) / -change;
-          if (far < step) step = far, who = i, which = k;
+          if (far < step) step = far, blocking = i, which = k;
         }
       }
       if (!std::isfinite(step)) return false;
@@ -188,8 +188,8 @@ class DirectLcp final : public VelocityResolver<D>, private WholeProblem<D>, pri
         m_island.x[i] += sign * step * m_dx[i], m_velocity[i] += sign * step * m_du[i];
       }
       t += sign * step;
-      if (who == m_island.size()) return activeSets();  // at the end
-      limit = turn(who, which), fresh = who;
+      if (blocking == m_island.size()) return activeSets();  // at the end
+      limit = turn(blocking, which), fresh = blocking;
     }
     return false;
   }

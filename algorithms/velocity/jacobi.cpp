@@ -86,7 +86,7 @@ class Jacobi final : public VelocityResolver<D> {
       const Manifold<D>& m = in.manifolds[i];
       if (m.count > 0) count(m.bodyA), count(m.bodyB);
     }
-    if (in.features.joints) {
+    if (in.model.joints) {
       for (const JointRecord<D>& j : in.joints) {
         if (j.active()) count(j.bodyA), count(j.bodyB);
       }
@@ -99,7 +99,7 @@ class Jacobi final : public VelocityResolver<D> {
     }
     m_contacts.prepare(in);
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(in.work, bodies, in.joints);
+    if (in.model.joints) m_joints.prepare(in.work, bodies, in.joints);
     if (m_params.splitting == Splitting::mass) bodies.invMass = m_invMass, bodies.invInertia = m_invInertia;
   }
 
@@ -116,7 +116,7 @@ class Jacobi final : public VelocityResolver<D> {
         for (std::size_t d = 0; d < (m.friction > 0 ? D : 1); ++d) {
           row.impulse[d] = d == 0 ? std::max(factor * impulse[0], Real(0)) : factor * impulse[d];
           applyRow<D>(d == 0 ? row.normal : row.tangent[d - 1], d == 0 ? m.n : Vec<D>(m.t.col(static_cast<int>(d) - 1)),
-                      m.invMassA, m.invMassB, row.impulse[d], a, b, in.features.rotation);
+                      m.invMassA, m.invMassB, row.impulse[d], a, b, in.model.rotation);
         }
       }
     }
@@ -141,7 +141,7 @@ class Jacobi final : public VelocityResolver<D> {
       IndexedArray<IndexedArray<Real, D>, kManifoldPoints<D>> old{};
       for (std::size_t i = 0; i < points.size(); ++i) old[i] = points[i].impulse;
       const Real share =
-          push(in, m.a, m.b, [&](Motion<D>& a, Motion<D>& b) { sweepManifold(m, points, a, b, in.features.rotation); });
+          push(in, m.a, m.b, [&](Motion<D>& a, Motion<D>& b) { sweepManifold(m, points, a, b, in.model.rotation); });
       for (std::size_t i = 0; i < points.size(); ++i) {
         for (std::size_t d = 0; d < D; ++d)
           points[i].impulse[d] = old[i][d] + share * (points[i].impulse[d] - old[i][d]);
@@ -183,9 +183,9 @@ class Jacobi final : public VelocityResolver<D> {
   // Catto 2006: all normals of a manifold, then its friction.
   static void sweepManifold(const ManifoldRows<D>& m, std::span<PointRows<D>> points, Motion<D>& a, Motion<D>& b,
                             bool rotation) {
-    for (PointRows<D>& row : points) pushAt(m, row, Real(1), a, b, rotation);
+    for (PointRows<D>& row : points) solveNormalAt(m, row, Real(1), a, b, rotation);
     if (!(m.friction > 0)) return;
-    for (PointRows<D>& row : points) rubAt(m, row, a, b, rotation);
+    for (PointRows<D>& row : points) solveFrictionAt(m, row, a, b, rotation);
   }
 
   Params m_params;

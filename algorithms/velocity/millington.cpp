@@ -100,7 +100,7 @@ class Millington final : public VelocityResolver<D> {
       for (int body : {m_points[k].a, m_points[k].b}) {
         for (std::uint32_t other : m_neighbours.of(body)) m_errors.set(other, error(in, m_points[other]));
       }
-      countRows<D>(in.work, in.features.friction ? D : 1);
+      countRows<D>(in.work, in.model.friction ? D : 1);
     }
   }
 
@@ -113,7 +113,7 @@ class Millington final : public VelocityResolver<D> {
       if (!(error(in, p) > m_params.epsilon)) continue;
       resolve(in, p);
       quiet = -1;
-      countRows<D>(in.work, in.features.friction ? D : 1);
+      countRows<D>(in.work, in.model.friction ? D : 1);
     }
   }
 
@@ -134,7 +134,7 @@ class Millington final : public VelocityResolver<D> {
         in.bodies.pose.size(), m_points.size(), [&](std::size_t k) { return std::pair(m_points[k].a, m_points[k].b); },
         moves);
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
+    if (in.model.joints) m_joints.prepare(in.work, in.bodies, in.joints);
   }
 
   // Joints have no place in the order by error: they are solved as often as an average contact, before and after the
@@ -156,7 +156,7 @@ class Millington final : public VelocityResolver<D> {
   // The change of normal velocity that the contact demands, m/s.
   static Real error(const VelocityInput<D>& in, const Point& p) {
     const Real v = velocity(in.bodies.motion, p).dot(p.manifold->normal);
-    const Real e = in.features.restitution ? p.manifold->restitution : Real(0);
+    const Real e = in.model.restitution ? p.manifold->restitution : Real(0);
     return contactTarget<D>(p.contact->separation, v, v - p.kick, e, in.restitutionThreshold, in.dt, in.position) - v;
   }
 
@@ -174,7 +174,7 @@ class Millington final : public VelocityResolver<D> {
     const Vec<D> v = velocity(in.bodies.motion, p);
     const Real wanted = error(in, p);
     Vec<D> impulse = (wanted / normalResponse) * n;
-    const Real mu = in.features.friction ? p.manifold->friction : Real(0);
+    const Real mu = in.model.friction ? p.manifold->friction : Real(0);
     const Real determinant = k.determinant();
     if (mu > 0 && determinant > 0) {
       const Vec<D> sticking = k.inverse() * (wanted * n - (v - v.dot(n) * n));

@@ -51,7 +51,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
     Profiler::Scope scope(in.profiler, "solver.iterate");
     m_contacts.prepare(in);
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
+    if (in.model.joints) m_joints.prepare(in.work, in.bodies, in.joints);
     for (int i = 0; i < m_params.iterations; ++i) pass(in);
     m_contacts.store(in.manifolds);
     m_joints.store(in.joints);
@@ -59,7 +59,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
 
  private:
   void pass(const VelocityInput<D>& in) {
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     auto& motion = in.bodies.motion;
     m_joints.sweep(motion, in.dt, {.rate = in.position.jointBias(in.dt)});
     m_joints.count(in.work);
@@ -71,7 +71,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
         const Manifold<D>& manifold = in.manifolds[m.manifold];
         const Real target = contactTarget<D>(manifold.points[i].separation, v, v - row.kick,
-                                             in.features.restitution ? manifold.restitution : Real(0),
+                                             in.model.restitution ? manifold.restitution : Real(0),
                                              in.restitutionThreshold, in.dt, in.position);
         const Real impulse = row.normal.mass * (target - v);
         countRows<D>(in.work, 1);
@@ -83,7 +83,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
         const IndexedArray<Real, D> total = row.impulse;
         row.impulse.fill(0);
         row.impulse[0] = impulse;
-        rubAt(m, row, a, b, rotation);
+        solveFrictionAt(m, row, a, b, rotation);
         row.impulse[0] = total[0];
         for (std::size_t d = 1; d < D; ++d) row.impulse[d] += total[d];
         countRows<D>(in.work, D - 1);

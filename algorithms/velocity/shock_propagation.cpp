@@ -62,7 +62,7 @@ class ShockPropagation final : public VelocityResolver<D> {
       Profiler::Scope scope(in.profiler, "solver.prepare");
       m_contacts.prepare(in);
       m_joints.clear();
-      if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
+      if (in.model.joints) m_joints.prepare(in.work, in.bodies, in.joints);
       if (m_params.warmStart) warmStart(in);
     }
     {
@@ -95,8 +95,8 @@ class ShockPropagation final : public VelocityResolver<D> {
   void sweep(const ManifoldRows<D>& m, const VelocityInput<D>& in) {
     Motion<D> a = in.bodies.motion[m.a], b = in.bodies.motion[m.b];
     PointRows<D>* const points = m_contacts.points.data() + m.first;
-    for (int i = 0; i < m.count; ++i) pushAt(m, points[i], Real(1), a, b, in.features.rotation);
-    for (int i = 0; i < m.count && m.friction > 0; ++i) rubAt(m, points[i], a, b, in.features.rotation);
+    for (int i = 0; i < m.count; ++i) solveNormalAt(m, points[i], Real(1), a, b, in.model.rotation);
+    for (int i = 0; i < m.count && m.friction > 0; ++i) solveFrictionAt(m, points[i], a, b, in.model.rotation);
     in.bodies.motion[m.a] = a, in.bodies.motion[m.b] = b;
     countRows<D>(in.work, m.rows());
   }
@@ -119,7 +119,7 @@ class ShockPropagation final : public VelocityResolver<D> {
     for (std::size_t k = 0; k < m_upwards.size(); ++k) {
       ManifoldRows<D>& m = m_contacts.manifolds[k];
       m_upwards[m_next[std::max(level(m.a), level(m.b)) + 1]++] = k;
-      if (level(m.a) != level(m.b)) freeze(m, level(m.a) < level(m.b), in.features.rotation);
+      if (level(m.a) != level(m.b)) freeze(m, level(m.a) < level(m.b), in.model.rotation);
     }
     for (std::size_t l = 1; l + 1 < m_start.size(); ++l) {
       for (int i = 0; i < m_params.passes; ++i) {

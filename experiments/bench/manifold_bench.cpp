@@ -77,10 +77,10 @@ void runGenerator(benchmark::State& state, const std::string& spec, int corners,
     shapes.push_back(record);
     if (k % 2 == 1) pairs.push_back({k - 1, k});
   }
-  ChildPairs<2> childPairs;
+  PartPairs<2> partPairs;
   WorkDone work;
-  const auto children = childPairs.of(pairs, shapes, data.poses, kContactMargin, work);
-  const ContactInput<2> input{children, shapes, data.poses, kContactMargin, true};
+  const auto convexPairs = partPairs.of(pairs, shapes, data.poses, kContactMargin, work);
+  const ContactInput<2> input{convexPairs, shapes, data.poses, kContactMargin, true};
   std::vector<Manifold<2>> manifolds;
   work = WorkDone{};
   for (auto _ : state) {

@@ -37,7 +37,7 @@ void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA,
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
   report(state, work, static_cast<double>(state.iterations()) * static_cast<double>(count));
 
-  method->query(pairs, QueryNeed::witnesses, answers, {}, work);
+  method->query(pairs, QueryNeed::closestPoints, answers, {}, work);
   PairProof<D> proof;
   proof.count(pairs, answers);
   proof.tell(state);
@@ -64,10 +64,10 @@ void runGenerator(benchmark::State& state, const std::string& spec, ShapeKind ki
     poses.push_back(data.X_WA[k]), poses.push_back(data.X_WB[k]);
     pairs.push_back({slot, slot + 1});
   }
-  ChildPairs<D> childPairs;
+  PartPairs<D> partPairs;
   WorkDone work;
-  const auto children = childPairs.of(pairs, shapes, poses, Real(0.02), work);
-  const ContactInput<D> input{children, shapes, poses, Real(0.02), true};
+  const auto convexPairs = partPairs.of(pairs, shapes, poses, Real(0.02), work);
+  const ContactInput<D> input{convexPairs, shapes, poses, Real(0.02), true};
   std::vector<Manifold<D>> manifolds;
   for (auto _ : state) {
     manifolds.clear();
@@ -139,8 +139,8 @@ void addQueries() {
         };
         static constexpr Ask kAsks[] = {{QueryNeed::boolean, "/boolean"},
                                         {QueryNeed::distance, "/distance"},
-                                        {QueryNeed::witnesses, "/witnesses"},
-                                        {QueryNeed::witnesses, "/witnesses_one_by_one", true}};
+                                        {QueryNeed::closestPoints, "/witnesses"},
+                                        {QueryNeed::closestPoints, "/witnesses_one_by_one", true}};
         for (const Ask& ask : kAsks) {
           if (ask.oneByOne && role == AlgorithmRole::witness)
             continue;  // its time would be that of the communication with its process

@@ -46,7 +46,7 @@ template <int D>
 void runSolver(benchmark::State& state, const std::string& solver) {
   try {
     WorldSettings<D> settings;
-    settings.features.sleeping = false;
+    settings.model.sleeping = false;
     World<D> first(Pipeline{}, settings);
     buildPyramid(first, static_cast<int>(state.range(0)));
     for (int k = 0; k < kSettle; ++k) first.step(kDt);

@@ -13,7 +13,7 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace bench {
 namespace {
 
-constexpr std::size_t kMostMeetings = 300000;
+constexpr std::size_t kMostPairPoses = 300000;
 
 /// Small enough to be recorded in seconds. Skips the first steps, in which bodies fall freely.
 struct StreamScene {
@@ -43,7 +43,7 @@ const StreamReplay<D>& replayOf(const StreamScene& scene) {
   std::unique_ptr<StreamReplay<D>>& at = known[scene.name];
   if (!at) {
     at = std::make_unique<StreamReplay<D>>(
-        recordStream<D>(scene.name, specOf<D>(scene, fileOf(scene)), scene.from, scene.steps, kMostMeetings));
+        recordStream<D>(scene.name, specOf<D>(scene, fileOf(scene)), scene.from, scene.steps, kMostPairPoses));
   }
   return *at;
 }

@@ -69,7 +69,7 @@ int main(int count, char** words) {
   ball.X_WB.p = {-2, Real(0.4), 0};
   ball.shapes = {{.shape = Shape<3>::sphere(Real(0.4)), .density = 1}};
   ball.userData = kBall;
-  const Handle rolled = world.add(ball);
+  const BodyHandle rolled = world.add(ball);
   world.applyImpulse(rolled, {world.mass(rolled) * Real(speed), 0, 0}, world.pose(rolled).p);
 
   for (int step = 0; step < 900; ++step) world.step(Real(1) / 60);

@@ -73,8 +73,8 @@ Places<D> placesOf(const typename Recording<D>::Frame& frame) {
 template <int D>
 double apart(const Places<D>& a, const Places<D>& b) {
   double out = 0;
-  for (const auto& [who, p] : a) {
-    if (const auto other = b.find(who); other != b.end()) out = std::max(out, double((p - other->second).norm()));
+  for (const auto& [key, p] : a) {
+    if (const auto other = b.find(key); other != b.end()) out = std::max(out, double((p - other->second).norm()));
   }
   return out;
 }
@@ -88,7 +88,7 @@ std::set<std::size_t> momentsOf(const std::vector<typename Recording<D>::Frame>&
   std::vector<Places<D>> places;
   for (const auto& frame : frames) places.push_back(placesOf<D>(frame));
   double size = 1;  // m
-  for (const auto& [who, p] : places[0]) {
+  for (const auto& [key, p] : places[0]) {
     for (const auto& [other, q] : places[0]) size = std::max(size, double((p - q).norm()));
   }
   const std::size_t last = frames.size() - 1;
@@ -131,7 +131,7 @@ json cornersOf(const Patch& patch, const Camera<D>& camera) {
 template <int D>
 json stripOf(const std::string& recording) {
   const Reel<D> reel(recording);
-  const Camera<D> camera = cameraOf<D>(reel.sight(0), kWidth);
+  const Camera<D> camera = cameraOf<D>(reel.viewport(0), kWidth);
   json pictures = json::array();
   for (const std::size_t i : momentsOf<D>(reel.frames())) {
     json patches = json::array();

@@ -70,7 +70,7 @@ std::string film(const std::string& path, const std::string& out) {
   const FilmKind kind = filmKind(out);
   const Reel<D> reel(path);
   const auto& frames = reel.frames();
-  const Camera<D> camera = cameraOf<D>(reel.sight(), widthOf(kind));
+  const Camera<D> camera = cameraOf<D>(reel.viewport(), widthOf(kind));
   return filmed(out, 0, frames.size(), secondsOf(frames, 0), kind,
                 [&](std::size_t i) { return reel.picture(i, camera); });
 }
@@ -79,9 +79,9 @@ std::string film(const std::string& path, const std::string& out) {
 template <int D>
 std::string filmBoth(const Reel<D>& a, const Reel<D>& b, std::size_t first, FilmKind kind, const std::string& out) {
   const auto& longer = (a.frames().size() < b.frames().size() ? b : a).frames();
-  Sight sight = a.sight();
-  sight.take(b.sight().lo, b.sight().hi);
-  const Camera<D> camera = cameraOf<D>(sight, widthOf(kind));
+  Viewport viewport = a.viewport();
+  viewport.take(b.viewport().lo, b.viewport().hi);
+  const Camera<D> camera = cameraOf<D>(viewport, widthOf(kind));
   const double end = camera.width;
   return filmed(out, first, longer.size(), secondsOf(longer, first), kind, [&](std::size_t i) {
     Picture both{2 * end, camera.height, {}, {}};
@@ -108,16 +108,16 @@ std::string compare(const std::string& pathA, const std::string& pathB, double t
   std::optional<FilmKind> kind;
   if (!out.empty()) kind = filmKind(out);
   const Reel<D> a(pathA), b(pathB);
-  const auto parting = partingOf(a, b, tolerance);
+  const auto divergence = divergenceOf(a, b, tolerance);
   std::string text;
-  if (parting) {
-    text = "the runs diverge at step " + std::to_string(parting->step) + ": " + parting->how;
+  if (divergence) {
+    text = "the runs diverge at step " + std::to_string(divergence->step) + ": " + divergence->how;
   } else {
     char within[48];
     std::snprintf(within, sizeof within, " frames are within %.6g m and rad", tolerance);
     text = "the runs do not diverge: " + std::to_string(a.frames().size()) + within;
   }
-  const std::size_t before = parting && parting->frame > 0 ? parting->frame - 1 : 0;
+  const std::size_t before = divergence && divergence->frame > 0 ? divergence->frame - 1 : 0;
   return kind ? text + "\n" + filmBoth(a, b, before, *kind, out) : text;
 }
 

@@ -21,7 +21,7 @@ constexpr double kFarthest = 1e100;  // m: no picture shows larger sizes or dist
 // For each part the recording has the arguments of its factory; for a curved kind the half extents, the first of which
 // are its sizes. A plugin's kind is drawn as its box, since its sizes may mean anything.
 template <int D>
-Shape<D> shapeOf(const typename Recording<D>::Arrival::Part& p) {
+Shape<D> shapeOf(const typename Recording<D>::NewBody::Part& p) {
   switch (coreClass(p.kind)) {
     case CoreClass::point:
       return Shape<D>::sphere(p.radius);
@@ -53,10 +53,10 @@ Reel<D>::Reel(const std::string& path) try {
   m_recording = Recording<D>::read(in);
   if (m_recording.frames.empty()) throw UserError("the recording has no frames");
   for (const auto& frame : m_recording.frames) {
-    for (const auto& arrival : frame.arrivals) {
-      Actor& actor = m_cast[{arrival.slot, arrival.generation}];
-      actor.type = arrival.type;
-      for (const auto& part : arrival.parts) actor.parts.push_back({shapeOf<D>(part), part.X_CS});
+    for (const auto& newBody : frame.newBodies) {
+      Actor& actor = m_cast[{newBody.slot, newBody.generation}];
+      actor.type = newBody.type;
+      for (const auto& part : newBody.parts) actor.parts.push_back({shapeOf<D>(part), part.X_CS});
     }
   }
 } catch (const UserError& e) {
@@ -64,9 +64,9 @@ Reel<D>::Reel(const std::string& path) try {
 }
 
 template <int D>
-Sight Reel<D>::sightOf(const typename Recording<D>::Frame& frame, bool fixedOnes) const {
+Viewport Reel<D>::viewportOf(const typename Recording<D>::Frame& frame, bool fixedOnes) const {
   const Camera<D> camera;
-  Sight out;
+  Viewport out;
   for (const auto& body : frame.bodies) {
     const auto actor = m_cast.find({body.slot, body.generation});
     if (actor == m_cast.end() || (actor->second.type == BodyType::fixed) != fixedOnes || !isPlace(body.X_WC)) continue;
@@ -85,25 +85,25 @@ Sight Reel<D>::sightOf(const typename Recording<D>::Frame& frame, bool fixedOnes
 }
 
 template <int D>
-Sight Reel<D>::sight(double follow) const {
-  Sight first, all;
+Viewport Reel<D>::viewport(double follow) const {
+  Viewport first, all;
   for (const auto& frame : frames()) {
-    const Sight box = sightOf(frame, false);
+    const Viewport box = viewportOf(frame, false);
     if (first.empty()) first = box;
     all.take(box.lo, box.hi);
   }
-  if (all.empty()) first = all = sightOf(frames()[0], true);
+  if (all.empty()) first = all = viewportOf(frames()[0], true);
   if (all.empty()) all.take({-1, -1}, {1, 1}), first = all;
   const Vec<2> limit = Vec<2>::Constant(std::max(follow, (first.hi - first.lo).maxCoeff()));
   return {all.lo.cwiseMax(first.lo - limit), all.hi.cwiseMin(first.hi + limit)};
 }
 
 template <int D>
-Camera<D> cameraOf(const Sight& sight, double width) {
+Camera<D> cameraOf(const Viewport& viewport, double width) {
   Camera<D> camera;
-  const Vec<2> margin = Vec<2>::Constant(0.06 * (sight.hi - sight.lo).maxCoeff());
-  const Vec<2> size = sight.hi - sight.lo + 2 * margin;
-  camera.middle = (sight.lo + sight.hi) / 2;
+  const Vec<2> margin = Vec<2>::Constant(0.06 * (viewport.hi - viewport.lo).maxCoeff());
+  const Vec<2> size = viewport.hi - viewport.lo + 2 * margin;
+  camera.middle = (viewport.lo + viewport.hi) / 2;
   camera.width = width;
   camera.height = std::clamp(width * size[1] / size[0], 0.4 * width, 1.2 * width);
   camera.scale = std::min(camera.width / size[0], camera.height / size[1]);
@@ -131,43 +131,44 @@ Picture Reel<D>::picture(std::size_t index, const Camera<D>& camera) const {
 }
 
 template <int D>
-std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tolerance) {
+std::optional<Divergence> divergenceOf(const Reel<D>& a, const Reel<D>& b, double tolerance) {
   const std::size_t count = std::min(a.frames().size(), b.frames().size());
   for (std::size_t i = 0; i < count; ++i) {
     const auto &ours = a.frames()[i].bodies, &theirs = b.frames()[i].bodies;
     const auto step = a.frames()[i].step;
     if (ours.size() != theirs.size()) {
-      return Parting{
+      return Divergence{
           i, step,
           "one run has " + std::to_string(ours.size()) + " bodies, the other " + std::to_string(theirs.size())};
     }
     for (std::size_t k = 0; k < ours.size(); ++k) {
-      const std::string who = "body " + std::to_string(std::min(ours[k].slot, theirs[k].slot));
-      if (ours[k].slot != theirs[k].slot) return Parting{i, step, who + " exists in one run only"};
-      if (ours[k].generation != theirs[k].generation) return Parting{i, step, who + " is a different body in each run"};
+      const std::string body = "body " + std::to_string(std::min(ours[k].slot, theirs[k].slot));
+      if (ours[k].slot != theirs[k].slot) return Divergence{i, step, body + " exists in one run only"};
+      if (ours[k].generation != theirs[k].generation)
+        return Divergence{i, step, body + " is a different body in each run"};
       const double way = (ours[k].X_WC.p - theirs[k].X_WC.p).norm();
       const double turn = angleOf(ours[k].X_WC.q.inverse() * theirs[k].X_WC.q);
       char text[80];
       // Written so that NaN counts as apart.
       if (!(way <= tolerance)) {
         std::snprintf(text, sizeof text, " is %.3g m apart", way);
-        return Parting{i, step, who + text};
+        return Divergence{i, step, body + text};
       }
       if (!(turn <= tolerance)) {
         std::snprintf(text, sizeof text, " is turned by %.3g rad", turn);
-        return Parting{i, step, who + text};
+        return Divergence{i, step, body + text};
       }
     }
   }
   if (a.frames().size() == b.frames().size()) return std::nullopt;
-  return Parting{count - 1, a.frames()[count - 1].step, "one run continues, the other ends"};
+  return Divergence{count - 1, a.frames()[count - 1].step, "one run continues, the other ends"};
 }
 
-template Camera<2> cameraOf(const Sight&, double);
-template Camera<3> cameraOf(const Sight&, double);
+template Camera<2> cameraOf(const Viewport&, double);
+template Camera<3> cameraOf(const Viewport&, double);
 template class Reel<2>;
 template class Reel<3>;
-template std::optional<Parting> partingOf(const Reel<2>&, const Reel<2>&, double);
-template std::optional<Parting> partingOf(const Reel<3>&, const Reel<3>&, double);
+template std::optional<Divergence> divergenceOf(const Reel<2>&, const Reel<2>&, double);
+template std::optional<Divergence> divergenceOf(const Reel<3>&, const Reel<3>&, double);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -16,7 +16,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// A rectangle of the image plane (m).
-struct Sight {
+struct Viewport {
   Vec<2> lo = Vec<2>::Constant(std::numeric_limits<double>::infinity());
   Vec<2> hi = Vec<2>::Constant(-std::numeric_limits<double>::infinity());
 
@@ -26,7 +26,7 @@ struct Sight {
 
 /// A camera that sees all of it, with a small border.
 template <int D>
-Camera<D> cameraOf(const Sight& sight, double width);
+Camera<D> cameraOf(const Viewport& viewport, double width);
 
 template <int D>
 class Reel {
@@ -39,7 +39,7 @@ class Reel {
   /// The region in which most moving bodies ever are. A body that flies off does not shrink the others to dots: no body
   /// is followed farther than the size of the first picture, or `follow` (m). If nothing moves, the region of the fixed
   /// bodies.
-  Sight sight(double follow = 10) const;
+  Viewport viewport(double follow = 10) const;
   /// One frame, with its time.
   Picture picture(std::size_t frame, const Camera<D>& camera) const;
 
@@ -51,14 +51,14 @@ class Reel {
   using Key = std::pair<std::int32_t, std::uint32_t>;  // slot, generation
 
   /// Without planes, which are unbounded.
-  Sight sightOf(const typename Recording<D>::Frame& frame, bool fixedOnes) const;
+  Viewport viewportOf(const typename Recording<D>::Frame& frame, bool fixedOnes) const;
 
   Recording<D> m_recording;
   std::map<Key, Actor> m_cast;
 };
 
 /// The point at which two runs diverge.
-struct Parting {
+struct Divergence {
   std::size_t frame = 0;
   std::int64_t step = 0;
   std::string how;  // "body 3 is 0.0012 m apart"
@@ -66,6 +66,6 @@ struct Parting {
 /// The first frame in which a body is farther from its counterpart (slot and generation) than `tolerance` (m, and rad
 /// of rotation), or has none.
 template <int D>
-std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tolerance);
+std::optional<Divergence> divergenceOf(const Reel<D>& a, const Reel<D>& b, double tolerance);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -36,7 +36,7 @@ json describeScenes() {
                    {"summary", file.summary()},
                    {"path", path},
                    {"dimensions", file.dimensions()},
-                   {"needs", featuresText(file.needs())},
+                   {"needs", modelText(file.model())},
                    {"params", params}});
   }
   return out;

@@ -48,7 +48,7 @@ struct RecordOptions {
 };
 
 /// Largest number of pairs in a file: 60 MB in 3D.
-constexpr std::size_t kMostMeetings = 1000000;
+constexpr std::size_t kMostPairPoses = 1000000;
 
 /// "100" or "100:200".
 StepRange stepRange(const std::string& text) {
@@ -118,7 +118,7 @@ struct RecordedRun {
  private:
   static SceneSpec<D> specOf(const WorldRequest& asked, const SceneFile& file) {
     SceneSpec<D> spec = file.build<D>(asked.params, asked.seed);
-    spec.settings.features = featuresFromText(asked.features);
+    spec.settings.model = modelFromText(asked.features);
     return spec;
   }
 };
@@ -198,23 +198,23 @@ void recordPairs(const RecordOptions& o, const PlannedTrial& trial) {
   for (long step = 0; step < steps && !full; ++step) {
     if (InterruptGuard::interrupted()) throw Interrupted();
     run.director.advance(run.world);
-    if (o.steps.empty() || o.asks(step)) full = !collector.see(run.world, step, kMostMeetings);
+    if (o.steps.empty() || o.asks(step)) full = !collector.see(run.world, step, kMostPairPoses);
     if (!full && step + 1 < steps) run.world.step(run.dt);
   }
   const PairStream<D>& stream = collector.stream();
-  const std::string most = std::to_string(kMostMeetings);
+  const std::string most = std::to_string(kMostPairPoses);
   if (full && !o.steps.empty()) {
     throw UserError("--steps: these steps of '" + o.scene + "' have more than " + most +
                     " pairs, the most that a file holds; valid: fewer steps, or a smaller scene");
   }
-  if (stream.meetings.empty()) {
+  if (stream.pairPoses.empty()) {
     throw UserError("no boxes of '" + o.scene +
                     "' come near each other in these steps; valid: steps with close pairs of shapes");
   }
   writePairs<D>(out.stream(), stream);
   out.finish();
   std::printf("%zu steps, %zu pairs in total, %zu distinct pairs, %zu shapes%s\npairs  %s\n", stream.steps.size(),
-              stream.meetings.size(), stream.pairs.size(), stream.shapes.size(),
+              stream.pairPoses.size(), stream.pairs.size(), stream.shapes.size(),
               full ? (": the next step would exceed " + most).c_str() : "", o.pairs.c_str());
 }
 

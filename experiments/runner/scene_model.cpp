@@ -16,7 +16,7 @@ std::vector<std::string> listOf(const std::string& features) {
   return out;
 }
 
-std::vector<std::string> allFeatures() { return listOf(featuresText(Features{})); }
+std::vector<std::string> allModelFlags() { return listOf(modelText(PhysicsModel{})); }
 
 bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -27,18 +27,18 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
 std::vector<std::string> modelNames() {
   std::vector<std::string> out = {kMinimalModel, "all", "2d", "3d"};
   for (const char* sign : {"+", "-"}) {
-    for (const std::string& feature : allFeatures()) out.push_back(sign + feature);
+    for (const std::string& feature : allModelFlags()) out.push_back(sign + feature);
   }
   return out;
 }
 
 void applyModel(const SceneFile& file, const std::string& model, WorldCell& cell) {
   if (!holds(modelNames(), model)) throw UserError("unknown model '" + model + "'" + validNames(modelNames(), model));
-  std::vector<std::string> features = listOf(featuresText(file.needs()));
+  std::vector<std::string> features = listOf(modelText(file.model()));
   if (model == "2d" || model == "3d") {
     cell.dimension = model == "2d" ? 2 : 3;
   } else if (model == "all") {
-    features = allFeatures();
+    features = allModelFlags();
   } else if (model[0] == '+' && !holds(features, model.substr(1))) {
     features.push_back(model.substr(1));
   } else if (model[0] == '-') {
@@ -46,14 +46,14 @@ void applyModel(const SceneFile& file, const std::string& model, WorldCell& cell
   }
   std::string text;
   for (const std::string& f : features) text += (text.empty() ? "" : ",") + f;
-  cell.features = featuresText(featuresFromText(text));
+  cell.features = modelText(modelFromText(text));
 }
 
 std::vector<std::string> otherModels(const SceneFile& file, int dimension) {
   std::vector<std::string> out;
   if (file.has(5 - dimension)) out.push_back(dimension == 2 ? "3d" : "2d");
-  const std::vector<std::string> needed = listOf(featuresText(file.needs()));
-  for (const std::string& feature : allFeatures()) out.push_back((holds(needed, feature) ? "-" : "+") + feature);
+  const std::vector<std::string> needed = listOf(modelText(file.model()));
+  for (const std::string& feature : allModelFlags()) out.push_back((holds(needed, feature) ? "-" : "+") + feature);
   return out;
 }
 

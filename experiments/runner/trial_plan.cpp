@@ -228,7 +228,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   }
 
   Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0), {}, true};
-  const std::string features = cell.features ? *cell.features : featuresText(file.needs());
+  const std::string features = cell.features ? *cell.features : modelText(file.model());
   std::string missing;  // why the scene cannot be built
   canonicalJoint(code, missing, file, params, dimension);
   if (!file.has(dimension)) missing = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
@@ -243,7 +243,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   asked.scene = file.name(), asked.params = params, asked.dimension = dimension, asked.precision = cell.precision;
   asked.pipeline = engine ? "engine=" + engine->text() : pipeline.text();
   asked.dt = defaults.dt, asked.steps = defaults.steps, asked.seed = seed;
-  asked.features = featuresText(featuresFromText(features)), asked.repeat = cell.repeat, asked.timed = cell.timed;
+  asked.features = modelText(modelFromText(features)), asked.repeat = cell.repeat, asked.timed = cell.timed;
   // Its content is in the scene's hash.
   if (!cell.script.empty()) asked.script = std::filesystem::path(file.scriptPath()).stem().string();
   asked.posesEvery = cell.posesEvery.value_or(0), asked.series = cell.series;

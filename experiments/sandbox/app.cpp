@@ -12,10 +12,10 @@
 
 #include "experiments/film/png_file.h"
 #include "experiments/runner/locations.h"
-#include "experiments/sandbox/deed_script.h"
+#include "experiments/sandbox/action_script.h"
+#include "experiments/sandbox/competitor_colours.h"
+#include "experiments/sandbox/competitor_label.h"
 #include "experiments/sandbox/equal_cost.h"
-#include "experiments/sandbox/lane_colours.h"
-#include "experiments/sandbox/lane_label.h"
 #include "experiments/sandbox/look_at_all.h"
 #include "experiments/sandbox/panels.h"
 #include "experiments/sandbox/puppet.h"
@@ -181,7 +181,7 @@ void App<D>::advance() {
   if (!session.fallen()) return;
   paused = true;  // shown as it fell, and can be stepped back
   hand.setPaused(true);
-  say(session.lanes()[0].fallen);
+  say(session.competitors()[0].fallen);
 }
 
 template <int D>
@@ -192,7 +192,7 @@ void App<D>::step() {
     session.measure(panels.step);
     session.step();
     if (equalCost) equaliseCost(session);
-    const std::vector<Sample>& samples = session.lanes()[0].samples;
+    const std::vector<Sample>& samples = session.competitors()[0].samples;
     stepSeconds = samples.empty() ? 0 : samples.back().seconds;
   });
 }
@@ -203,20 +203,20 @@ void App<D>::back() {
   paused = true;
   const double start = now();
   bool told = false;
-  const auto patience = [&](std::size_t lane, double part) {
+  const auto progress = [&](std::size_t competitor, double part) {
     const double seconds = now() - start;
     told |= seconds > kToldAfter;
     if (told) {
       char text[96];
-      std::snprintf(text, sizeof text, "LPC sandbox: step back, competitor %zu, %.0f %%", lane + 1, 100 * part);
+      std::snprintf(text, sizeof text, "LPC sandbox: step back, competitor %zu, %.0f %%", competitor + 1, 100 * part);
       window.setTitle(text);
     }
     return seconds < kPatience;
   };
-  if (!session.back(patience)) say("no earlier step");
+  if (!session.back(progress)) say("no earlier step");
   if (told) window.setTitle("LPC sandbox");
-  for (const auto& lane : session.lanes()) {
-    if (lane.fallen.starts_with("step back cancelled")) say(lane.fallen + "; R reloads the scene");
+  for (const auto& competitor : session.competitors()) {
+    if (competitor.fallen.starts_with("step back cancelled")) say(competitor.fallen + "; R reloads the scene");
   }
   hand.setPaused(true);
 }
@@ -274,9 +274,9 @@ template <int D>
 Opening App<D>::playing() const {
   Opening out = opening;
   out.say.clear(), out.steps = 0;
-  const auto& lanes = session.lanes();
-  for (std::size_t i = 0; lanes.size() == out.pipelines.size() && i < lanes.size(); ++i) {
-    out.pipelines[i] = lanes[i].pipeline;
+  const auto& competitors = session.competitors();
+  for (std::size_t i = 0; competitors.size() == out.pipelines.size() && i < competitors.size(); ++i) {
+    out.pipelines[i] = competitors[i].pipeline;
   }
   return out;
 }
@@ -303,7 +303,7 @@ void App<D>::save() {
   const auto world = session.ready();
   if (!world) throw UserError("the state of an engine cannot be saved; valid: a pipeline of LPC's stages");
   SavedScene saved(session.steps(), kSaved);
-  saved.write(*world, session.scene(), session.lanes()[0].pipeline);
+  saved.write(*world, session.scene(), session.competitors()[0].pipeline);
   saved.finish();
   say(std::string("saved as ") + kSaved);
 }
@@ -324,7 +324,7 @@ void App<D>::otherDimension() {
 }
 
 template <int D>
-void App<D>::addLane(const std::string& pipeline) {
+void App<D>::addCompetitor(const std::string& pipeline) {
   Opening next = playing();
   next.pipelines.push_back(pipeline);
   Session<D> played(specOf<D>(file, next), next.pipelines);  // rejects pipelines that cannot run
@@ -333,9 +333,9 @@ void App<D>::addLane(const std::string& pipeline) {
 }
 
 template <int D>
-void App<D>::takeOut(std::size_t lane) {
+void App<D>::removeCompetitor(std::size_t competitor) {
   opening.pipelines = playing().pipelines;
-  opening.pipelines.erase(opening.pipelines.begin() + static_cast<long>(lane));
+  opening.pipelines.erase(opening.pipelines.begin() + static_cast<long>(competitor));
   reload();
 }
 
@@ -357,8 +357,8 @@ void App<D>::writeProfile(const std::string& path) {
 template <int D>
 void App<D>::saveScript() {
   constexpr const char* kPath = "sandbox_script.toml";
-  const std::string text =
-      "# " + runOf(opening, file, kPath) + "\n" + scriptOf<D>(session.deeds(), session.scene(), file, session.steps());
+  const std::string text = "# " + runOf(opening, file, kPath) + "\n" +
+                           scriptOf<D>(session.actions(), session.scene(), file, session.steps());
   // Proof that it is the same: a run of the script in the same scene ends in the same bits.
   std::ifstream scene(file.path(), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(scene), {}};
@@ -366,8 +366,7 @@ void App<D>::saveScript() {
   Opening plain = opening;
   plain.features.reset();
   SceneSpec<D> spec = specOf<D>(scripted, plain);
-  if (spec.saved.empty())
-    spec.settings.features = scripted.needs();  // no joints if neither scene nor script needs them
+  if (spec.saved.empty()) spec.settings.model = scripted.model();  // no joints if neither scene nor script needs them
   Session<D> again(std::move(spec), {opening.pipelines.front()});
   while (again.steps() < session.steps() && !again.fallen()) again.step();
   const bool same = again.world().hash() == session.world().hash();

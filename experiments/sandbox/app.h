@@ -52,7 +52,7 @@ struct Switches {
 };
 
 /// How a competitor is drawn.
-struct LaneLook {
+struct CompetitorLook {
   std::string pipeline, label, title;
   DrawColour colour;
 };
@@ -95,8 +95,8 @@ class App : public Switches {
   void arrangeAs(Arrangement as);
   void zoom(Real factor);
   void otherDimension();
-  void addLane(const std::string& pipeline);
-  void takeOut(std::size_t lane);
+  void addCompetitor(const std::string& pipeline);
+  void removeCompetitor(std::size_t competitor);
   void toggleLog();
   void writeProfile(const std::string& path);
   /// Writes the last picture as PNG. Throws UserError if it cannot be written.
@@ -115,8 +115,8 @@ class App : public Switches {
   std::vector<Tile> views,
       titles;          // of the last picture: the view of each competitor, and, side by side, its title above it
   int titleLines = 1;  // for a label
-  const std::vector<LaneLook>& laneLooks();
-  bool isSideBySide() const { return arrangement == Arrangement::sideBySide && session.lanes().size() > 1; }
+  const std::vector<CompetitorLook>& competitorLooks();
+  bool isSideBySide() const { return arrangement == Arrangement::sideBySide && session.competitors().size() > 1; }
   Marks marks;
   bool closed = false;
   bool logging = false;  // writes statistics of each step to a file
@@ -142,7 +142,7 @@ class App : public Switches {
   void showOther(Opening next, const SceneFile& loaded);
   void draw();
   void arrange();
-  void lookInto(std::size_t lane);  // sets the camera to its view
+  void lookInto(std::size_t competitor);  // sets the camera to its view
   Vec<2> inFirstView(const Vec<2>& pixel);
   void drawOverlaid();
   void drawSideBySide();
@@ -152,7 +152,7 @@ class App : public Switches {
 
   GlCanvas<D> m_canvas;
   std::optional<Opening> m_next;
-  std::vector<LaneLook> m_laneLooks;
+  std::vector<CompetitorLook> m_competitorLooks;
   bool m_lookDue = true;              // fit the scene, as soon as the division of the window is known
   int m_columns = 1;                  // of tiles
   std::array<int, 4> m_columnsFor{};  // the input of that choice

@@ -89,7 +89,7 @@ std::vector<Command<D>> makeCommands() {
   });
   add("Body", "Pin", SDLK_t, "pins the body's centre (it may still rotate), or frees it", [](A& a) { a.hand.pin(); });
   add("Body", "Merge", SDLK_m, "merges the selected bodies into one", [](A& a) { a.hand.merge(); });
-  add("Body", "Unmerge", SDLK_u, "splits the body into one body per shape", [](A& a) { a.hand.takeApart(); });
+  add("Body", "Unmerge", SDLK_u, "splits the body into one body per shape", [](A& a) { a.hand.splitByShape(); });
 
   add("View", "Zoom in", SDLK_PAGEUP, "zooms in", [](A& a) { a.zoom(Real(1.25)); });
   add("View", "Zoom out", SDLK_PAGEDOWN, "zooms out", [](A& a) { a.zoom(Real(0.8)); });

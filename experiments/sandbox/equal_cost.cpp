@@ -48,8 +48,9 @@ Scaled scale(std::string& text, double factor, int dimension) {
 
 // The allowed cost of a competitor's step relative to the first's; 1 if unknown.
 template <int D>
-double factorOf(const Session<D>& session, std::size_t lane) {
-  const double first = medianTime(session.lanes()[0].samples), time = medianTime(session.lanes()[lane].samples);
+double factorOf(const Session<D>& session, std::size_t competitor) {
+  const double first = medianTime(session.competitors()[0].samples),
+               time = medianTime(session.competitors()[competitor].samples);
   return first > 0 && time > 0 ? first / time : 1;
 }
 
@@ -63,22 +64,22 @@ std::optional<std::string> withMoreIterations(const std::string& text, double fa
 
 template <int D>
 void equaliseCost(Session<D>& session) {
-  for (std::size_t lane = 1; lane < session.lanes().size(); ++lane) {
-    const auto& l = session.lanes()[lane];
+  for (std::size_t competitor = 1; competitor < session.competitors().size(); ++competitor) {
+    const auto& l = session.competitors()[competitor];
     const long made = session.steps() - l.since;
     if (!l.fallen.empty() || engineOf(l.pipeline) || made == 0 || made % kTimedSteps != 0) continue;
-    const double factor = factorOf(session, lane);
+    const double factor = factorOf(session, competitor);
     if (std::abs(factor - 1) < kSameCost) continue;
     const auto pipeline = withMoreIterations(l.pipeline, std::clamp(factor, 0.25, 4.0), D);
-    if (pipeline) session.perform(ExchangeStages{static_cast<int>(lane), *pipeline});
+    if (pipeline) session.perform(SetPipeline{static_cast<int>(competitor), *pipeline});
   }
 }
 
 template <int D>
-std::string whyCostStays(const Session<D>& session, std::size_t lane) {
-  const auto& l = session.lanes()[lane];
-  const double factor = factorOf(session, lane);
-  if (lane == 0 || !l.fallen.empty() || std::abs(factor - 1) < kSameCost) return "";
+std::string whyCostStays(const Session<D>& session, std::size_t competitor) {
+  const auto& l = session.competitors()[competitor];
+  const double factor = factorOf(session, competitor);
+  if (competitor == 0 || !l.fallen.empty() || std::abs(factor - 1) < kSameCost) return "";
   if (engineOf(l.pipeline)) return "an engine cannot change its iterations during a run";
   std::string text = l.pipeline;
   const Scaled scaled = scale(text, factor, D);

@@ -26,6 +26,6 @@ void equaliseCost(Session<D>& session);
 
 /// Why a competitor's cost cannot follow; empty: it need not, or it follows.
 template <int D>
-std::string whyCostStays(const Session<D>& session, std::size_t lane);
+std::string whyCostStays(const Session<D>& session, std::size_t competitor);
 
 }}  // namespace lpc::LPC_PRECISION

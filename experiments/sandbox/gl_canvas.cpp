@@ -57,7 +57,7 @@ unsigned shaderOf(unsigned kind, const char* text) {
 }
 
 // Shading shows the shape of a body of one colour: surfaces that face up or towards the viewer are bright.
-DrawColour lit(const DrawColour& c, float light) {
+DrawColour shaded(const DrawColour& c, float light) {
   const auto of = [&](unsigned char x) {
     return static_cast<unsigned char>(std::clamp(static_cast<float>(x) * light, 0.0f, 255.0f));
   };
@@ -227,7 +227,7 @@ void GlCanvas<D>::addFill(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const L
         turn.transpose() * (Vec<3>(Real(0.1), Real(0.2), 0) + Real(0.15) * m_camera.towards()).template cast<float>();
     for (std::size_t i = 0; i < mesh.corners.size(); ++i) {
       const Point at = origin + turn * mesh.corners[i];
-      *out++ = {at[0], at[1], at[2], 0, lit(look.fill, 0.75f + light.dot(mesh.normals[i]))};
+      *out++ = {at[0], at[1], at[2], 0, shaded(look.fill, 0.75f + light.dot(mesh.normals[i]))};
     }
   }
   for (const std::uint32_t corner : mesh.triangles) layer.triangles.push_back(first + corner);

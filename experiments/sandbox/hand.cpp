@@ -131,7 +131,7 @@ template <int D>
 void Hand<D>::setPaused(bool paused) {
   m_paused = paused;
   if (!m_carried) return;
-  const Handle h = m_session.handle(m_carried->body);
+  const BodyHandle h = m_session.handle(m_carried->body);
   if (!m_session.world().valid(h)) return m_carried.reset();
   m_carried->placed.clear();
   if (!paused) return;
@@ -172,7 +172,7 @@ void Hand<D>::carry(const Vec<2>& pixel) {
 template <int D>
 void Hand<D>::pull(bool keepRotation) {
   if (!m_carried || m_paused) return;
-  const Handle h = m_session.handle(m_carried->body);
+  const BodyHandle h = m_session.handle(m_carried->body);
   const Simulation<D>& world = m_session.world();
   if (!world.valid(h)) return m_carried.reset();
   const auto i = static_cast<std::size_t>(h.slot);
@@ -348,11 +348,11 @@ void Hand<D>::merge() {
 }
 
 template <int D>
-void Hand<D>::takeApart() {
+void Hand<D>::splitByShape() {
   for (const int body : chosen()) {
     int shapes = 0;
     for (const ShapeRecord<D>& s : m_session.world().shapes()) shapes += s.body == m_session.handle(body).slot;
-    m_session.perform(TakeApart{body, shapes});
+    m_session.perform(SplitByShape{body, shapes});
   }
 }
 
@@ -368,11 +368,11 @@ std::optional<BodyDef<D>> Hand<D>::preview() const {
 }
 
 template <int D>
-void Hand<D>::drawSelected(std::size_t lane, DebugDraw<D>& out) const {
-  const Simulation<D>& world = m_session.world(lane);
+void Hand<D>::drawSelected(std::size_t competitor, DebugDraw<D>& out) const {
+  const Simulation<D>& world = m_session.world(competitor);
   std::vector<std::int32_t> slots;
   for (const int body : m_selected) {
-    if (const Handle h = m_session.handle(body, lane); world.valid(h)) slots.push_back(h.slot);
+    if (const BodyHandle h = m_session.handle(body, competitor); world.valid(h)) slots.push_back(h.slot);
   }
   for (const ShapeRecord<D>& s : world.shapes()) {
     if (s.body < 0 || std::find(slots.begin(), slots.end(), s.body) == slots.end()) continue;

@@ -48,7 +48,7 @@ class Hand {
   void makeStatic();  // and dynamic again
   void pin();         // and free again
   void merge();
-  void takeApart();
+  void splitByShape();
   void wake();
 
   Tool tool = Tool::grab;
@@ -63,7 +63,7 @@ class Hand {
   /// The preview, the selection, the spring and the rectangle.
   void draw(DebugDraw<D>& out) const;
   /// The outlines of the selected bodies, at a competitor's poses.
-  void drawSelected(std::size_t lane, DebugDraw<D>& out) const;
+  void drawSelected(std::size_t competitor, DebugDraw<D>& out) const;
 
  private:
   struct Placed {

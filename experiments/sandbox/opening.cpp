@@ -56,9 +56,9 @@ SceneSpec<D> specOf(const SceneFile& file, const Opening& o) {
   }
   SceneSpec<D> scene = file.build<D>(given, o.seed.value_or(file.defaultSeed()));
   if (o.dt) scene.dt = static_cast<Real>(*o.dt);
-  if (o.features) scene.settings.features = featuresFromText(*o.features);
+  if (o.features) scene.settings.model = modelFromText(*o.features);
   if (scene.saved.empty())
-    scene.settings.features.joints = true;  // joints may be made by hand; a world without joints pays nothing
+    scene.settings.model.joints = true;  // joints may be made by hand; a world without joints pays nothing
   return scene;
 }
 

@@ -26,7 +26,7 @@ void bodyPanel(App<D>& app) {
   const std::vector<int>& selected = app.hand.selected();
   if (selected.empty()) return ImGui::TextUnformatted("no body selected");
   const int body = selected.back();
-  const Handle h = app.session.handle(body);
+  const BodyHandle h = app.session.handle(body);
   const Simulation<D>& world = app.session.world();
   if (!world.valid(h)) return ImGui::TextUnformatted("the body no longer exists");
   const auto i = static_cast<std::size_t>(h.slot);

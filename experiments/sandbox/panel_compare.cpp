@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiments/sandbox/competitor_colours.h"
+#include "experiments/sandbox/competitor_label.h"
 #include "experiments/sandbox/equal_cost.h"
-#include "experiments/sandbox/lane_colours.h"
-#include "experiments/sandbox/lane_label.h"
 #include "experiments/sandbox/panels.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -52,41 +52,41 @@ void errorPlot(const std::vector<Sample>& samples, double parted, long partedAt,
 
 template <int D>
 void comparePanel(App<D>& app) {
-  const auto& lanes = app.session.lanes();
+  const auto& competitors = app.session.competitors();
   bool beside = app.arrangement == Arrangement::sideBySide;
   ImGui::Checkbox("side by side", &beside);
   app.marks.last("Compare/side by side");
   app.arrangeAs(beside ? Arrangement::sideBySide : Arrangement::overlaid);
-  const double first = medianTime(lanes[0].samples);
-  if (lanes.size() > 1) {
+  const double first = medianTime(competitors[0].samples);
+  if (competitors.size() > 1) {
     ImGui::Checkbox("same cost: iterations adapted to the first one's time", &app.equalCost);
     app.marks.last("Compare/same cost");
   }
-  for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
-    const auto& l = lanes[lane];
-    ImGui::PushID(static_cast<int>(lane));
-    swatch(app.laneLooks()[lane].colour);
-    ImGui::TextWrapped("%zu %s", lane + 1, app.laneLooks()[lane].title.c_str());
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", app.laneLooks()[lane].label.c_str());
-    ImGui::TextWrapped("%s", laneState(app.session, lane).c_str());
-    const std::string stays = app.equalCost ? whyCostStays(app.session, lane) : "";
+  for (std::size_t competitor = 0; competitor < competitors.size(); ++competitor) {
+    const auto& l = competitors[competitor];
+    ImGui::PushID(static_cast<int>(competitor));
+    swatch(app.competitorLooks()[competitor].colour);
+    ImGui::TextWrapped("%zu %s", competitor + 1, app.competitorLooks()[competitor].title.c_str());
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", app.competitorLooks()[competitor].label.c_str());
+    ImGui::TextWrapped("%s", competitorState(app.session, competitor).c_str());
+    const std::string stays = app.equalCost ? whyCostStays(app.session, competitor) : "";
     if (!stays.empty()) ImGui::TextWrapped("cost not adapted: %s", stays.c_str());
-    if (lane > 0) errorPlot(l.samples, Session<D>::kParted, l.partedAt, app.laneLooks()[lane].colour);
-    if (lanes.size() > 1 && ImGui::SmallButton("remove")) {
-      app.act([&] { app.takeOut(lane); });
+    if (competitor > 0) errorPlot(l.samples, Session<D>::kParted, l.partedAt, app.competitorLooks()[competitor].colour);
+    if (competitors.size() > 1 && ImGui::SmallButton("remove")) {
+      app.act([&] { app.removeCompetitor(competitor); });
     }
-    app.marks.last("Compare/remove " + std::to_string(lane + 1));
-    if (lane > 0 && first > 0) {
+    app.marks.last("Compare/remove " + std::to_string(competitor + 1));
+    if (competitor > 0 && first > 0) {
       ImGui::SameLine();
       ImGui::Text("time per step: %.2f x the first one's", medianTime(l.samples) / first);
     }
     ImGui::PopID();
   }
-  if (lanes.size() >= kMostLanes) return;
+  if (competitors.size() >= kMostCompetitors) return;
   static std::string text;  // being typed
   ImGui::InputText("pipeline or engine", &text);
   app.marks.last("Compare/pipeline");
-  if (ImGui::Button("add and restart")) app.act([&] { app.addLane(text); });
+  if (ImGui::Button("add and restart")) app.act([&] { app.addCompetitor(text); });
   app.marks.last("Compare/add");
 }
 

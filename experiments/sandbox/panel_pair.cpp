@@ -71,7 +71,7 @@ void lookIntoPair(App<D>& app) {
   const bool atAnswer = before && app.pairStep + 1 == static_cast<int>(before->steps.size());
   const std::vector<int>& selected = app.hand.selected();
   if (selected.size() < 2) return app.pair.nobody("select two bodies (Shift adds the second)");
-  const Handle a = app.session.handle(selected[0]), b = app.session.handle(selected[1]);
+  const BodyHandle a = app.session.handle(selected[0]), b = app.session.handle(selected[1]);
   const Simulation<D>& world = app.session.world();
   if (!world.valid(a) || !world.valid(b)) return app.pair.nobody("a selected body no longer exists");
   app.pair.look(app.pairQuery, world, a.slot, b.slot);

@@ -105,21 +105,22 @@ class SpecEditor {
 
 template <int D>
 void stagesPanel(App<D>& app) {
-  for (std::size_t lane = 0; lane < app.session.lanes().size(); ++lane) {
-    const std::string& text = app.session.lanes()[lane].pipeline;
-    if (app.session.lanes().size() > 1) ImGui::TextUnformatted(("lane " + std::to_string(lane + 1)).c_str());
+  for (std::size_t competitor = 0; competitor < app.session.competitors().size(); ++competitor) {
+    const std::string& text = app.session.competitors()[competitor].pipeline;
+    if (app.session.competitors().size() > 1)
+      ImGui::TextUnformatted(("lane " + std::to_string(competitor + 1)).c_str());
     if (engineOf(text)) {
       ImGui::TextUnformatted(text.c_str());
       continue;
     }
-    ImGui::PushID(static_cast<int>(lane));
+    ImGui::PushID(static_cast<int>(competitor));
     Pipeline pipeline = Pipeline::parse(canonicalText(Pipeline::parse(text), D));
     bool changed = false;
     SpecEditor<D> editor(app);
     for (const StageKind kind : kWorldStages)
       changed |= editor.stage(std::string(stageName(kind)), kind, pipeline[kind]);
     if (changed) {
-      app.act([&] { app.session.perform(ExchangeStages{static_cast<int>(lane), pipeline.text()}); });
+      app.act([&] { app.session.perform(SetPipeline{static_cast<int>(competitor), pipeline.text()}); });
     }
     ImGui::PopID();
   }

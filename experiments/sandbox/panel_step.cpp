@@ -51,7 +51,7 @@ void stepPanel(App<D>& app) {
     }
     ImGui::Unindent();
   }
-  const std::vector<Sample>& samples = app.session.lanes()[0].samples;
+  const std::vector<Sample>& samples = app.session.competitors()[0].samples;
   plot("energy", "J", samples, [](const Sample& s) { return s.energy; });
   plot("penetration", "mm", samples, [](const Sample& s) { return 1e3 * s.penetration; });
   plot("step", "ms", samples, [](const Sample& s) { return 1e3 * s.seconds; });

@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "experiments/sandbox/lane_label.h"
+#include "experiments/sandbox/competitor_label.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
@@ -105,7 +105,7 @@ std::string statesOf(const App<D>& app) {
 
 template <int D>
 bool hasLegend(const App<D>& app) {
-  return app.session.lanes().size() > 1 && !app.isSideBySide();
+  return app.session.competitors().size() > 1 && !app.isSideBySide();
 }
 
 constexpr std::size_t kMostLines = 12;  // of one message at the window's bottom
@@ -125,10 +125,10 @@ template <int D>
 std::vector<StatusLine> legend(App<D>& app) {
   std::vector<StatusLine> out;
   const std::size_t room = charactersBeside(swatchWidth() + 2 * ImGui::GetStyle().WindowPadding.x);
-  for (std::size_t lane = 0; lane < app.session.lanes().size(); ++lane) {
-    const LaneLook& look = app.laneLooks()[lane];
-    const std::string number = std::to_string(lane + 1) + " ";
-    const std::string state = (lane == 0 ? " (filled): " : ": ") + laneState(app.session, lane);
+  for (std::size_t competitor = 0; competitor < app.session.competitors().size(); ++competitor) {
+    const CompetitorLook& look = app.competitorLooks()[competitor];
+    const std::string number = std::to_string(competitor + 1) + " ";
+    const std::string state = (competitor == 0 ? " (filled): " : ": ") + competitorState(app.session, competitor);
     const std::size_t others = std::min(room, number.size() + state.size());  // other texts shrink for a long title
     const std::string title = brokenIntoLines(look.title, std::max(room - others, room / 3), 1).front();
     out.push_back({number + title + state, look.colour});

@@ -91,20 +91,20 @@ json stateOf(App<D>& app) {
               {"bodies", json::array()},
               {"lanes", json::array()},
               {"joints", 0},
-              {"deeds", app.session.deeds().size()}};
-  for (std::size_t i = 0; i < app.session.lanes().size(); ++i) {
-    const auto& lane = app.session.lanes()[i];
+              {"deeds", app.session.actions().size()}};
+  for (std::size_t i = 0; i < app.session.competitors().size(); ++i) {
+    const auto& competitor = app.session.competitors()[i];
     char hash[20];
-    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(lane.world->hash()));
-    out["lanes"].push_back({{"pipeline", lane.pipeline},
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(competitor.world->hash()));
+    out["lanes"].push_back({{"pipeline", competitor.pipeline},
                             {"hash", hash},
-                            {"fallen", lane.fallen},
-                            {"parted_at", lane.partedAt},
-                            {"error", lane.samples.empty() ? 0.0 : lane.samples.back().error},
-                            {"step_ms", 1e3 * medianTime(lane.samples)},
+                            {"fallen", competitor.fallen},
+                            {"parted_at", competitor.partedAt},
+                            {"error", competitor.samples.empty() ? 0.0 : competitor.samples.back().error},
+                            {"step_ms", 1e3 * medianTime(competitor.samples)},
                             {"bodies", json::array()}});
     json& seen = out["lanes"].back();
-    const LaneLook& look = app.laneLooks()[i];
+    const CompetitorLook& look = app.competitorLooks()[i];
     seen["title"] = look.title, seen["colour"] = {look.colour.red, look.colour.green, look.colour.blue};
     const Tile view = i < app.views.size() ? app.views[i] : Tile{0, 0, app.window.width(), app.window.height()};
     seen["view"] = {view.left, view.top, view.width, view.height};
@@ -115,16 +115,16 @@ json stateOf(App<D>& app) {
     ViewCamera<D> camera = app.camera;
     camera.resize(view.width, view.height, view.left, view.top);
     for (int body = 0; body < app.session.bodies(); ++body) {
-      const Handle h = app.session.handle(body, i);
-      if (!lane.world->valid(h)) continue;
-      const Vec<2> at = camera.toPixel(lane.world->bodies().pose[static_cast<std::size_t>(h.slot)].p);
+      const BodyHandle h = app.session.handle(body, i);
+      if (!competitor.world->valid(h)) continue;
+      const Vec<2> at = camera.toPixel(competitor.world->bodies().pose[static_cast<std::size_t>(h.slot)].p);
       seen["bodies"].push_back({at[0], at[1]});
     }
   }
   const Simulation<D>& world = app.session.world();
   for (const JointRecord<D>& j : world.joints()) out["joints"] = out["joints"].get<int>() + (j.kind != nullptr);
   for (int body = 0; body < app.session.bodies(); ++body) {
-    const Handle h = app.session.handle(body);
+    const BodyHandle h = app.session.handle(body);
     if (!world.valid(h)) continue;
     const auto i = static_cast<std::size_t>(h.slot);
     const Vec<2> at = app.camera.toPixel(world.bodies().pose[i].p);

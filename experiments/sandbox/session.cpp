@@ -39,80 +39,82 @@ double timedStep(Simulation<D>& world, Real dt) {
 template <int D>
 Session<D>::Session(SceneSpec<D> scene, const std::vector<std::string>& pipelines, Stepper<D> stepper)
     : m_scene(std::move(scene)), m_stepper(std::move(stepper)) {
-  m_lanes.resize(pipelines.size()), m_plays.resize(pipelines.size()), m_kept.resize(pipelines.size());
-  for (std::size_t lane = 0; lane < pipelines.size(); ++lane) {
-    m_lanes[lane].pipeline = pipelines[lane];
-    begin(lane);
-    keep(lane);
+  m_competitors.resize(pipelines.size()), m_plays.resize(pipelines.size()), m_kept.resize(pipelines.size());
+  for (std::size_t competitor = 0; competitor < pipelines.size(); ++competitor) {
+    m_competitors[competitor].pipeline = pipelines[competitor];
+    begin(competitor);
+    keep(competitor);
   }
 }
 
 template <int D>
-void Session<D>::begin(std::size_t lane) {
-  Lane& l = m_lanes[lane];
+void Session<D>::begin(std::size_t competitor) {
+  Competitor& l = m_competitors[competitor];
   l.world = simulationOf(l.pipeline, m_scene);
   l.fallen.clear(), l.since = 0;
-  m_plays[lane] = {std::make_unique<Director<D>>(m_scene), {}, 0, 0, false};
-  m_plays[lane].director->begin(*l.world);
+  m_plays[competitor] = {std::make_unique<Director<D>>(m_scene), {}, 0, 0, false};
+  m_plays[competitor].director->begin(*l.world);
 }
 
 template <int D>
-void Session<D>::playOne(std::size_t lane, const Deed<D>& deed) {
-  Cast<D> cast{*m_plays[lane].director, m_plays[lane].hand};
-  play(deed, static_cast<int>(lane), *m_lanes[lane].world, cast);
-  const auto* e = std::get_if<ExchangeStages>(&deed.what);
-  if (e && e->lane == static_cast<int>(lane)) m_lanes[lane].pipeline = e->pipeline, m_lanes[lane].since = deed.step;
+void Session<D>::playOne(std::size_t competitor, const Action<D>& action) {
+  BodyNumbers<D> numbers{*m_plays[competitor].director, m_plays[competitor].hand};
+  play(action, static_cast<int>(competitor), *m_competitors[competitor].world, numbers);
+  const auto* e = std::get_if<SetPipeline>(&action.what);
+  if (e && e->competitor == static_cast<int>(competitor))
+    m_competitors[competitor].pipeline = e->pipeline, m_competitors[competitor].since = action.step;
 }
 
 template <int D>
-void Session<D>::playDue(std::size_t lane) {
-  Play& p = m_plays[lane];
-  for (; p.deed < m_deeds.size() && m_deeds[p.deed].step <= p.steps; ++p.deed) playOne(lane, m_deeds[p.deed]);
+void Session<D>::playDue(std::size_t competitor) {
+  Play& p = m_plays[competitor];
+  for (; p.action < m_actions.size() && m_actions[p.action].step <= p.steps; ++p.action)
+    playOne(competitor, m_actions[p.action]);
 }
 
 template <int D>
 void Session<D>::step() {
   if (fallen()) return;
-  for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
-    if (m_lanes[lane].fallen.empty()) stepLane(lane);
+  for (std::size_t competitor = 0; competitor < m_competitors.size(); ++competitor) {
+    if (m_competitors[competitor].fallen.empty()) stepCompetitor(competitor);
   }
   ++m_steps;
-  for (std::size_t lane = 1; lane < m_lanes.size(); ++lane) markError(lane);
-  for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
-    if (m_steps % kKeepEvery == 0 && m_lanes[lane].fallen.empty()) keep(lane);
+  for (std::size_t competitor = 1; competitor < m_competitors.size(); ++competitor) markError(competitor);
+  for (std::size_t competitor = 0; competitor < m_competitors.size(); ++competitor) {
+    if (m_steps % kKeepEvery == 0 && m_competitors[competitor].fallen.empty()) keep(competitor);
   }
 }
 
 // Events of the script and actions of the hand come right after the step, so that they are visible before the coming
 // one. Actions of the scene that follow its events wait for the hand: written as a script, actions are events, too.
 template <int D>
-void Session<D>::stepLane(std::size_t lane) {
-  Lane& l = m_lanes[lane];
+void Session<D>::stepCompetitor(std::size_t competitor) {
+  Competitor& l = m_competitors[competitor];
   try {
-    m_plays[lane].director->finish(*l.world);
+    m_plays[competitor].director->finish(*l.world);
     const double seconds = m_stepper(*l.world, m_scene.dt);
-    ++m_plays[lane].steps;
-    look(lane, seconds);
+    ++m_plays[competitor].steps;
+    look(competitor, seconds);
     if (!l.fallen.empty()) return;
-    m_plays[lane].director->begin(*l.world);
-    playDue(lane);
+    m_plays[competitor].director->begin(*l.world);
+    playDue(competitor);
   } catch (const std::exception& e) {  // an event that overflows, or a failed engine
     l.fallen = e.what();
   }
 }
 
 template <int D>
-void Session<D>::look(std::size_t lane, double seconds) {
-  Lane& l = m_lanes[lane];
+void Session<D>::look(std::size_t competitor, double seconds) {
+  Competitor& l = m_competitors[competitor];
   Sample sample{.seconds = seconds};
   if (m_measure) {
     const Invariants<D> seen = invariants(*l.world);
     sample.energy = seen.kinetic + seen.potential, sample.penetration = seen.maxPenetration;
   }
-  l.samples.resize(static_cast<std::size_t>(m_plays[lane].steps - 1));
+  l.samples.resize(static_cast<std::size_t>(m_plays[competitor].steps - 1));
   l.samples.push_back(sample);
   if (stateIsFinite(*l.world)) return;
-  l.fallen = "diverged at step " + std::to_string(m_plays[lane].steps);
+  l.fallen = "diverged at step " + std::to_string(m_plays[competitor].steps);
   const Bodies<D>& b = l.world->bodies();
   for (std::size_t i = 0; i < b.pose.size(); ++i) {
     if (b.used[i] && (!b.pose[i].p.allFinite() || !b.motion[i].v.allFinite() || !b.motion[i].w.allFinite())) {
@@ -123,13 +125,13 @@ void Session<D>::look(std::size_t lane, double seconds) {
 }
 
 template <int D>
-void Session<D>::markError(std::size_t lane) {
-  Lane& l = m_lanes[lane];
+void Session<D>::markError(std::size_t competitor) {
+  Competitor& l = m_competitors[competitor];
   if (!l.fallen.empty() || fallen()) return;
   const Simulation<D>& first = world();
   double worst = 0;
   for (int body = 0; body < bodies(); ++body) {
-    const Handle a = handle(body), b = handle(body, lane);
+    const BodyHandle a = handle(body), b = handle(body, competitor);
     if (!first.valid(a) || !l.world->valid(b)) continue;
     worst = std::max<double>(worst, (first.pose(a).p - l.world->pose(b).p).norm());
   }
@@ -138,16 +140,16 @@ void Session<D>::markError(std::size_t lane) {
 }
 
 template <int D>
-void Session<D>::keep(std::size_t lane) {
-  const auto* world = dynamic_cast<const World<D>*>(m_lanes[lane].world.get());
+void Session<D>::keep(std::size_t competitor) {
+  const auto* world = dynamic_cast<const World<D>*>(m_competitors[competitor].world.get());
   if (!world) return;  // an engine restarts
-  std::vector<Keyframe>& kept = m_kept[lane];
+  std::vector<Keyframe>& kept = m_kept[competitor];
   if (!kept.empty() && kept.back().step >= m_steps) return;
   std::ostringstream out;
   world->save(out);
-  const Play& p = m_plays[lane];
-  kept.push_back({m_steps, m_lanes[lane].since, m_lanes[lane].pipeline, world->pipeline(), out.str(), *p.director,
-                  p.hand, p.deed});
+  const Play& p = m_plays[competitor];
+  kept.push_back({m_steps, m_competitors[competitor].since, m_competitors[competitor].pipeline, world->pipeline(),
+                  out.str(), *p.director, p.hand, p.action});
   std::size_t bytes = 0;
   for (const Keyframe& k : kept) bytes += k.bytes.size();
   if (bytes <= kKeptBytes) return;
@@ -156,7 +158,7 @@ void Session<D>::keep(std::size_t lane) {
 
 template <int D>
 std::unique_ptr<World<D>> Session<D>::ready() const {
-  const auto* world = dynamic_cast<const World<D>*>(m_lanes[0].world.get());
+  const auto* world = dynamic_cast<const World<D>*>(m_competitors[0].world.get());
   if (!world) return nullptr;
   std::stringstream bytes;
   world->save(bytes);
@@ -168,14 +170,14 @@ std::unique_ptr<World<D>> Session<D>::ready() const {
 }
 
 template <int D>
-void Session<D>::goTo(std::size_t lane, long step, const Patience& patience) {
-  Lane& l = m_lanes[lane];
-  Play& p = m_plays[lane];
+void Session<D>::goTo(std::size_t competitor, long step, const ProgressCallback& progress) {
+  Competitor& l = m_competitors[competitor];
+  Play& p = m_plays[competitor];
   if (p.givenUp) return;
-  const auto& kept = m_kept[lane];
+  const auto& kept = m_kept[competitor];
   const auto after = std::find_if(kept.begin(), kept.end(), [&](const Keyframe& k) { return k.step > step; });
   if (after == kept.begin()) {
-    begin(lane);
+    begin(competitor);
   } else {
     const Keyframe& from = *(after - 1);
     l.pipeline = from.pipeline, l.since = from.since, l.fallen.clear();
@@ -183,33 +185,33 @@ void Session<D>::goTo(std::size_t lane, long step, const Patience& patience) {
     std::istringstream in(from.bytes);
     world->load(in);
     l.world = std::move(world);
-    p = {std::make_unique<Director<D>>(from.director), from.hand, from.deed, from.step, false};
+    p = {std::make_unique<Director<D>>(from.director), from.hand, from.action, from.step, false};
   }
-  if (lane == 0) keepFrames(m_keepFrames);
+  if (competitor == 0) keepFrames(m_keepFrames);
   try {
-    playDue(lane);
+    playDue(competitor);
   } catch (const UserError& e) {  // rejected by this competitor only
     l.fallen = e.what();
   }
   const bool engine = after == kept.begin();
   for (long made = 0; l.fallen.empty() && p.steps < step; ++made) {
-    if (engine && patience && made % kAskEvery == 0 && !patience(lane, double(p.steps) / double(step))) {
+    if (engine && progress && made % kAskEvery == 0 && !progress(competitor, double(p.steps) / double(step))) {
       l.fallen = "step back cancelled while recomputing " + std::to_string(step) + " steps";
       p.givenUp = true;
       return;
     }
-    stepLane(lane);
+    stepCompetitor(competitor);
   }
 }
 
 template <int D>
-bool Session<D>::back(const Patience& patience) {
+bool Session<D>::back(const ProgressCallback& progress) {
   if (m_steps == 0) return false;
   --m_steps;
-  for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
-    Lane& l = m_lanes[lane];
+  for (std::size_t competitor = 0; competitor < m_competitors.size(); ++competitor) {
+    Competitor& l = m_competitors[competitor];
     std::vector<Sample> samples = std::move(l.samples);  // errors and times are those of the first run
-    goTo(lane, m_steps, patience);
+    goTo(competitor, m_steps, progress);
     samples.resize(std::min(samples.size(), static_cast<std::size_t>(m_steps)));
     l.samples = std::move(samples);
     if (l.partedAt > m_steps) l.partedAt = -1;
@@ -225,17 +227,17 @@ void Session<D>::keepFrames(bool keep) {
 
 template <int D>
 bool Session<D>::fallen() const {
-  return !m_lanes[0].fallen.empty();
+  return !m_competitors[0].fallen.empty();
 }
 
 // For dragged bodies only the last positions count.
 template <int D>
-bool Session<D>::takenBack(const typename Deed<D>::What& what) {
+bool Session<D>::takenBack(const typename Action<D>::What& what) {
   const auto places = [](const SetBody<D>* set) { return set && !set->velocity && !set->angularVelocity; };
   const auto* now = std::get_if<SetBody<D>>(&what);
   if (!places(now)) return false;
-  for (auto deed = m_deeds.rbegin(); deed != m_deeds.rend() && deed->step == m_steps; ++deed) {
-    auto* last = std::get_if<SetBody<D>>(&deed->what);
+  for (auto action = m_actions.rbegin(); action != m_actions.rend() && action->step == m_steps; ++action) {
+    auto* last = std::get_if<SetBody<D>>(&action->what);
     if (!places(last)) return false;
     if (last->body != now->body) continue;
     if (now->position) last->position = now->position;
@@ -246,20 +248,21 @@ bool Session<D>::takenBack(const typename Deed<D>::What& what) {
 }
 
 template <int D>
-void Session<D>::perform(typename Deed<D>::What what) {
-  if (fallen()) throw UserError("the first competitor has failed: " + m_lanes[0].fallen + "; valid: one step back");
-  const Deed<D> deed{m_steps, std::move(what)};
-  playOne(0, deed);
-  std::erase_if(m_deeds, [&](const Deed<D>& d) { return d.step > m_steps; });
+void Session<D>::perform(typename Action<D>::What what) {
+  if (fallen())
+    throw UserError("the first competitor has failed: " + m_competitors[0].fallen + "; valid: one step back");
+  const Action<D> action{m_steps, std::move(what)};
+  playOne(0, action);
+  std::erase_if(m_actions, [&](const Action<D>& d) { return d.step > m_steps; });
   for (auto& kept : m_kept) std::erase_if(kept, [&](const Keyframe& k) { return k.step > m_steps; });
-  if (!takenBack(deed.what)) m_deeds.push_back(deed);
-  for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
-    m_plays[lane].deed = m_deeds.size();
-    if (lane == 0 || !m_lanes[lane].fallen.empty()) continue;
+  if (!takenBack(action.what)) m_actions.push_back(action);
+  for (std::size_t competitor = 0; competitor < m_competitors.size(); ++competitor) {
+    m_plays[competitor].action = m_actions.size();
+    if (competitor == 0 || !m_competitors[competitor].fallen.empty()) continue;
     try {
-      playOne(lane, deed);
+      playOne(competitor, action);
     } catch (const UserError& e) {
-      m_lanes[lane].fallen = e.what();
+      m_competitors[competitor].fallen = e.what();
     }
   }
 }
@@ -270,18 +273,18 @@ int Session<D>::bodies() const {
 }
 
 template <int D>
-Handle Session<D>::handle(int body, std::size_t lane) const {
-  const Play& p = m_plays[lane];
+BodyHandle Session<D>::handle(int body, std::size_t competitor) const {
+  const Play& p = m_plays[competitor];
   const auto ofScene = static_cast<int>(m_scene.spawns.size());
   if (body < ofScene) return p.director->body(body);
   const auto i = static_cast<std::size_t>(body - ofScene);
-  return i < p.hand.size() ? p.hand[i] : Handle{};
+  return i < p.hand.size() ? p.hand[i] : BodyHandle{};
 }
 
 template <int D>
-int Session<D>::bodyAt(std::int32_t slot, std::size_t lane) const {
+int Session<D>::bodyAt(std::int32_t slot, std::size_t competitor) const {
   for (int body = bodies() - 1; body >= 0; --body) {  // the last body of the slot
-    if (const Handle h = handle(body, lane); h.slot == slot && world(lane).valid(h)) return body;
+    if (const BodyHandle h = handle(body, competitor); h.slot == slot && world(competitor).valid(h)) return body;
   }
   return -1;
 }

@@ -30,23 +30,23 @@ std::vector<Vec<D>> drawCenters(Random& random, double side) {
 
 // A position within `part` of a room of that side, and a velocity.
 template <int D>
-void drawOne(Flock<D>& flock, Random& random, double side, double part) {
+void drawOne(MovingBoxes<D>& boxes, Random& random, double side, double part) {
   Vec<D> p, v;
   for (int d = 0; d < D; ++d) {
     p[d] = static_cast<Real>(random.uniform(-1, 1) * side / 2 * part);
     v[d] = static_cast<Real>(random.uniform(-10, 10));
   }
-  flock.place.push_back(p), flock.velocity.push_back(v);
+  boxes.place.push_back(p), boxes.velocity.push_back(v);
 }
 
 template <int D>
-Flock<D> everywhere(int n, double side, Random& random) {
-  Flock<D> flock;
-  flock.room = static_cast<Real>(side / 2);
+MovingBoxes<D> everywhere(int n, double side, Random& random) {
+  MovingBoxes<D> boxes;
+  boxes.room = static_cast<Real>(side / 2);
   drawCenters<D>(random, side);
-  for (int i = 0; i < n; ++i) drawOne(flock, random, side, 1);
-  flock.half.assign(static_cast<std::size_t>(n), static_cast<Real>(kHalf));
-  return flock;
+  for (int i = 0; i < n; ++i) drawOne(boxes, random, side, 1);
+  boxes.half.assign(static_cast<std::size_t>(n), static_cast<Real>(kHalf));
+  return boxes;
 }
 
 struct Uniform {
@@ -55,7 +55,7 @@ struct Uniform {
       "unit boxes placed uniformly, with equal density for every n: overlaps grow with n";
   void visit(ParamVisitor&) {}
   template <int D>
-  Flock<D> make(int n, Random& random) const {
+  MovingBoxes<D> make(int n, Random& random) const {
     return everywhere<D>(n, sideFor<D>(n), random);
   }
 };
@@ -69,21 +69,21 @@ struct Cluster {
     v.integer("spread", spread, 1, 100, "side of a cluster, in hundredths of the room's side");
   }
   template <int D>
-  Flock<D> make(int n, Random& random) const {
-    Flock<D> flock;
+  MovingBoxes<D> make(int n, Random& random) const {
+    MovingBoxes<D> boxes;
     const double side = sideFor<D>(n);
-    flock.room = static_cast<Real>(side / 2);
+    boxes.room = static_cast<Real>(side / 2);
     const std::vector<Vec<D>> centers = drawCenters<D>(random, side);
     for (int i = 0; i < n; ++i) {
       const bool clustered = i % 10 != 0;
-      drawOne(flock, random, side, clustered ? spread / 100.0 : 1.0);
+      drawOne(boxes, random, side, clustered ? spread / 100.0 : 1.0);
       if (clustered) {
-        flock.place.back() += centers[random.below(centers.size())];
-        flock.velocity.back() = Vec<D>(flock.velocity.back() / 10);
+        boxes.place.back() += centers[random.below(centers.size())];
+        boxes.velocity.back() = Vec<D>(boxes.velocity.back() / 10);
       }
-      flock.half.push_back(static_cast<Real>(kHalf * random.uniform(0.2, 2)));
+      boxes.half.push_back(static_cast<Real>(kHalf * random.uniform(0.2, 2)));
     }
-    return flock;
+    return boxes;
   }
 };
 
@@ -93,7 +93,7 @@ struct Director2 {
   Real side = 80;
   void visit(ParamVisitor& v) { v.real("side", side, 1, Real(1e6), "m", "side of the room"); }
   template <int D>
-  Flock<D> make(int n, Random& random) const {
+  MovingBoxes<D> make(int n, Random& random) const {
     return everywhere<D>(n, static_cast<double>(side), random);
   }
 };
@@ -105,14 +105,14 @@ struct CentreLine {
   static constexpr const char* kMeaning = "every box crosses x = 0, the first dividing plane of region trees";
   void visit(ParamVisitor&) {}
   template <int D>
-  Flock<D> make(int n, Random& random) const {
+  MovingBoxes<D> make(int n, Random& random) const {
     // The rest of the room, sized so that a box overlaps about one other.
-    Flock<D> flock = everywhere<D>(n, D == 2 ? 2.0 * n : std::sqrt(4.0 * n), random);
-    for (std::size_t i = 0; i < flock.place.size(); ++i) {
-      flock.place[i][0] = static_cast<Real>(random.uniform(-0.8, 0.8) * kHalf);
-      flock.velocity[i][0] = 0;
+    MovingBoxes<D> boxes = everywhere<D>(n, D == 2 ? 2.0 * n : std::sqrt(4.0 * n), random);
+    for (std::size_t i = 0; i < boxes.place.size(); ++i) {
+      boxes.place[i][0] = static_cast<Real>(random.uniform(-0.8, 0.8) * kHalf);
+      boxes.velocity[i][0] = 0;
     }
-    return flock;
+    return boxes;
   }
 };
 
@@ -122,17 +122,17 @@ struct Towers {
       "two distant towers: centres vary most along x, where all boxes of a tower overlap; worst case for sweeps";
   void visit(ParamVisitor&) {}
   template <int D>
-  Flock<D> make(int n, Random& random) const {
-    Flock<D> flock = everywhere<D>(n, n, random);
-    for (std::size_t i = 0; i < flock.place.size(); ++i) {
+  MovingBoxes<D> make(int n, Random& random) const {
+    MovingBoxes<D> boxes = everywhere<D>(n, n, random);
+    for (std::size_t i = 0; i < boxes.place.size(); ++i) {
       for (int d = 0; d < D; ++d) {
         if (d == 1) continue;
-        flock.place[i][d] = static_cast<Real>(random.uniform(-0.4, 0.4) * kHalf);
-        flock.velocity[i][d] = 0;
+        boxes.place[i][d] = static_cast<Real>(random.uniform(-0.4, 0.4) * kHalf);
+        boxes.velocity[i][d] = 0;
       }
-      flock.place[i][0] += static_cast<Real>(i % 2 ? n : -n);
+      boxes.place[i][0] += static_cast<Real>(i % 2 ? n : -n);
     }
-    return flock;
+    return boxes;
   }
 };
 
@@ -141,11 +141,11 @@ struct HugeGround {
   static constexpr const char* kMeaning = "uniform, plus one box as large as the room; worst case for uniform cells";
   void visit(ParamVisitor&) {}
   template <int D>
-  Flock<D> make(int n, Random& random) const {
-    Flock<D> flock = everywhere<D>(n, sideFor<D>(n), random);
-    flock.place[0] = flock.velocity[0] = Vec<D>::Zero();
-    flock.half[0] = flock.room;
-    return flock;
+  MovingBoxes<D> make(int n, Random& random) const {
+    MovingBoxes<D> boxes = everywhere<D>(n, sideFor<D>(n), random);
+    boxes.place[0] = boxes.velocity[0] = Vec<D>::Zero();
+    boxes.half[0] = boxes.room;
+    return boxes;
   }
 };
 
@@ -156,12 +156,12 @@ struct Outlier {
   int rooms = 1000;
   void visit(ParamVisitor& v) { v.integer("rooms", rooms, 1, 1000000, "distance of that box, in sides of the room"); }
   template <int D>
-  Flock<D> make(int n, Random& random) const {
+  MovingBoxes<D> make(int n, Random& random) const {
     const double side = sideFor<D>(n);
-    Flock<D> flock = everywhere<D>(n, side, random);
-    flock.place[0] = Vec<D>::Constant(static_cast<Real>(rooms * side));
-    flock.velocity[0] = Vec<D>::Zero();
-    return flock;
+    MovingBoxes<D> boxes = everywhere<D>(n, side, random);
+    boxes.place[0] = Vec<D>::Constant(static_cast<Real>(rooms * side));
+    boxes.velocity[0] = Vec<D>::Zero();
+    return boxes;
   }
 };
 
@@ -171,15 +171,15 @@ struct BatchSpawn {
       "all boxes appear in one step within a quarter of the room's side and fly apart";
   void visit(ParamVisitor&) {}
   template <int D>
-  Flock<D> make(int n, Random& random) const {
-    Flock<D> flock = everywhere<D>(n, sideFor<D>(n), random);
-    for (Vec<D>& p : flock.place) p /= 4;
-    return flock;
+  MovingBoxes<D> make(int n, Random& random) const {
+    MovingBoxes<D> boxes = everywhere<D>(n, sideFor<D>(n), random);
+    for (Vec<D>& p : boxes.place) p /= 4;
+    return boxes;
   }
 };
 
 template <class E, int D>
-Flock<D> make(const Spec& spec, int n, std::uint64_t seed) {
+MovingBoxes<D> make(const Spec& spec, int n, std::uint64_t seed) {
   Random random(seed);
   return readEntry<E>(spec).template make<D>(n, random);
 }

@@ -12,7 +12,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 /// Boxes that fly about in a room and bounce off its walls.
 template <int D>
-struct Flock {
+struct MovingBoxes {
   std::vector<Vec<D>> place, velocity;  // m, m/s
   std::vector<Real> half;               // half side of each box (m)
   Real room = 0;                        // half side (m)
@@ -30,14 +30,14 @@ struct Flock {
 /// A layout of n boxes for a broadphase alone; the same seed gives the same boxes.
 struct BoxDistribution {
   EntryInfo info;
-  std::function<Flock<2>(const Spec&, int n, std::uint64_t seed)> make2;
-  std::function<Flock<3>(const Spec&, int n, std::uint64_t seed)> make3;
+  std::function<MovingBoxes<2>(const Spec&, int n, std::uint64_t seed)> make2;
+  std::function<MovingBoxes<3>(const Spec&, int n, std::uint64_t seed)> make3;
 };
 const std::vector<BoxDistribution>& boxDistributions();
 
 /// Throws UserError for an unknown name or parameter.
 template <int D>
-Flock<D> makeFlock(const Spec& distribution, int n, std::uint64_t seed) {
+MovingBoxes<D> makeMovingBoxes(const Spec& distribution, int n, std::uint64_t seed) {
   const BoxDistribution& entry = findEntry(boxDistributions(), "distribution", distribution.name);
   if constexpr (D == 2) {
     return entry.make2(distribution, n, seed);

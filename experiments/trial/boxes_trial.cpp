@@ -80,7 +80,7 @@ TrialResult runBoxes(const BoxesRequest& asked) {
   const auto method = createStage<Broadphase<D>>(spec);
   const Guarantee guarantee = Registry::instance().find(StageKind::broadphase, D, spec.name).info.guarantee;
 
-  Flock<D> flock = makeFlock<D>(distribution, n, asked.seed);
+  MovingBoxes<D> boxes = makeMovingBoxes<D>(distribution, n, asked.seed);
   Proxies<D> proxies;
   proxies.resize(n);
   std::vector<ProxyId> everyone;
@@ -98,7 +98,7 @@ TrialResult runBoxes(const BoxesRequest& asked) {
   for (int frame = 0; frame < frames; ++frame) {
     for (ProxyId i = 0; i < n; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      proxies.setBox(i, {flock.place[k].array() - flock.half[k], flock.place[k].array() + flock.half[k]});
+      proxies.setBox(i, {boxes.place[k].array() - boxes.half[k], boxes.place[k].array() + boxes.half[k]});
     }
     ProxyChanges changes;
     (frame == 0 ? changes.added : changes.moved) = everyone;
@@ -127,7 +127,7 @@ TrialResult runBoxes(const BoxesRequest& asked) {
                    " extra; first: " + std::to_string(first.a) + "-" + std::to_string(first.b),
                frame);
     }
-    flock.advance(kFrameDt);
+    boxes.advance(kFrameDt);
   }
   char text[20];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH64_digest(hash)));

@@ -125,7 +125,7 @@ void examine(Examination<D>& of, const std::vector<DrawnPair<D>>& pairs) {
     }
     answers.assign(views.size(), {});
     of.time(
-        views.size(), [&] { of.method().query(views, QueryNeed::witnesses, answers, {}, of.work); },
+        views.size(), [&] { of.method().query(views, QueryNeed::closestPoints, answers, {}, of.work); },
         [&] { return static_cast<double>(of.witness()->nanoseconds()); });
     of.timeSingles(views, answers);
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -161,7 +161,7 @@ int verticesOf(const ShapeView<D>& shape) {
   return shape.hull ? static_cast<int>(shape.hull->vertices.size()) : 0;
 }
 
-constexpr std::size_t kMostMeetings = 300000;
+constexpr std::size_t kMostPairPoses = 300000;
 constexpr std::size_t kJudged = 2000;  // largest number, of a stream: the referee takes longer than all methods
 
 /// The pairs of a world, or drawn ones of the same kinds in the same numbers as the judged ones (one in `every`), each
@@ -169,7 +169,7 @@ constexpr std::size_t kJudged = 2000;  // largest number, of a stream: the refer
 template <int D>
 TrialResult runStream(const StreamRequest& asked, const SceneFile& file) {
   const StreamReplay<D> replay(
-      recordStream<D>(file.name(), file.build<D>(asked.params, asked.seed), asked.from, asked.steps, kMostMeetings));
+      recordStream<D>(file.name(), file.build<D>(asked.params, asked.seed), asked.from, asked.steps, kMostPairPoses));
   Examination<D> examination(asked.pairQuery, asked.timed);
   PairQuery<D>& method = examination.method();
   if (replay.views.empty()) return unsupported("no boxes come near each other in these steps");

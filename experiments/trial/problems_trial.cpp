@@ -40,7 +40,7 @@ class ProblemTrial {
       m_seen.counts = true, m_effort = p->name, m_least = static_cast<int>(p->range.value().lo);
     }
     if (asked.cold) forget(m_problem);
-    if (!asked.friction) m_problem.features.friction = false;
+    if (!asked.friction) m_problem.model.friction = false;
     WorkDone work;
     if (asked.coloured) {
       ContactGraph<D> graph;
@@ -158,7 +158,7 @@ class ProblemTrial {
 
   double ownResidual(double coulomb) {
     const bool facets = m_law == FrictionLaw::facets;  // in 2D, the two sides of Coulomb's cone
-    if (m_law == FrictionLaw::coulomb || (facets && D == 2) || !m_problem.features.friction) return coulomb;
+    if (m_law == FrictionLaw::coulomb || (facets && D == 2) || !m_problem.model.friction) return coulomb;
     if (m_law == FrictionLaw::convex) return m_rows.naturalMap(m_impulse, m_free, false).natural;
     const bool byTangents = m_law == FrictionLaw::pyramid || m_law == FrictionLaw::lagged;
     if (!byTangents) return ProblemsSeen::kNan;  // only the method knows the directions of its facets

@@ -39,13 +39,13 @@ struct StreamReplay {
   std::vector<Batch> batches;        // of one step and two kinds
 
   explicit StreamReplay(PairStream<D> recorded) : stream(std::move(recorded)) {
-    auto begin = stream.meetings.begin();
-    const auto kindsOf = [&](const typename PairStream<D>::Meeting& m) {
+    auto begin = stream.pairPoses.begin();
+    const auto kindsOf = [&](const typename PairStream<D>::PairPose& m) {
       const PairView<D> v = stream.view(m);
       return std::pair(v.a.kind, v.b.kind);
     };
     for (const auto& step : stream.steps) {
-      const auto end = begin + static_cast<std::ptrdiff_t>(step.meetings);
+      const auto end = begin + static_cast<std::ptrdiff_t>(step.pairPoses);
       std::stable_sort(begin, end, [&](const auto& p, const auto& q) { return kindsOf(p) < kindsOf(q); });
       for (auto m = begin; m != end; ++m) {
         if (m == begin || kindsOf(*m) != kindsOf(*(m - 1))) batches.push_back({views.size(), 0, step.step});
@@ -92,7 +92,7 @@ void askStream(PairQuery<D>& method, const StreamReplay<D>& replay, bool warm, s
   for (const auto& batch : replay.batches) {
     const std::span pairs = std::span(replay.pairs).subspan(batch.begin, batch.count);
     const std::span<PairMemory> memory = warm ? memories.recall(pairs, batch.step) : std::span<PairMemory>();
-    method.query(std::span(replay.views).subspan(batch.begin, batch.count), QueryNeed::witnesses,
+    method.query(std::span(replay.views).subspan(batch.begin, batch.count), QueryNeed::closestPoints,
                  answers.subspan(batch.begin, batch.count), memory, work);
     if (warm) memories.keep(pairs, batch.step);
     asked(batch);

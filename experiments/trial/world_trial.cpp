@@ -210,7 +210,7 @@ class WorldTrial {
 
   /// m from the initial position of spawn i; NaN if it does not exist.
   double moved(int i) const {
-    const Handle h = m_director.body(i);
+    const BodyHandle h = m_director.body(i);
     if (!m_world.valid(h)) return kNan;
     return (m_world.pose(h).p - m_scene.spawns[static_cast<std::size_t>(i)].body.X_WB.p).norm();
   }
@@ -416,7 +416,7 @@ TrialResult runWorld(const TrialRequest& request) {
   const double restsAfter = std::min(kAtRest, static_cast<double>(scene.steps) * double(scene.dt));
   scene.dt = static_cast<Real>(asked.dt);
   scene.steps = asked.steps;
-  scene.settings.features = featuresFromText(asked.features);
+  scene.settings.model = modelFromText(asked.features);
   MemoryCounter memory = nullptr;
   if (request.memory) {
     memory = memoryCounter();

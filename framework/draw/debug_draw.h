@@ -18,10 +18,10 @@ struct DrawColour {
 };
 /// Makes a colour lighter or darker.
 inline DrawColour operator*(const DrawColour& c, double light) {
-  const auto lit = [&](unsigned char x) {
+  const auto shaded = [&](unsigned char x) {
     return static_cast<unsigned char>(std::clamp(std::lround(x * light), 0L, 255L));
   };
-  return {lit(c.red), lit(c.green), lit(c.blue), c.alpha};
+  return {shaded(c.red), shaded(c.green), shaded(c.blue), c.alpha};
 }
 
 /// How a convex part of a body is drawn.

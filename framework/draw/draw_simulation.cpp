@@ -60,7 +60,7 @@ class SimulationDrawing {
         m_manifolds(simulation.contacts().value_or(std::span<const Manifold<D>>())),
         m_layers(layers),
         m_draw(draw) {
-    if (simulation.settings().features.joints) m_joints = simulation.joints();
+    if (simulation.settings().model.joints) m_joints = simulation.joints();
   }
 
   void all() {
@@ -193,10 +193,10 @@ class SimulationDrawing {
     if (m_layers.normals) line(p, p + m_layers.normalLength * m.normal, kDrawnNormal);
     if (m_layers.impulses && bears) line(p, p + m_layers.impulseLength * c.load * m.normal, kDrawnImpulse);
     if (m_layers.friction && !m.ignored) {
-      Vec<D> rub = Vec<D>::Zero();
+      Vec<D> friction = Vec<D>::Zero();
       const auto along = tangents(m.normal);
-      for (int k = 1; k < D; ++k) rub += c.impulse[k] * along.col(k - 1);
-      line(p, p + m_layers.impulseLength * rub, kDrawnFriction);
+      for (int k = 1; k < D; ++k) friction += c.impulse[k] * along.col(k - 1);
+      line(p, p + m_layers.impulseLength * friction, kDrawnFriction);
     }
     if (m_layers.contacts) point(p, kContactPixels, bears ? kDrawnBearing : kDrawnIdle);
   }

@@ -43,11 +43,11 @@ void drawPart(const Aabb<D>& box, const DrawColour& colour, DebugDraw<D>& draw) 
 
 template <int D>
 void drawStructure(const World<D>& world, DebugDraw<D>& draw, const std::optional<DrawColour>& tint) {
-  std::vector<StructureBox<D>> told;
-  world.broadphaseStructure(told);
+  std::vector<StructureBox<D>> boxes;
+  world.broadphaseStructure(boxes);
   Aabb<D> all;
   for (ProxyId i = 0; i < world.proxies().size(); ++i) all = all.merged(world.proxies().box(i));
-  for (const StructureBox<D>& part : told) {
+  for (const StructureBox<D>& part : boxes) {
     const Aabb<D> box = withEnds(part.box, all);
     if (!box.lo.allFinite() || !box.hi.allFinite()) continue;  // there are no boxes
     DrawColour colour = kLevelColours[static_cast<std::size_t>(part.level) % kLevelColours.size()];

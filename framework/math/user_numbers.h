@@ -16,20 +16,21 @@ inline bool isUnit(const Rot<2>& q) { return std::abs(q.c * q.c + q.s * q.s - 1)
 inline bool isUnit(const Rot<3>& q) { return std::abs(q.w * q.w + q.imag().squaredNorm() - 1) < 4 * kUnitTolerance; }
 
 template <int D>
-void checkPose(const Pose<D>& x, const std::string& who) {
-  if (!x.p.allFinite()) throw UserError(who + ": the position is not finite");
-  if (!isUnit(x.q)) throw UserError(who + ": the rotation is not a unit complex number or quaternion");
+void checkPose(const Pose<D>& x, const std::string& subject) {
+  if (!x.p.allFinite()) throw UserError(subject + ": the position is not finite");
+  if (!isUnit(x.q)) throw UserError(subject + ": the rotation is not a unit complex number or quaternion");
 }
 
 template <int D>
-void checkMotion(const Motion<D>& m, const std::string& who) {
-  if (!m.v.allFinite() || !m.w.allFinite()) throw UserError(who + ": the velocity is not finite");
+void checkMotion(const Motion<D>& m, const std::string& subject) {
+  if (!m.v.allFinite() || !m.w.allFinite()) throw UserError(subject + ": the velocity is not finite");
 }
 
 // Also called in each step, so a valid number must not build a string.
-inline void checkAmount(Real value, std::string_view who, const char* what) {
+inline void checkAmount(Real value, std::string_view subject, const char* what) {
   if (value >= 0 && std::isfinite(value)) return;
-  throw UserError(std::string(who) + ": " + what + " is " + std::to_string(value) + "; valid: a finite number >= 0");
+  throw UserError(std::string(subject) + ": " + what + " is " + std::to_string(value) +
+                  "; valid: a finite number >= 0");
 }
 
 }}  // namespace lpc::LPC_PRECISION

@@ -21,7 +21,7 @@ struct SlotHandle {
   std::uint32_t generation = 0;
   bool operator==(const SlotHandle&) const = default;
 };
-using Handle = SlotHandle<struct OfBody>;
+using BodyHandle = SlotHandle<struct OfBody>;
 using JointHandle = SlotHandle<struct OfJoint>;
 using ForceHandle = SlotHandle<struct OfForce>;
 

@@ -34,7 +34,7 @@ template <int D>
 struct Manifold {
   std::int32_t bodyA = -1, bodyB = -1;
   std::int32_t shapeA = -1, shapeB = -1;  // slots in the world's shapes
-  std::int32_t childA = 0, childB = 0;    // index of the convex part; 0 for a convex shape
+  std::int32_t partA = 0, partB = 0;      // index of the convex part; 0 for a convex shape
   std::int32_t count = 0;                 // of points
   Vec<D> normal = Vec<D>::Zero();         // n_AB, unit, world
   Real friction = 0, restitution = 0;     // of the pair
@@ -48,7 +48,7 @@ struct Manifold {
 
   /// Manifolds are sorted by this key, so that the order in which a broadphase finds pairs has no effect. The part
   /// indices come last: manifolds of one pair of shapes are adjacent.
-  auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, childA, childB); }
+  auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, partA, partB); }
   auto shapeKey() const { return std::tuple(bodyA, shapeA, bodyB, shapeB); }
 };
 

@@ -36,11 +36,11 @@ void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<C
     const Real v = speed(in.bodies.motion), arrival = in.arrival.empty() ? v : speed(in.arrival);
     // Impact within this step: the contact separates with a share of the approach velocity before this step's forces.
     const bool hit = arrival < -in.restitutionThreshold && c.separation + v * in.dt <= 0;
-    if (hit && in.features.restitution && m.restitution > 0) normal.bounce = -m.restitution * arrival;
+    if (hit && in.model.restitution && m.restitution > 0) normal.bounce = -m.restitution * arrival;
     for (int i = 0; i < D - 1; ++i) {
       ConstraintRow<D>& tangent = out.emplace_back(along(t.col(i)));
       tangent.block = RowBlock::cone;
-      tangent.friction = in.features.friction ? m.friction : Real(0);
+      tangent.friction = in.model.friction ? m.friction : Real(0);
       tangent.normal = stop;
       if (!(tangent.friction > 0)) tangent.lo = tangent.hi = 0;
     }

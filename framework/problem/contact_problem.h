@@ -89,8 +89,8 @@ class ContactProblem {
     m_given = in.given;
     m_bodies = m_given ? m_given->size() : in.bodies.size();
     m_rows.clear(), m_joints.clear();
-    if (m_given) addGiven(in.features.friction);
-    for (std::size_t j = 0; !m_given && in.features.joints && j < in.joints.size(); ++j) addJoint(in, j);
+    if (m_given) addGiven(in.model.friction);
+    for (std::size_t j = 0; !m_given && in.model.joints && j < in.joints.size(); ++j) addJoint(in, j);
     for (std::size_t k = 0; !m_given && k < in.order.size(); ++k) addContacts(in, in.order[k]);
     for (std::size_t i = 0, end = 0; i < m_rows.size(); i = end) {
       double response = 0;
@@ -289,7 +289,7 @@ class ContactProblem {
     r.armA = from.armA.template cast<double>(), r.armB = from.armB.template cast<double>();
     r.pushA.setZero(), r.turnA.setZero();
     using Turn = Eigen::Matrix<double, kAngDim<D>, kAngDim<D>, Eigen::DontAlign>;
-    const bool turns = in.features.rotation;
+    const bool turns = in.model.rotation;
     if (a >= 0) r.pushA = double(in.bodies.invMass[a]) * r.d;
     if (a >= 0 && turns) r.turnA = Turn(in.bodies.invInertia[a].template cast<double>()) * r.armA;
     r.pushB = double(in.bodies.invMass[b]) * r.d, r.turnB.setZero();

@@ -48,8 +48,8 @@ class ForceGenerator {
 template <int D>
 struct ForceDef {
   std::string kind = "spring{stiffness=10}";
-  Handle bodyA = {};  // the source, for kinds that have one; none: the world
-  Handle bodyB = {};  // none: every body moved by forces, for kinds that allow it
+  BodyHandle bodyA = {};  // the source, for kinds that have one; none: the world
+  BodyHandle bodyB = {};  // none: every body moved by forces, for kinds that allow it
   /// Where the force acts, in the body frame; default: the centre of mass. For A = world a point in the world; default:
   /// its origin.
   std::optional<Vec<D>> anchorA = {}, anchorB = {};

@@ -52,7 +52,7 @@ template <int D>
 struct FrozenProblem {
   Real dt = 0, lastDt = 0, restitutionThreshold = 0;
   Vec<D> gravity = Vec<D>::Zero();  // m/s^2; not used for solving: g dt scales the errors
-  Features features;
+  PhysicsModel model;
   Bodies<D> bodies;                  // only bodies with contacts or joints
   IndexedVector<Motion<D>> arrival;  // as in VelocityInput; may be empty
   IndexedVector<Manifold<D>> manifolds;
@@ -88,7 +88,7 @@ struct FrozenProblem {
             order,
             joints,
             position,
-            features,
+            model,
             restitutionThreshold,
             work,
             profiler,
@@ -109,7 +109,7 @@ template <int D>
 FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   FrozenProblem<D> out;
   out.dt = in.dt, out.lastDt = in.lastDt, out.restitutionThreshold = in.restitutionThreshold, out.gravity = gravity;
-  out.features = in.features, out.position.rate = in.position.jointBias(in.dt);
+  out.model = in.model, out.position.rate = in.position.jointBias(in.dt);
   if (in.given) out.given = *in.given;
   const Bodies<D>& bodies = in.bodies;
   IndexedVector<std::int32_t> slot(bodies.pose.size(), 0);  // 1: used; then its number + 1
@@ -122,7 +122,7 @@ FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   for (const int i : kept) {
     name(in.manifolds[i].bodyA), name(in.manifolds[i].bodyB);
   }
-  const IndexedSpan<JointRecord<D>> joints = in.features.joints ? in.joints : IndexedSpan<JointRecord<D>>();
+  const IndexedSpan<JointRecord<D>> joints = in.model.joints ? in.joints : IndexedSpan<JointRecord<D>>();
   for (const JointRecord<D>& j : joints) {
     if (j.active()) name(j.bodyA), name(j.bodyB);
   }

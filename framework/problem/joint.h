@@ -25,7 +25,7 @@ inline constexpr int kJointRows = 8;
 template <int D>
 struct JointDef {
   std::string kind = "pivot";                                // with parameters: "hinge{lower=-0.5,upper=0.5}"
-  Handle bodyA = {}, bodyB = {};                             // bodyA may be the world: Handle{}
+  BodyHandle bodyA = {}, bodyB = {};                         // bodyA may be the world: BodyHandle{}
   Pose<D> X_WJ{};                                            // when the joint is added; in 3D its z is a hinge's axis
   std::optional<Pose<D>> X_WJb = {};                         // the frame on B, when it differs: the far end of a rope
   bool collide = false;                                      // true: the two bodies collide with each other

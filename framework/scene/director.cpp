@@ -13,32 +13,33 @@ Director<D>::Director(SceneSpec<D> scene)
       m_forceHandles(m_scene.forces.size()) {
   for (std::size_t i = 0; i < m_scene.spawns.size(); ++i) {
     const auto& spawn = m_scene.spawns[i];
-    if (spawn.broughtBy < 0) m_coming.list.push_back({spawn.step, false, static_cast<int>(i)});
-    if (spawn.removeAt >= 0 && spawn.takenBy < 0) m_leaving.list.push_back({spawn.removeAt, true, static_cast<int>(i)});
+    if (spawn.addedBy < 0) m_coming.list.push_back({spawn.step, false, static_cast<int>(i)});
+    if (spawn.removeAt >= 0 && spawn.removedBy < 0)
+      m_leaving.list.push_back({spawn.removeAt, true, static_cast<int>(i)});
   }
   // Due with the later of its bodies; after the events when an event adds that body.
-  const auto between = [&](const auto& list, Turns& turns) {
+  const auto between = [&](const auto& list, Schedule& turns) {
     for (std::size_t i = 0; i < list.size(); ++i) {
       if (list[i].byEvent) continue;
       std::pair when(list[i].step, false);
       for (const int end : {list[i].bodyA, list[i].bodyB}) {
         if (end < 0) continue;
         const auto& spawn = m_scene.spawns.at(static_cast<std::size_t>(end));
-        when = std::max(when, std::pair(spawn.step, spawn.broughtBy >= 0));
+        when = std::max(when, std::pair(spawn.step, spawn.addedBy >= 0));
       }
       turns.list.push_back({when.first, when.second, static_cast<int>(i)});
     }
   };
   between(m_scene.joints, m_joints), between(m_scene.forces, m_forces);
-  for (Turns* turns : {&m_coming, &m_joints, &m_forces, &m_leaving}) {
+  for (Schedule* turns : {&m_coming, &m_joints, &m_forces, &m_leaving}) {
     std::sort(turns->list.begin(), turns->list.end());
   }
 }
 
 template <int D>
-void Director<D>::bring(Simulation<D>& world, int spawn) {
+void Director<D>::addBody(Simulation<D>& world, int spawn) {
   const auto& s = m_scene.spawns.at(static_cast<std::size_t>(spawn));
-  is(spawn, s.there == Handle{} ? world.add(s.body) : s.there);
+  setBody(spawn, s.existing == BodyHandle{} ? world.add(s.body) : s.existing);
 }
 
 template <int D>
@@ -63,7 +64,7 @@ template <int D>
 void Director<D>::begin(Simulation<D>& world) {
   if (!m_begin) m_begin = world.stepCount();
   const long step = world.stepCount() - *m_begin;
-  m_coming.play(step, false, [&](int i) { bring(world, i); });
+  m_coming.play(step, false, [&](int i) { addBody(world, i); });
   m_joints.play(step, false, [&](int i) { addJoint(world, i); });
   std::erase_if(m_ending, [&](const Ending& e) {
     if (e.step > step) return false;

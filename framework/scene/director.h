@@ -30,16 +30,16 @@ class Director {
   void finish(Simulation<D>& world);
   const SceneSpec<D>& scene() const { return m_scene; }
   // By index in the scene's lists; slot -1 before the object is added. The handle stays known after removal.
-  Handle body(int spawn) const { return at(m_bodyHandles, spawn); }
+  BodyHandle body(int spawn) const { return at(m_bodyHandles, spawn); }
   JointHandle joint(int joint) const { return at(m_jointHandles, joint); }
   ForceHandle force(int force) const { return at(m_forceHandles, force); }
 
   // --- called by events, in order ------------------------------------------------------------------------------------
-  void bring(Simulation<D>& world, int spawn);
+  void addBody(Simulation<D>& world, int spawn);
   void addJoint(Simulation<D>& world, int joint);
   void addForce(Simulation<D>& world, int force);
   /// Sets the body of spawn i, made by an event from another body.
-  void is(int spawn, Handle body) { m_bodyHandles.at(static_cast<std::size_t>(spawn)) = body; }
+  void setBody(int spawn, BodyHandle body) { m_bodyHandles.at(static_cast<std::size_t>(spawn)) = body; }
 
  private:
   template <class H>
@@ -47,11 +47,11 @@ class Director {
     return i >= 0 && static_cast<std::size_t>(i) < handles.size() ? handles[i] : H{};
   }
   /// What is due at which step, in order.
-  struct Turns {
+  struct Schedule {
     struct Turn {
       long step;
       bool late;  // after the events
-      int who;
+      int index;
       auto operator<=>(const Turn&) const = default;
     };
     std::vector<Turn> list;  // sorted
@@ -60,16 +60,16 @@ class Director {
     template <class F>
     void play(long step, bool late, const F& f) {
       const std::pair now(step, late);
-      for (; next < list.size() && std::pair(list[next].step, list[next].late) <= now; ++next) f(list[next].who);
+      for (; next < list.size() && std::pair(list[next].step, list[next].late) <= now; ++next) f(list[next].index);
     }
   };
 
   SceneSpec<D> m_scene;
-  IndexedVector<Handle> m_bodyHandles;
+  IndexedVector<BodyHandle> m_bodyHandles;
   IndexedVector<JointHandle> m_jointHandles;
   IndexedVector<ForceHandle> m_forceHandles;
   std::optional<long> m_begin;  // the world's step number at the start of the script
-  Turns m_coming, m_joints, m_forces, m_leaving;
+  Schedule m_coming, m_joints, m_forces, m_leaving;
   std::size_t m_nextEvent = 0;
   struct Ending {
     long step;

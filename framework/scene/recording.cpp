@@ -67,7 +67,7 @@ struct Reading {
 };
 
 template <int D>
-bool getArrival(const Reading& reading, typename Recording<D>::Arrival& a) {
+bool getNewBody(const Reading& reading, typename Recording<D>::NewBody& a) {
   std::istream& in = reading.in;
   std::uint32_t parts = 0;
   if (!get(in, a.slot) || !get(in, a.generation) || !get(in, a.type) || !get(in, parts)) return false;
@@ -95,11 +95,11 @@ bool getArrival(const Reading& reading, typename Recording<D>::Arrival& a) {
 template <int D>
 bool getFrame(const Reading& reading, typename Recording<D>::Frame& f) {
   std::istream& in = reading.in;
-  std::uint32_t arrivals = 0, bodies = 0;
-  if (!get(in, f.step) || !get(in, f.time) || !get(in, arrivals) || !get(in, bodies)) return false;
+  std::uint32_t newBodies = 0, bodies = 0;
+  if (!get(in, f.step) || !get(in, f.time) || !get(in, newBodies) || !get(in, bodies)) return false;
   reading.require(f.step >= 0 && std::isfinite(f.time), "a frame with an invalid step or time");
-  for (std::uint32_t i = 0; i < arrivals; ++i) {
-    if (!getArrival<D>(reading, f.arrivals.emplace_back())) return false;
+  for (std::uint32_t i = 0; i < newBodies; ++i) {
+    if (!getNewBody<D>(reading, f.newBodies.emplace_back())) return false;
   }
   for (std::uint32_t i = 0; i < bodies; ++i) {
     auto& b = f.bodies.emplace_back();
@@ -135,15 +135,15 @@ template <int D>
 void Recorder<D>::frame(const Simulation<D>& world) {
   const Bodies<D>& b = world.bodies();
   m_known.resize(b.pose.size(), 0);
-  std::vector<std::size_t> arrivals;
+  std::vector<std::size_t> newBodies;
   for (std::size_t i = 0; i < b.pose.size(); ++i) {
-    if (b.used[i] && m_known[i] != std::uint64_t(b.generation[i]) + 1) arrivals.push_back(i);
+    if (b.used[i] && m_known[i] != std::uint64_t(b.generation[i]) + 1) newBodies.push_back(i);
   }
   put(m_out, static_cast<std::int64_t>(world.stepCount()));
   put(m_out, static_cast<double>(world.time()));
-  put(m_out, static_cast<std::uint32_t>(arrivals.size()));
+  put(m_out, static_cast<std::uint32_t>(newBodies.size()));
   put(m_out, static_cast<std::uint32_t>(world.bodyCount()));
-  for (std::size_t i : arrivals) {
+  for (std::size_t i : newBodies) {
     m_known[i] = std::uint64_t(b.generation[i]) + 1;
     std::vector<std::pair<ShapeView<D>, Pose<D>>> parts;  // convex parts
     for (const ShapeRecord<D>& s : world.shapes()) {

@@ -18,7 +18,7 @@ struct Recording {
     Pose<D> X_WC{};  // of the centre-of-mass frame
   };
   /// The convex parts of a body's shapes, stored once, in the frame in which the body first appears.
-  struct Arrival {
+  struct NewBody {
     std::int32_t slot = 0;
     std::uint32_t generation = 0;
     BodyType type = BodyType::dynamic;
@@ -34,7 +34,7 @@ struct Recording {
   struct Frame {
     std::int64_t step = 0;
     double time = 0;  // s
-    std::vector<Arrival> arrivals;
+    std::vector<NewBody> newBodies;
     std::vector<Body> bodies;  // all bodies in the world, by slot
   };
   std::vector<Frame> frames;

@@ -20,10 +20,10 @@ struct SceneSpec {
   struct Spawn {
     long step = 0;  // before this step; 0 = from the start
     BodyDef<D> body;
-    long removeAt = -1;  // before this step; -1 = never
-    Handle there = {};   // a body of the saved world; default: added by the script
+    long removeAt = -1;        // before this step; -1 = never
+    BodyHandle existing = {};  // a body of the saved world; default: added by the script
     // Blocks of the events that add and remove it, in the order of all events; -1: none.
-    int broughtBy = -1, takenBy = -1;
+    int addedBy = -1, removedBy = -1;
     bool retyped = false;     // an event changes its type; `body` has the type at the start
     bool part = false;        // split off another body by an event; of `body` only name and type are known
     bool exact = false;       // not moved by `perturb`

@@ -45,17 +45,17 @@ Shape<D> Shape<D>::compound(std::span<const ShapePart<D>> parts, PartOverlap all
   std::vector<Placed<D>> placed;
   auto made = std::make_shared<std::vector<ShapePart<D>>>();
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::string who = "compound, part " + std::to_string(i);
-    if (parts[i].shape.surface()) throw UserError(who + ": is a mesh or chain; valid: convex shapes");
-    if (!parts[i].shape.convex()) throw UserError(who + ": is a compound; valid: its convex parts");
-    if (parts[i].shape.isPlane()) throw UserError(who + ": is a plane; valid: bounded shapes");
-    checkPose(parts[i].X_SP, who);
+    const std::string subject = "compound, part " + std::to_string(i);
+    if (parts[i].shape.surface()) throw UserError(subject + ": is a mesh or chain; valid: convex shapes");
+    if (!parts[i].shape.convex()) throw UserError(subject + ": is a compound; valid: its convex parts");
+    if (parts[i].shape.isPlane()) throw UserError(subject + ": is a plane; valid: bounded shapes");
+    checkPose(parts[i].X_SP, subject);
     made->push_back(centredPart(parts[i]));
     if (allowed == PartOverlap::counted) continue;
     placed.emplace_back(parts[i]);
     for (std::size_t j = 0; j < i; ++j) {
       if (!overlap(placed[j], placed[i])) continue;
-      throw UserError(who + ": overlaps part " + std::to_string(j) + "; valid: parts without overlap");
+      throw UserError(subject + ": overlaps part " + std::to_string(j) + "; valid: parts without overlap");
     }
   }
   Shape s;

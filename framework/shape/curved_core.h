@@ -78,7 +78,7 @@ const CurvedKind<D>& curvedKind(ShapeKind kind);
 /// finite, fill its box, have mass, and be equal in both number types. It must be convex: no point is farther along a
 /// direction than its support point. Costs a fraction of a millisecond.
 template <int D>
-void requireConvexCore(const CurvedCore<D>& core, const std::string& who);
+void requireConvexCore(const CurvedCore<D>& core, const std::string& subject);
 
 /// All kinds of this dimension, in the order of ShapeKind.
 template <int D>

@@ -33,8 +33,8 @@ std::string listed(const Vec<D>& v) {
 }  // namespace
 
 template <int D>
-void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
-  const auto refuse = [&](const std::string& what) { throw UserError(who + ": " + what); };
+void requireConvexCore(const CurvedCore<D>& core, const std::string& subject) {
+  const auto refuse = [&](const std::string& what) { throw UserError(subject + ": " + what); };
   const Vec<D> half = core.half();
   if (!half.allFinite() || !(half.minCoeff() > 0)) {
     refuse("its half extents are " + listed<D>(half) + "; valid: finite and above zero");

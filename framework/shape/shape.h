@@ -116,7 +116,7 @@ std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points);
 /// A prism of height zero: both sides, and three faces without area, with normals in its plane. So each edge has two
 /// faces, a right angle apart, as in any hull. Throws UserError when corners are not finite or collinear within
 /// rounding; `who` starts the message.
-std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view who);
+std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view subject);
 
 template <int D>
 class CurvedCore;

@@ -14,44 +14,45 @@ template <int D>
 const char* kPartName = D == 2 ? "segment" : "triangle";
 
 template <int D>
-void checkCorners(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, const std::string& who) {
+void checkCorners(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts,
+                  const std::string& subject) {
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite()) throw UserError(who + ": point " + std::to_string(i) + " is not finite");
+    if (!points[i].allFinite()) throw UserError(subject + ": point " + std::to_string(i) + " is not finite");
   }
-  if (parts.empty()) throw UserError(who + ": no " + kPartName<D> + "s; valid: one or more");
+  if (parts.empty()) throw UserError(subject + ": no " + kPartName<D> + "s; valid: one or more");
   if (parts.size() > kMostTriangles) {
-    throw UserError(who + ": it has " + std::to_string(parts.size()) + " " + kPartName<D> + "s; valid: up to " +
+    throw UserError(subject + ": it has " + std::to_string(parts.size()) + " " + kPartName<D> + "s; valid: up to " +
                     std::to_string(kMostTriangles));
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (const int v : parts[i]) {
       if (v >= 0 && static_cast<std::size_t>(v) < points.size()) continue;
-      throw UserError(who + ", " + kPartName<D> + " " + std::to_string(i) + ": unknown point " + std::to_string(v) +
+      throw UserError(subject + ", " + kPartName<D> + " " + std::to_string(i) + ": unknown point " + std::to_string(v) +
                       "; valid: 0 to " + std::to_string(std::int64_t(points.size()) - 1));
     }
   }
 }
 
 // Places a part at its own middle, so that sizes and roundings near it are its own, not those of the whole surface.
-PlacedView<3> placeTriangle(const std::array<Vec<3>, 3>& p, const std::string& who,
+PlacedView<3> placeTriangle(const std::array<Vec<3>, 3>& p, const std::string& subject,
                             std::vector<std::shared_ptr<const Polytope<3>>>& hulls) {
-  flatTriangle(p, who);  // checks that the corners are distinct at their position in the surface
+  flatTriangle(p, subject);  // checks that the corners are distinct at their position in the surface
   const Eigen::Vector3d middle = (p[0].cast<double>() + p[1].cast<double>() + p[2].cast<double>()) / 3;
   PlacedView<3> part;
   part.X_SP.p = middle.cast<Real>();
   std::array<Vec<3>, 3> around;
   for (std::size_t k = 0; k < 3; ++k) around[k] = (p[k].cast<double>() - part.X_SP.p.cast<double>()).cast<Real>();
-  hulls.push_back(flatTriangle(around, who));
+  hulls.push_back(flatTriangle(around, subject));
   part.view.kind = ShapeKind::triangle, part.view.hull = hulls.back().get();
   for (const Vec<3>& v : around) part.view.half = part.view.half.cwiseMax(v.cwiseAbs()).eval();
   return part;
 }
 
-PlacedView<2> placeSegment(const std::array<Vec<2>, 2>& p, const std::string& who) {
+PlacedView<2> placeSegment(const std::array<Vec<2>, 2>& p, const std::string& subject) {
   const Eigen::Vector2d along = p[1].cast<double>() - p[0].cast<double>();
   const double length = along.norm(), largest = std::max(p[0].cwiseAbs().maxCoeff(), p[1].cwiseAbs().maxCoeff());
   if (!(length > kHullRounding * largest && length > 1 / kLargestExtent && length < 2 * kLargestExtent)) {
-    throw UserError(who + ": it is " + std::to_string(length) +
+    throw UserError(subject + ": it is " + std::to_string(length) +
                     " m long; valid: two ends that differ by more than rounding, at a finite distance");
   }
   PlacedView<2> part;
@@ -68,14 +69,14 @@ Surface<D>::Surface(IndexedSpan<const Vec<D>> points, std::span<const std::array
     : m_points(points.begin(), points.end()),
       m_corners(parts.begin(), parts.end()),
       m_parts([&] {
-        const std::string who(name);
-        checkCorners<D>(points, parts, who);
+        const std::string subject(name);
+        checkCorners<D>(points, parts, subject);
         std::vector<PlacedView<D>> placed;
         placed.reserve(parts.size());
         for (std::size_t i = 0; i < parts.size(); ++i) {
           IndexedArray<Vec<D>, D> p;
           for (std::size_t k = 0; k < D; ++k) p[k] = points[parts[i][k]];
-          const std::string which = who + ", " + kPartName<D> + " " + std::to_string(i);
+          const std::string which = subject + ", " + kPartName<D> + " " + std::to_string(i);
           if constexpr (D == 3) {
             placed.push_back(placeTriangle(p, which, m_hulls));
           } else {
@@ -115,7 +116,7 @@ void Surface<2>::findNeighbours(std::string_view) {
 }
 
 template <>
-void Surface<3>::findNeighbours(std::string_view who) {
+void Surface<3>::findNeighbours(std::string_view subject) {
   struct Side {
     int low, high;  // point indices
     std::int32_t part;
@@ -139,7 +140,7 @@ void Surface<3>::findNeighbours(std::string_view who) {
   for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
     while (next < sides.size() && sides[next].low == sides[i].low && sides[next].high == sides[i].high) ++next;
     if (next == i + 1) continue;
-    const std::string edge = std::string(who) + ", the edge of points " + std::to_string(sides[i].low) + " and " +
+    const std::string edge = std::string(subject) + ", the edge of points " + std::to_string(sides[i].low) + " and " +
                              std::to_string(sides[i].high) + ": ";
     if (next > i + 2) {
       throw UserError(edge + "belongs to " + std::to_string(next - i) + " triangles; valid: one or two");

@@ -24,7 +24,7 @@ class Surface {
   static constexpr int kBorders = D;
 
   /// Builds a surface. Throws UserError, starting with `who`, for what Shape::mesh and Shape::chain reject.
-  Surface(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view who);
+  Surface(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view subject);
 
   /// As given by the user.
   const std::vector<Vec<D>>& points() const { return m_points; }
@@ -41,7 +41,7 @@ class Surface {
 
  private:
   static std::vector<Aabb<D>> boxesOf(std::span<const PlacedView<D>> parts);
-  void findNeighbours(std::string_view who);
+  void findNeighbours(std::string_view subject);
 
   std::vector<Vec<D>> m_points;
   std::vector<std::array<int, D>> m_corners;

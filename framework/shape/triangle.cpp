@@ -8,13 +8,13 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view who) {
+std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view subject) {
   using Point = Eigen::Vector3d;
   IndexedArray<Point, 3> p;
   double largest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     if (!corners[i].allFinite()) {
-      throw UserError(std::string(who) + ": corner " + std::to_string(i) + " is not finite");
+      throw UserError(std::string(subject) + ": corner " + std::to_string(i) + " is not finite");
     }
     p[i] = corners[i].cast<double>();
     largest = std::max(largest, p[i].cwiseAbs().maxCoeff());
@@ -23,7 +23,7 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
   double longest = 0;
   for (std::size_t i = 0; i < 3; ++i) edge[i] = p[(i + 1) % 3] - p[i], longest = std::max(longest, edge[i].norm());
   if (longest > 2 * kLargestExtent || (longest > 0 && longest < 1 / kLargestExtent)) {
-    throw UserError(std::string(who) + ": it is " + std::to_string(longest) + " m long; valid: " +
+    throw UserError(std::string(subject) + ": it is " + std::to_string(longest) + " m long; valid: " +
                     std::to_string(1 / kLargestExtent) + " to " + std::to_string(2 * kLargestExtent));
   }
   // The cross product of the two shortest edges has the most digits: use the corner opposite the longest edge.
@@ -33,7 +33,8 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
   }
   const Point across = longest > 0 ? Point(edge[(apex + 2) % 3].cross(edge[apex]) / longest) : Point(Point::Zero());
   if (!(across.norm() > kFlattestTriangle * kHullRounding * largest)) {  // its height over the longest edge
-    throw UserError(std::string(who) + ": its corners lie on one line within rounding; valid: a triangle with area");
+    throw UserError(std::string(subject) +
+                    ": its corners lie on one line within rounding; valid: a triangle with area");
   }
   const Point n = across.normalized();
   auto out = std::make_shared<Polytope<3>>();

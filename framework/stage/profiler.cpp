@@ -9,12 +9,12 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 void Profiler::countMemory(MemoryUse (*counter)()) {
   m_counter = counter;
-  m_told = {};
+  m_attributed = {};
   m_frame.times.reserve(32);  // so that no stage is charged for the entry of its own name
 }
 
 void Profiler::beginFrame(long step) {
-  m_untoldBefore = untold();
+  m_unattributedBefore = unattributed();
   m_frame.step = step;
   m_frame.seconds = 0;
   for (Time& t : m_frame.times) t.seconds = 0, t.memory = {};  // names stay: no allocation after the first steps
@@ -24,7 +24,7 @@ void Profiler::beginFrame(long step) {
 
 void Profiler::endFrame(double seconds) {
   m_frame.seconds = seconds;
-  m_frame.elsewhere = untold() - m_untoldBefore;
+  m_frame.elsewhere = unattributed() - m_unattributedBefore;
   if (m_keep) m_frames.push_back(m_frame);
 }
 
@@ -38,9 +38,9 @@ Profiler::Time& Profiler::add(const char* name, double seconds) {
   return m_frame.times.emplace_back(Time{name, seconds, {}});
 }
 
-void Profiler::tell(Time& time, const MemoryUse& untoldBefore) {
-  const MemoryUse own = untold() - untoldBefore;
-  time.memory += own, m_told += own;
+void Profiler::attribute(Time& time, const MemoryUse& unattributedBefore) {
+  const MemoryUse own = unattributed() - unattributedBefore;
+  time.memory += own, m_attributed += own;
 }
 
 void Profiler::writeCsv(std::ostream& out) const {

@@ -37,11 +37,11 @@ class Profiler {
   class Scope {
    public:
     Scope(Profiler& profiler, const char* name)
-        : m_profiler(profiler), m_name(name), m_memory(profiler.untold()), m_start(Clock::now()) {}
+        : m_profiler(profiler), m_name(name), m_memory(profiler.unattributed()), m_start(Clock::now()) {}
     ~Scope() {
       const double seconds = std::chrono::duration<double>(Clock::now() - m_start).count();
       Time& time = m_profiler.add(m_name, seconds);
-      if (m_profiler.m_counter) m_profiler.tell(time, m_memory);
+      if (m_profiler.m_counter) m_profiler.attribute(time, m_memory);
     }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
@@ -86,12 +86,12 @@ class Profiler {
 
  private:
   // Memory not yet assigned to a scope. The difference of two values is a scope's own use without nested scopes.
-  MemoryUse untold() const { return m_counter ? m_counter() - m_told : MemoryUse{}; }
-  void tell(Time& time, const MemoryUse& untoldBefore);
+  MemoryUse unattributed() const { return m_counter ? m_counter() - m_attributed : MemoryUse{}; }
+  void attribute(Time& time, const MemoryUse& unattributedBefore);
 
   bool m_keep = false;
   MemoryUse (*m_counter)() = nullptr;
-  MemoryUse m_told, m_untoldBefore;
+  MemoryUse m_attributed, m_unattributedBefore;
   Frame m_frame;
   std::vector<Frame> m_frames;
 };

@@ -14,7 +14,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// Two spheres for a convex shape: one inside the shape around `center` (in the shape's frame), and one around the
 /// shape, centred at its own origin.
 template <int D>
-struct Girth {
+struct InnerOuterRadii {
   Vec<D> center = Vec<D>::Zero();
   Real inner = 0, outer = 0;  // radii, m
 };
@@ -24,12 +24,12 @@ struct Girth {
 template <int D>
 struct FastPair {
   MovingPair<D> pair;
-  Girth<D> a, b;
+  InnerOuterRadii<D> a, b;
   bool fastA = false, fastB = false;
 };
 
 /// When a method of continuous collision runs.
-enum class Lookout {
+enum class CcdPhase {
   never,
   before,  // before the solver: pairs that would touch by their velocities get contacts in advance, and the solver
            // keeps them apart
@@ -46,15 +46,15 @@ class ContinuousCollision : public Stage {
   static constexpr StageKind kStage = StageKind::continuous;
   static constexpr int kDimension = D;
 
-  virtual Lookout lookout() const = 0;
+  virtual CcdPhase ccdPhase() const = 0;
   /// A part is fast when one of its points may move farther in a step than threshold() (1) times the radius of its
   /// inner sphere. A smaller radius than kLinearSlop counts as kLinearSlop.
   virtual Real threshold() const { return std::numeric_limits<Real>::infinity(); }
   /// True when it supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind, ShapeKind) const { return true; }
   /// The times (s) at which fast parts must stop, over 0 <= t <= duration; infinite when they need not. Called only
-  /// with Lookout::after. `t` has one entry per pair.
-  virtual void meetings(std::span<const FastPair<D>>, Real /*duration*/, std::span<Real> t, WorkDone&) {
+  /// with CcdPhase::after. `t` has one entry per pair.
+  virtual void timesOfImpact(std::span<const FastPair<D>>, Real /*duration*/, std::span<Real> t, WorkDone&) {
     std::fill(t.begin(), t.end(), std::numeric_limits<Real>::infinity());
   }
 };
@@ -62,8 +62,8 @@ class ContinuousCollision : public Stage {
 /// Throws UserError, "`who` does not support ...", unless every pair of these kinds is supported.
 template <int D>
 void requireCasts(const ContinuousCollision<D>& continuous, const std::array<bool, kShapeKinds>& kinds,
-                  const std::string& who) {
-  requirePairs([&](ShapeKind a, ShapeKind b) { return continuous.supports(a, b); }, kinds, who);
+                  const std::string& subject) {
+  requirePairs([&](ShapeKind a, ShapeKind b) { return continuous.supports(a, b); }, kinds, subject);
 }
 
 }}  // namespace lpc::LPC_PRECISION

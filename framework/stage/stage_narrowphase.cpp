@@ -29,9 +29,9 @@ PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const Shape
 }
 
 template <int D>
-std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pairs,
-                                                 IndexedSpan<const ShapeRecord<D>> shapes,
-                                                 IndexedSpan<const Pose<D>> pose, Real margin, WorkDone& work) {
+std::span<const ConvexPair<D>> PartPairs<D>::of(std::span<const ShapePair> pairs,
+                                                IndexedSpan<const ShapeRecord<D>> shapes,
+                                                IndexedSpan<const Pose<D>> pose, Real margin, WorkDone& work) {
   m_pairs.clear();
   for (const ShapePair& p : pairs) {
     const ShapeRecord<D>&a = shapes[p.a], &b = shapes[p.b];
@@ -57,16 +57,16 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
       m_boxes.push_back(boundingBox(part, X_WB * X_CB));
       whole = whole.merged(m_boxes.back());
     });
-    std::int32_t childA = -1;
-    forParts(a.shape, a.X_CS, [&](const ShapeView<D>& partA, const Pose<D>& X_CA) {
-      ++childA;
-      const Aabb<D> boxA = boundingBox(partA, X_WA * X_CA);
+    std::int32_t partA = -1;
+    forParts(a.shape, a.X_CS, [&](const ShapeView<D>& viewA, const Pose<D>& X_CA) {
+      ++partA;
+      const Aabb<D> boxA = boundingBox(viewA, X_WA * X_CA);
       if (!near(boxA, whole)) return;
-      std::int32_t childB = -1;
-      forParts(b.shape, b.X_CS, [&](const ShapeView<D>& partB, const Pose<D>& X_CB) {
-        ++childB;
-        if (!near(boxA, m_boxes[childB])) return;
-        m_pairs.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
+      std::int32_t partB = -1;
+      forParts(b.shape, b.X_CS, [&](const ShapeView<D>& viewB, const Pose<D>& X_CB) {
+        ++partB;
+        if (!near(boxA, m_boxes[partB])) return;
+        m_pairs.push_back({p, partA, partB, viewA, viewB, X_CA, X_CB});
       });
     });
   }
@@ -75,23 +75,23 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
 
 // Both are bounded, and one has few parts: a moving shape is never a surface.
 template <int D>
-void ChildPairs<D>::ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const ShapeRecord<D>& b, const Pose<D>& X_WA,
-                              const Pose<D>& X_WB, Real margin, WorkDone& work) {
+void PartPairs<D>::ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const ShapeRecord<D>& b, const Pose<D>& X_WA,
+                             const Pose<D>& X_WB, Real margin, WorkDone& work) {
   const auto forNear = [&](const ShapeRecord<D>& of, const Pose<D>& X_WC, const Aabb<D>& box, const auto& f) {
     forPartsNear(of.shape, of.X_CS, X_WC, box, m_near, work,
-                 [&](std::int32_t child, const ShapeView<D>& part, const Pose<D>& X_CP) {
+                 [&](std::int32_t number, const ShapeView<D>& part, const Pose<D>& X_CP) {
                    ++work[WorkCount::partTests];
-                   if (box.overlaps(boundingBox(part, X_WC * X_CP))) f(child, part, X_CP);
+                   if (box.overlaps(boundingBox(part, X_WC * X_CP))) f(number, part, X_CP);
                  });
   };
   if (b.shape.surface()) {
-    std::int32_t childA = 0;
-    forParts(a.shape, a.X_CS, [&](const ShapeView<D>& partA, const Pose<D>& X_CA) {
-      forNear(b, X_WB, boundingBox(partA, X_WA * X_CA).grown(margin),
-              [&](std::int32_t childB, const ShapeView<D>& partB, const Pose<D>& X_CB) {
-                m_pairs.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
+    std::int32_t partA = 0;
+    forParts(a.shape, a.X_CS, [&](const ShapeView<D>& viewA, const Pose<D>& X_CA) {
+      forNear(b, X_WB, boundingBox(viewA, X_WA * X_CA).grown(margin),
+              [&](std::int32_t partB, const ShapeView<D>& viewB, const Pose<D>& X_CB) {
+                m_pairs.push_back({p, partA, partB, viewA, viewB, X_CA, X_CB});
               });
-      ++childA;
+      ++partA;
     });
     return;
   }
@@ -101,13 +101,13 @@ void ChildPairs<D>::ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const
     m_boxes.push_back(boundingBox(part, X_WB * X_CB).grown(margin));
     whole = whole.merged(m_boxes.back());
   });
-  forNear(a, X_WA, whole, [&](std::int32_t childA, const ShapeView<D>& partA, const Pose<D>& X_CA) {
-    const Aabb<D> boxA = boundingBox(partA, X_WA * X_CA);
-    std::int32_t childB = -1;
-    forParts(b.shape, b.X_CS, [&](const ShapeView<D>& partB, const Pose<D>& X_CB) {
-      ++childB, ++work[WorkCount::partTests];
-      if (!boxA.overlaps(m_boxes[childB])) return;
-      m_pairs.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
+  forNear(a, X_WA, whole, [&](std::int32_t partA, const ShapeView<D>& viewA, const Pose<D>& X_CA) {
+    const Aabb<D> boxA = boundingBox(viewA, X_WA * X_CA);
+    std::int32_t partB = -1;
+    forParts(b.shape, b.X_CS, [&](const ShapeView<D>& viewB, const Pose<D>& X_CB) {
+      ++partB, ++work[WorkCount::partTests];
+      if (!boxA.overlaps(m_boxes[partB])) return;
+      m_pairs.push_back({p, partA, partB, viewA, viewB, X_CA, X_CB});
     });
   });
 }
@@ -120,13 +120,13 @@ void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds) {
 }
 
 void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
-                  const std::string& who) {
+                  const std::string& subject) {
   for (std::size_t i = 0; i < kShapeKinds; ++i) {
     for (std::size_t k = i; k < kShapeKinds; ++k) {
       const auto a = static_cast<ShapeKind>(i), b = static_cast<ShapeKind>(k);
       const bool planes = coreClass(a) == CoreClass::plane && coreClass(b) == CoreClass::plane;
       if (!kinds[i] || !kinds[k] || planes || supports(a, b)) continue;
-      throw UserError(who + " does not support " + std::string(shapeKindName(a)) + " against " +
+      throw UserError(subject + " does not support " + std::string(shapeKindName(a)) + " against " +
                       std::string(shapeKindName(b)));
     }
   }
@@ -134,12 +134,12 @@ void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, con
 
 template <int D>
 void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
-                     const std::string& who) {
-  requirePairs([&](ShapeKind a, ShapeKind b) { return contacts.supports(a, b); }, kinds, who);
+                     const std::string& subject) {
+  requirePairs([&](ShapeKind a, ShapeKind b) { return contacts.supports(a, b); }, kinds, subject);
 }
 
-template class ChildPairs<2>;
-template class ChildPairs<3>;
+template class PartPairs<2>;
+template class PartPairs<3>;
 template void markKinds(const Shape<2>&, std::array<bool, kShapeKinds>&);
 template void markKinds(const Shape<3>&, std::array<bool, kShapeKinds>&);
 template void requireContacts(const ContactGenerator<2>&, const std::array<bool, kShapeKinds>&, const std::string&);

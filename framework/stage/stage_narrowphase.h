@@ -43,7 +43,7 @@ struct PairAnswer {
 
 /// What the caller will read. A method may compute less when less is needed: for `boolean` only the sign of the
 /// distance counts.
-enum class QueryNeed { boolean, distance, witnesses };
+enum class QueryNeed { boolean, distance, closestPoints };
 
 /// Data that a method keeps for a pair from step to step; owned by the caller, zero = cold. This is the only warm
 /// start. The bytes may come from a file: a method must not trust them, and its answer must be correct for any bytes.
@@ -85,7 +85,7 @@ class PairQuery : public Stage {
 /// QueryStatus::refused.
 template <int D>
 PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB,
-                        QueryNeed need = QueryNeed::witnesses);
+                        QueryNeed need = QueryNeed::closestPoints);
 
 /// A pair of shape slots with body(a) < body(b).
 struct ShapePair {
@@ -97,7 +97,7 @@ struct ShapePair {
 template <int D>
 struct ConvexPair {
   ShapePair shapes;
-  std::int32_t childA = 0, childB = 0;
+  std::int32_t partA = 0, partB = 0;
   ShapeView<D> a, b;
   /// Poses of the parts in their bodies' centre-of-mass frames, not in the world. Far from the origin the difference of
   /// the two body poses is exact, the sum of pose and offset is not.
@@ -106,16 +106,16 @@ struct ConvexPair {
 
 /// Memory of a pair of convex parts while their boxes are near each other. The contacts themselves are in the manifold.
 struct PairRecord {
-  std::int32_t bodyA = -1, shapeA = -1, bodyB = -1, shapeB = -1, childA = 0, childB = 0;
+  std::int32_t bodyA = -1, shapeA = -1, bodyB = -1, shapeB = -1, partA = 0, partB = 0;
   PairMemory memory{};
 
   /// Records are sorted by this key, as manifolds are.
-  auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, childA, childB); }
+  auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, partA, partB); }
 };
 
 /// Splits pairs of shapes into pairs of convex parts.
 template <int D>
-class ChildPairs {
+class PartPairs {
  public:
   /// All pairs of parts with boxes within the margin (m), in order. A convex shape is its own only part, number 0; for
   /// two convex shapes the boxes are not tested again. `pose` is X_WC by body slot.
@@ -152,7 +152,7 @@ Manifold<D> startManifold(const ContactInput<D>& in, const ConvexPair<D>& pair) 
   static const Manifold<D> kBlank;  // copying takes half the time in which g++ fills it with zeros
   Manifold<D> m = kBlank;
   m.bodyA = a.body, m.bodyB = b.body, m.shapeA = pair.shapes.a, m.shapeB = pair.shapes.b;
-  m.childA = pair.childA, m.childB = pair.childB;
+  m.partA = pair.partA, m.partB = pair.partB;
   m.friction = in.friction ? mix(in.mixing.friction, a.friction, b.friction) : Real(0);
   m.restitution = mix(in.mixing.restitution, a.restitution, b.restitution);
   return m;
@@ -168,10 +168,10 @@ void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds);
 /// Throws UserError, "`who` does not support ...", unless every pair of these kinds is supported. Two planes never
 /// touch.
 void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
-                  const std::string& who);
+                  const std::string& subject);
 template <int D>
 void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
-                     const std::string& who);
+                     const std::string& subject);
 
 /// Makes contact points. Writes only fresh manifolds: at most one per pair of parts, none without points, in any order.
 /// Impulses are zero, and the material is that of the shapes, which listeners may change. `points` are sorted by

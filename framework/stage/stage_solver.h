@@ -19,7 +19,7 @@ class Profiler;
 
 /// Parts of the model that a scene needs. Each unneeded part is skipped by one branch per stage. All on is always
 /// correct; an experiment measures the cost of unneeded parts.
-struct Features {
+struct PhysicsModel {
   bool friction = true;
   bool rotation = true;  // off: no body rotates
   bool restitution = true;
@@ -27,7 +27,7 @@ struct Features {
   bool joints = true;
   bool sleeping = true;
   bool continuous = true;  // off: no continuous collision between the poses of two steps
-  bool operator==(const Features&) const = default;
+  bool operator==(const PhysicsModel&) const = default;
 };
 
 /// Lets a solver request new contacts inside its step. Afterwards `manifolds` and `active` of StepInput are new.
@@ -51,7 +51,7 @@ struct StepInput {
   IndexedSpan<JointRecord<D>> joints;     // by slot; jointRows() gives the rows of active joints
   const Forces<D>& forces;
   DetectAgain& detect;
-  const Features& features;
+  const PhysicsModel& model;
   Real restitutionThreshold;  // m/s
   WorkDone& work;
   Profiler& profiler;  // for sub-phases: prepare, warm_start, iterate, integrate, correct, ...
@@ -84,7 +84,7 @@ struct VelocityInput {
   IndexedSpan<const int> order;  // indices of the manifolds to solve, in solving order
   IndexedSpan<JointRecord<D>> joints;
   const PositionResolver<D>& position;  // bias() is called once per contact and step
-  const Features& features;
+  const PhysicsModel& model;
   Real restitutionThreshold;
   WorkDone& work;
   Profiler& profiler;
@@ -124,7 +124,7 @@ struct PositionInput {
   IndexedSpan<Manifold<D>> manifolds;
   IndexedSpan<const int> order;
   IndexedSpan<JointRecord<D>> joints;
-  const Features& features;
+  const PhysicsModel& model;
   WorkDone& work;
   Profiler& profiler;
   IndexedSpan<const int> colours = {};  // as in VelocityInput
@@ -151,7 +151,7 @@ struct IntegrateInput {
   Real dt, time;
   Bodies<D>& bodies;  // motion is changed, poses are not
   const Forces<D>& forces;
-  const Features& features;
+  const PhysicsModel& model;
   WorkDone& work;
 };
 

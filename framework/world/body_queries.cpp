@@ -26,7 +26,7 @@ void meetOfSurface(const Surface<D>& surface, const Pose<D>& X_WS, const Vec<D>&
 }
 
 template <int D>
-bool meets(const RayFilter<D>& filter, Handle body, const ShapeRecord<D>& s) {
+bool meets(const RayFilter<D>& filter, BodyHandle body, const ShapeRecord<D>& s) {
   return (filter.category & s.mask) && (filter.mask & s.category) && (!filter.accepts || filter.accepts(body, s));
 }
 
@@ -36,10 +36,10 @@ bool meets(const RayFilter<D>& filter, Handle body, const ShapeRecord<D>& s) {
 // pose. Tests only the parts of a surface near the box.
 template <int D>
 template <class Holds>
-std::vector<Handle> BodyQueries<D>::bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box,
-                                             const Holds& holds) const {
+std::vector<BodyHandle> BodyQueries<D>::bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box,
+                                                 const Holds& holds) const {
   std::sort(found.begin(), found.end());
-  std::vector<Handle> out;
+  std::vector<BodyHandle> out;
   std::vector<std::int32_t> near;
   WorkDone work;
   for (ProxyId id : found) {
@@ -48,14 +48,14 @@ std::vector<Handle> BodyQueries<D>::bodiesOf(std::vector<ProxyId>& found, const 
     bool held = false;
     forPartsNear(s.shape, X_WS, {}, box, near, work,
                  [&](std::int32_t, const auto& part, const Pose<D>& X_WP) { held = held || holds(part, X_WP); });
-    const Handle h = m_table.handle(s.body);
+    const BodyHandle h = m_table.handle(s.body);
     if (held && std::find(out.begin(), out.end(), h) == out.end()) out.push_back(h);
   }
   return out;
 }
 
 template <int D>
-std::vector<Handle> BodyQueries<D>::at(const Vec<D>& point) const {
+std::vector<BodyHandle> BodyQueries<D>::at(const Vec<D>& point) const {
   std::vector<ProxyId> found;
   m_table.boxes.at(point, found);
   return bodiesOf(found, {point, point},
@@ -63,7 +63,7 @@ std::vector<Handle> BodyQueries<D>::at(const Vec<D>& point) const {
 }
 
 template <int D>
-std::vector<Handle> BodyQueries<D>::overlap(const Aabb<D>& box) const {
+std::vector<BodyHandle> BodyQueries<D>::overlap(const Aabb<D>& box) const {
   std::vector<ProxyId> found;
   m_table.boxes.overlap(box, found);
   return bodiesOf(found, box, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
@@ -106,7 +106,7 @@ std::vector<BodyRayHit<D>> BodyQueries<D>::ray(const Vec<D>& p, const Vec<D>& di
   std::vector<std::int32_t> near;
   for (const RayHit<D>& hit : found) {
     const ShapeRecord<D>& s = m_table.shapes[static_cast<std::size_t>(hit.proxy)];
-    const Handle body = m_table.handle(s.body);
+    const BodyHandle body = m_table.handle(s.body);
     if (filter && !meets(*filter, body, s)) continue;
     const Pose<D> X_WS = m_table.bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
     RayEntry<D> first;

@@ -11,7 +11,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 struct BodyRayHit {
-  Handle body;
+  BodyHandle body;
   std::int32_t shape;      // index among the body's shapes
   Real t;                  // where the ray enters the shape
   Vec<D> normal;           // unit, world, out of the shape, against the ray; zero when the ray starts inside
@@ -25,7 +25,7 @@ struct RayFilter {
   std::uint32_t category = 1;
   std::uint32_t mask = ~0u;
   /// Empty: accepts all shapes. Called before the shape is tested, in no promised order.
-  std::function<bool(Handle body, const ShapeRecord<D>& shape)> accepts = {};
+  std::function<bool(BodyHandle body, const ShapeRecord<D>& shape)> accepts = {};
 };
 
 /// Answers queries on exact shapes at the current poses. Uses the boxes of the table, which must be in sync().
@@ -34,8 +34,8 @@ class BodyQueries {
  public:
   explicit BodyQueries(const BodyTable<D>& table) : m_table(table) {}
 
-  std::vector<Handle> at(const Vec<D>& point) const;
-  std::vector<Handle> overlap(const Aabb<D>& box) const;
+  std::vector<BodyHandle> at(const Vec<D>& point) const;
+  std::vector<BodyHandle> overlap(const Aabb<D>& box) const;
   bool contains(std::size_t body, const Vec<D>& point) const;
   bool intersects(std::size_t body, const Aabb<D>& box) const;
   /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Without a filter the ray can
@@ -45,7 +45,7 @@ class BodyQueries {
 
  private:
   template <class Holds>
-  std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box, const Holds& holds) const;
+  std::vector<BodyHandle> bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box, const Holds& holds) const;
   template <class Holds>
   bool anyPart(std::size_t body, const Aabb<D>& box, const Holds& holds) const;
 

@@ -24,7 +24,7 @@ bool sameBits(const Pose<D>& a, const Pose<D>& b) {
 }  // namespace
 
 template <int D>
-std::size_t BodyTable<D>::slotOf(Handle body) const {
+std::size_t BodyTable<D>::slotOf(BodyHandle body) const {
   if (!valid(body)) throw UserError("world: no body has the handle " + std::to_string(body.slot) + " (removed?)");
   return static_cast<std::size_t>(body.slot);
 }
@@ -66,28 +66,28 @@ std::size_t BodyTable<D>::takeSlot() {
 
 // Writes all data of a body except its shapes, pose and velocity.
 template <int D>
-void BodyTable<D>::write(std::size_t i, const BodyDef<D>& def, const Weighed<D>& weighed) {
+void BodyTable<D>::write(std::size_t i, const BodyDef<D>& def, const CheckedBody<D>& checked) {
   auto& b = bodies;
   const bool dynamic = def.type == BodyType::dynamic;
   b.used[i] = 1, b.type[i] = def.type;
   b.awake[i] = def.awake || !dynamic, b.canSleep[i] = def.canSleep && dynamic, b.pinned[i] = def.pinned;
   b.rotatable[i] = def.rotatable, b.gravityScale[i] = def.gravityScale, b.givenMass[i] = def.mass;
-  b.center[i] = weighed.mass.center;
-  b.mass[i] = dynamic ? weighed.mass.mass : Real(0);
-  b.invInertiaBody[i] = weighed.invInertia;
+  b.center[i] = checked.mass.center;
+  b.mass[i] = dynamic ? checked.mass.mass : Real(0);
+  b.invInertiaBody[i] = checked.invInertia;
   b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = def.userData;
 }
 
 template <int D>
-std::size_t BodyTable<D>::add(const BodyDef<D>& def, const Weighed<D>& weighed) {
+std::size_t BodyTable<D>::add(const BodyDef<D>& def, const CheckedBody<D>& checked) {
   const std::size_t i = takeSlot();
-  write(i, def, weighed);
+  write(i, def, checked);
   auto& b = bodies;
   b.pose[i] = {def.X_WB * b.center[i], def.X_WB.q};
   b.motion[i] = def.type == BodyType::fixed ? Motion<D>{} : Motion<D>{def.velocity, def.angularVelocity};
   userForces[i] = {};
-  for (std::size_t s = 0; s < weighed.shapes.size(); ++s) {
-    putShape(weighed.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
+  for (std::size_t s = 0; s < checked.shapes.size(); ++s) {
+    putShape(checked.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
   }
   return i;
 }
@@ -199,7 +199,7 @@ template <int D>
 typename BodyTable<D>::ShapeMatch BodyTable<D>::match(std::size_t body, std::span<const ShapeDef<D>> defs) {
   ShapeMatch out;
   out.kept.assign(defs.size(), kNew);
-  auto& had = out.gone;
+  auto& had = out.removed;
   for (const std::int32_t s : m_shapesOf.of(body, visits)) had.push_back(static_cast<std::size_t>(s));
   for (std::size_t k = 0; k < defs.size(); ++k) {
     const auto same =
@@ -212,13 +212,14 @@ typename BodyTable<D>::ShapeMatch BodyTable<D>::match(std::size_t body, std::spa
 }
 
 template <int D>
-Vec<D> BodyTable<D>::rewrite(std::size_t i, const BodyDef<D>& def, const Weighed<D>& weighed, const ShapeMatch& match) {
+Vec<D> BodyTable<D>::rewrite(std::size_t i, const BodyDef<D>& def, const CheckedBody<D>& checked,
+                             const ShapeMatch& match) {
   const auto slot = static_cast<std::int32_t>(i);
   auto& b = bodies;
   const BodyDef<D> before = definition(i);
-  const Vec<D> by = weighed.mass.center - b.center[i];
+  const Vec<D> by = checked.mass.center - b.center[i];
   const Pose<D> X_WC = b.pose[i];
-  write(i, def, weighed);
+  write(i, def, checked);
   // Unless the definition moved it, the body stays bit for bit.
   const bool stays = sameBits<D>(def.X_WB, before.X_WB);
   b.pose[i] = {stays ? Vec<D>(X_WC.p + X_WC.q * by) : Vec<D>(def.X_WB * b.center[i]), def.X_WB.q};
@@ -231,17 +232,17 @@ Vec<D> BodyTable<D>::rewrite(std::size_t i, const BodyDef<D>& def, const Weighed
   }
   userForces[i].torque += cross(Vec<D>(X_WC.p - b.pose[i].p), userForces[i].force);
 
-  for (std::size_t k = match.gone.size(); k-- > 0;) freeShape(match.gone[k]);  // from the end of its list
+  for (std::size_t k = match.removed.size(); k-- > 0;) freeShape(match.removed[k]);  // from the end of its list
   for (std::size_t k = 0; k < match.kept.size(); ++k) {
     const std::size_t kept = match.kept[k];
     if (kept == kNew) continue;
     const Pose<D> X_CS = shapes[kept].X_CS;
-    fillShape(kept, weighed.shapes[k], slot, static_cast<std::int32_t>(k));
+    fillShape(kept, checked.shapes[k], slot, static_cast<std::int32_t>(k));
     shapes[kept].X_CS = {X_CS.p - by, X_CS.q};
     boxes.remove(kept), boxes.add(kept, shapes[kept]);  // its filter may have changed
   }
   for (std::size_t k = 0; k < match.kept.size(); ++k) {
-    if (match.kept[k] == kNew) putShape(weighed.shapes[k], slot, static_cast<std::int32_t>(k));
+    if (match.kept[k] == kNew) putShape(checked.shapes[k], slot, static_cast<std::int32_t>(k));
   }
   return by;
 }
@@ -254,7 +255,7 @@ std::array<bool, kShapeKinds> BodyTable<D>::kinds() const {
 }
 
 template <int D>
-std::array<bool, kShapeKinds> BodyTable<D>::kindsWith(const Weighed<D>& weighed, std::int32_t inPlaceOf) const {
+std::array<bool, kShapeKinds> BodyTable<D>::kindsWith(const CheckedBody<D>& checked, std::int32_t inPlaceOf) const {
   std::array<int, kShapeKinds> others = m_kindCount;
   if (inPlaceOf >= 0) {
     for (const std::int32_t s : m_shapesOf.of(static_cast<std::size_t>(inPlaceOf))) {
@@ -262,7 +263,7 @@ std::array<bool, kShapeKinds> BodyTable<D>::kindsWith(const Weighed<D>& weighed,
                [&](const ShapeView<D>& v, const auto&) { --others[static_cast<std::size_t>(v.kind)]; });
     }
   }
-  std::array<bool, kShapeKinds> out = weighed.kinds;
+  std::array<bool, kShapeKinds> out = checked.kinds;
   for (std::size_t k = 0; k < kShapeKinds; ++k) out[k] = out[k] || others[k] > 0;
   return out;
 }

@@ -32,12 +32,12 @@ class BodyTable {
   std::uint64_t visits = 0;   // WorkCount::eventVisits since the last step
 
   // --- handles and slots ---------------------------------------------------------------------------------------------
-  bool valid(Handle body) const {
+  bool valid(BodyHandle body) const {
     const auto i = static_cast<std::size_t>(body.slot);
     return body.slot >= 0 && i < bodies.used.size() && bodies.used[i] && bodies.generation[i] == body.generation;
   }
-  std::size_t slotOf(Handle body) const;  // throws UserError for an invalid handle
-  Handle handle(std::int32_t slot) const { return {slot, bodies.generation[static_cast<std::size_t>(slot)]}; }
+  std::size_t slotOf(BodyHandle body) const;  // throws UserError for an invalid handle
+  BodyHandle handle(std::int32_t slot) const { return {slot, bodies.generation[static_cast<std::size_t>(slot)]}; }
   int count() const { return m_bodySlots.inUse(); }
   std::span<const std::int32_t> shapesOf(std::size_t body) const { return m_shapesOf.of(body); }
   Pose<D> frame(std::size_t body) const {  // X_WB, of the body frame
@@ -48,7 +48,7 @@ class BodyTable {
   std::uint64_t hash() const;
 
   // --- adding, changing and removing bodies --------------------------------------------------------------------------
-  std::size_t add(const BodyDef<D>& def, const Weighed<D>& weighed);
+  std::size_t add(const BodyDef<D>& def, const CheckedBody<D>& checked);
   void remove(std::size_t body);
   void clear();  // bodies added later get the same slots as in a new table
   /// Adding this definition to an empty table gives the same body.
@@ -56,19 +56,19 @@ class BodyTable {
 
   /// How a body's present shapes match a new list of shapes.
   struct ShapeMatch {
-    std::vector<std::size_t> gone;  // slots of shapes to remove, ascending
-    std::vector<std::size_t> kept;  // by index among the new shapes: the matching slot, or kNew
+    std::vector<std::size_t> removed;  // slots of shapes to remove, ascending
+    std::vector<std::size_t> kept;     // by index among the new shapes: the matching slot, or kNew
   };
   static constexpr auto kNew = static_cast<std::size_t>(-1);
   ShapeMatch match(std::size_t body, std::span<const ShapeDef<D>> shapes);
   /// Rewrites the body from the definition. Returns how far its centre of mass has moved in the body frame. Motion that
   /// `def` leaves as definition() gave it stays bit for bit.
-  Vec<D> rewrite(std::size_t body, const BodyDef<D>& def, const Weighed<D>& weighed, const ShapeMatch& match);
+  Vec<D> rewrite(std::size_t body, const BodyDef<D>& def, const CheckedBody<D>& checked, const ShapeMatch& match);
 
   /// Shape kinds of all convex parts in the table.
   std::array<bool, kShapeKinds> kinds() const;
   /// The same with the parts of `weighed` replacing those of body `inPlaceOf`; -1: added to all existing parts.
-  std::array<bool, kShapeKinds> kindsWith(const Weighed<D>& weighed, std::int32_t inPlaceOf) const;
+  std::array<bool, kShapeKinds> kindsWith(const CheckedBody<D>& checked, std::int32_t inPlaceOf) const;
 
   // --- changes by the user and by a step -----------------------------------------------------------------------------
   /// Marks the body as changed by the user: its boxes are stale, and it wakes.
@@ -99,7 +99,7 @@ class BodyTable {
  private:
   std::size_t takeSlot();
   void freeBody(std::size_t body);  // frees the body's row only
-  void write(std::size_t body, const BodyDef<D>& def, const Weighed<D>& weighed);
+  void write(std::size_t body, const BodyDef<D>& def, const CheckedBody<D>& checked);
   void putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index);
   void fillShape(std::size_t slot, const ShapeDef<D>& def, std::int32_t body, std::int32_t index);
   void freeShape(std::size_t slot);

@@ -26,7 +26,7 @@ class BoxIndex {
   /// Marks the boxes of this body as stale, even when the body does not move by itself.
   void touch(std::size_t body);
   /// Marks the boxes of all moving bodies as stale.
-  void outdate() { m_stale = true; }
+  void markAllStale() { m_stale = true; }
   /// Passes all noted changes to the broadphase. With `sleepers`, boxes of sleeping bodies are active too.
   void sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies, bool sleepers);
 

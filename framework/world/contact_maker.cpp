@@ -14,19 +14,15 @@ template <int D>
 PairRecord recordOf(const ConvexPair<D>& pair, std::span<const ShapeRecord<D>> shapes) {
   const auto body = [&](std::int32_t shape) { return shapes[static_cast<std::size_t>(shape)].body; };
   const ShapePair& s = pair.shapes;
-  return {.bodyA = body(s.a),
-          .shapeA = s.a,
-          .bodyB = body(s.b),
-          .shapeB = s.b,
-          .childA = pair.childA,
-          .childB = pair.childB};
+  return {
+      .bodyA = body(s.a), .shapeA = s.a, .bodyB = body(s.b), .shapeB = s.b, .partA = pair.partA, .partB = pair.partB};
 }
 
 template <int D>
 Real marginOf(const MakerInput<D>& in, const ShapePair& pair) {
-  const auto at =
-      std::partition_point(in.ahead.begin(), in.ahead.end(), [&](const PairAhead& p) { return p.shapes < pair; });
-  return at != in.ahead.end() && at->shapes == pair ? at->margin : in.settings.margin;
+  const auto at = std::partition_point(in.speculative.begin(), in.speculative.end(),
+                                       [&](const SpeculativePair& p) { return p.shapes < pair; });
+  return at != in.speculative.end() && at->shapes == pair ? at->margin : in.settings.margin;
 }
 
 // The material of the pair by its shapes and the mixing rules.
@@ -34,14 +30,14 @@ template <int D>
 PairMaterial mixed(const MakerInput<D>& in, const Manifold<D>& m) {
   const ShapeRecord<D>&a = in.table.shapes[static_cast<std::size_t>(m.shapeA)],
         &b = in.table.shapes[static_cast<std::size_t>(m.shapeB)];
-  return {in.settings.features.friction ? lpc::mix(in.settings.mixing.friction, a.friction, b.friction) : Real(0),
+  return {in.settings.model.friction ? lpc::mix(in.settings.mixing.friction, a.friction, b.friction) : Real(0),
           lpc::mix(in.settings.mixing.restitution, a.restitution, b.restitution)};
 }
 
 }  // namespace
 
 template <int D>
-void ContactMaker<D>::findPairs(const BodyTable<D>& table, const UnpairedBodies& unpaired, WorkDone& work) {
+void ContactMaker<D>::findPairs(const BodyTable<D>& table, const NonCollidingPairs& nonColliding, WorkDone& work) {
   m_proxyPairs.clear();
   table.boxes.findPairs(m_proxyPairs, work);
   m_pairs.clear();
@@ -52,7 +48,7 @@ void ContactMaker<D>::findPairs(const BodyTable<D>& table, const UnpairedBodies&
     if (a > b) std::swap(a, b), std::swap(pair.a, pair.b);
     const bool moves = table.bodies.type[static_cast<std::size_t>(a)] == BodyType::dynamic ||
                        table.bodies.type[static_cast<std::size_t>(b)] == BodyType::dynamic;
-    if (!moves || unpaired.contains(a, b)) continue;
+    if (!moves || nonColliding.contains(a, b)) continue;
     m_pairs.push_back(pair);
   }
 }
@@ -60,27 +56,28 @@ void ContactMaker<D>::findPairs(const BodyTable<D>& table, const UnpairedBodies&
 // This order does not affect the result, which depends on the order of the manifolds. Generators emit manifolds mostly
 // in the order of the pairs, and moving pairs is cheaper.
 template <int D>
-void ContactMaker<D>::sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const PairAhead> ahead) {
-  for (const PairAhead& p : ahead) m_pairs.push_back(p.shapes);  // the broadphase has already found the near ones
+void ContactMaker<D>::sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const SpeculativePair> speculative) {
+  for (const SpeculativePair& p : speculative)
+    m_pairs.push_back(p.shapes);  // the broadphase has already found the near ones
   for (const ShapePair& p : m_pairs) {
     m_order.add(
         {shapes[static_cast<std::size_t>(p.a)].body, p.a, shapes[static_cast<std::size_t>(p.b)].body, p.b, 0, 0});
   }
   m_order.apply(std::span(m_pairs));
-  if (!ahead.empty()) m_pairs.erase(std::unique(m_pairs.begin(), m_pairs.end()), m_pairs.end());
+  if (!speculative.empty()) m_pairs.erase(std::unique(m_pairs.begin(), m_pairs.end()), m_pairs.end());
 }
 
 // The memory of each pair; empty for a new pair. Both lists are sorted by key.
 template <int D>
-std::span<PairMemory> ContactMaker<D>::recall(const MakerInput<D>& in, std::span<const ConvexPair<D>> children) {
+std::span<PairMemory> ContactMaker<D>::recall(const MakerInput<D>& in, std::span<const ConvexPair<D>> convexPairs) {
   m_memory.clear();
-  if (!in.settings.features.cache || !in.generator.remembers()) return {};
-  if (children.empty()) return {};
-  const auto first = recordOf<D>(children[0], in.table.shapes).key();
+  if (!in.settings.model.cache || !in.generator.remembers()) return {};
+  if (convexPairs.empty()) return {};
+  const auto first = recordOf<D>(convexPairs[0], in.table.shapes).key();
   auto o = static_cast<std::size_t>(
       std::partition_point(records.begin(), records.end(), [&](const PairRecord& r) { return r.key() < first; }) -
       records.begin());
-  for (const ConvexPair<D>& pair : children) {
+  for (const ConvexPair<D>& pair : convexPairs) {
     const auto key = recordOf<D>(pair, in.table.shapes).key();
     while (o < records.size() && records[o].key() < key) ++o;
     const bool known = o < records.size() && records[o].key() == key;
@@ -95,7 +92,7 @@ template <int D>
 void ContactMaker<D>::remember(const MakerInput<D>& in) {
   std::swap(records, m_oldRecords);
   records.clear();
-  if (!in.settings.features.cache || !in.generator.remembers()) return;
+  if (!in.settings.model.cache || !in.generator.remembers()) return;
   const auto among = [&](const std::vector<ShapePair>& pairs, const PairRecord& r) {
     const auto keyOf = [&](const ShapePair& p) {
       return std::tuple(in.table.shapes[static_cast<std::size_t>(p.a)].body, p.a,
@@ -124,16 +121,16 @@ void ContactMaker<D>::remember(const MakerInput<D>& in) {
 template <int D>
 void ContactMaker<D>::generate(const MakerInput<D>& in, std::span<const ShapePair> pairs, Real margin) {
   WorkDone& work = in.profiler.frame().work;
-  const auto children = m_children.of(pairs, in.table.shapes, in.table.bodies.pose, margin, work);
-  const std::span<PairMemory> memory = recall(in, children);
+  const auto convexPairs = m_partPairs.of(pairs, in.table.shapes, in.table.bodies.pose, margin, work);
+  const std::span<PairMemory> memory = recall(in, convexPairs);
   const std::span<const Manifold<D>> old = m_old;
   const std::size_t before = manifolds.size();
-  in.generator.generate({children, in.table.shapes, in.table.bodies.pose, margin, in.settings.features.friction,
-                         in.settings.mixing, memory, in.settings.features.cache ? old : std::span<const Manifold<D>>()},
+  in.generator.generate({convexPairs, in.table.shapes, in.table.bodies.pose, margin, in.settings.model.friction,
+                         in.settings.mixing, memory, in.settings.model.cache ? old : std::span<const Manifold<D>>()},
                         manifolds, work);
   correctSurfaceContacts<D>(in.table.shapes, in.table.bodies.pose, margin, before, manifolds);
   for (std::size_t i = 0; i < memory.size(); ++i) {
-    m_asked.push_back(recordOf<D>(children[i], in.table.shapes));
+    m_asked.push_back(recordOf<D>(convexPairs[i], in.table.shapes));
     m_asked.back().memory = memory[i];
   }
 }
@@ -153,7 +150,7 @@ void ContactMaker<D>::make(const MakerInput<D>& in) {
   const CacheInput<D> cacheInput{m_pairs, m_old, in.table.shapes, in.table.bodies.pose, in.settings.margin};
   {
     Profiler::Scope scope(in.profiler, "cache");
-    if (in.settings.features.cache) {
+    if (in.settings.model.cache) {
       in.cache.select(cacheInput, m_regenerate);
     } else {
       m_regenerate = m_pairs;
@@ -165,7 +162,7 @@ void ContactMaker<D>::make(const MakerInput<D>& in) {
     for (std::span<const ShapePair> rest = m_regenerate; !rest.empty();) {  // most pairs have the same margin
       const Real margin = marginOf(in, rest[0]);
       std::size_t n = 1;
-      while (n < rest.size() && (in.ahead.empty() || marginOf(in, rest[n]) == margin)) ++n;
+      while (n < rest.size() && (in.speculative.empty() || marginOf(in, rest[n]) == margin)) ++n;
       generate(in, rest.first(n), margin);
       rest = rest.subspan(n);
     }
@@ -183,7 +180,7 @@ void ContactMaker<D>::make(const MakerInput<D>& in) {
   }
   for (const Manifold<D>& m : manifolds) m_order.add(m.key());
   m_order.apply(std::span(manifolds));
-  if (!in.settings.features.cache) return;
+  if (!in.settings.model.cache) return;
   in.cache.carry(cacheInput, manifolds);
   if (m_regenerate.size() < m_pairs.size()) mixKept(in);
 }

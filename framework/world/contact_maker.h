@@ -10,13 +10,13 @@
 #include "framework/stage/profiler.h"
 #include "framework/stage/stage_narrowphase.h"
 #include "framework/world/body_table.h"
+#include "framework/world/non_colliding_pairs.h"
 #include "framework/world/simulation.h"
-#include "framework/world/unpaired_bodies.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// Two shapes that may touch within the step, body of the first < body of the second.
-struct PairAhead {
+struct SpeculativePair {
   ShapePair shapes;
   Real margin;  // m: the generator makes contacts up to this separation
 };
@@ -28,7 +28,7 @@ struct MakerInput {
   ContactGenerator<D>& generator;
   const BodyTable<D>& table;
   const WorldSettings<D>& settings;
-  std::span<const PairAhead> ahead;  // sorted by slots
+  std::span<const SpeculativePair> speculative;  // sorted by slots
   Profiler& profiler;
 };
 
@@ -43,9 +43,9 @@ class ContactMaker {
 
   // --- during a step -------------------------------------------------------------------------------------------------
   /// Finds pairs of shapes that may collide and have overlapping boxes, body of the first < body of the second.
-  void findPairs(const BodyTable<D>& table, const UnpairedBodies& unpaired, WorkDone& work);
+  void findPairs(const BodyTable<D>& table, const NonCollidingPairs& nonColliding, WorkDone& work);
   /// Adds the pairs of `ahead`, and sorts all pairs by bodies and shapes.
-  void sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const PairAhead> ahead);
+  void sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const SpeculativePair> speculative);
   /// Makes the manifolds of these pairs. The manifolds of the last call become before().
   void make(const MakerInput<D>& in);
   /// Indices of the manifolds that the solver takes: at least one body moves, and no listener vetoed.
@@ -55,17 +55,17 @@ class ContactMaker {
   std::span<const Manifold<D>> before() const { return m_old; }
 
   // --- between steps -------------------------------------------------------------------------------------------------
-  /// Ends contacts and records: gone(pair) returns the body that leaves the pair, or a negative number when the pair
-  /// stays. Calls told(manifold, body) once for each ended pair of shapes.
-  template <class Gone, class Told>
-  void end(const Gone& gone, const Told& told);
+  /// Ends contacts and records: endedBy(pair) returns the body that leaves the pair, or a negative number when the pair
+  /// stays. Calls onEnd(manifold, body) once for each ended pair of shapes.
+  template <class EndedBy, class OnEnd>
+  void end(const EndedBy& endedBy, const OnEnd& onEnd);
   /// Call after the centre of mass of the body has moved by `by` within the body.
   void moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t& visits);
   void forgetPairs() { m_pairs.clear(); }
 
  private:
   void generate(const MakerInput<D>& in, std::span<const ShapePair> pairs, Real margin);
-  std::span<PairMemory> recall(const MakerInput<D>& in, std::span<const ConvexPair<D>> children);
+  std::span<PairMemory> recall(const MakerInput<D>& in, std::span<const ConvexPair<D>> convexPairs);
   void remember(const MakerInput<D>& in);
   void mixKept(const MakerInput<D>& in);
 
@@ -75,22 +75,22 @@ class ContactMaker {
   IndexedVector<Manifold<D>> m_old;
   std::vector<PairRecord> m_oldRecords, m_asked;  // m_asked: pairs of convex parts passed to the generator
   std::vector<PairMemory> m_memory;
-  ChildPairs<D> m_children;
+  PartPairs<D> m_partPairs;
   ContactOrder m_order;
   IndexedVector<int> m_active;
 };
 
 template <int D>
-template <class Gone, class Told>
-void ContactMaker<D>::end(const Gone& gone, const Told& told) {
+template <class EndedBy, class OnEnd>
+void ContactMaker<D>::end(const EndedBy& endedBy, const OnEnd& onEnd) {
   std::optional<decltype(Manifold<D>{}.shapeKey())> last;  // once for each pair of shapes
   std::erase_if(manifolds, [&](const Manifold<D>& m) {
-    const std::int32_t body = gone(m);
+    const std::int32_t body = endedBy(m);
     if (body < 0) return false;
-    if (std::exchange(last, m.shapeKey()) != m.shapeKey()) told(m, body);
+    if (std::exchange(last, m.shapeKey()) != m.shapeKey()) onEnd(m, body);
     return true;
   });
-  std::erase_if(records, [&](const PairRecord& r) { return gone(r) >= 0; });
+  std::erase_if(records, [&](const PairRecord& r) { return endedBy(r) >= 0; });
 }
 
 }}  // namespace lpc::LPC_PRECISION

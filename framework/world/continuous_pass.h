@@ -12,8 +12,8 @@
 #include "framework/world/body_table.h"
 #include "framework/world/contact_maker.h"
 #include "framework/world/fast_parts.h"
+#include "framework/world/non_colliding_pairs.h"
 #include "framework/world/simulation.h"
-#include "framework/world/unpaired_bodies.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
@@ -23,10 +23,10 @@ struct ContinuousInput {
   ContinuousCollision<D>& method;
   BodyTable<D>& table;
   const WorldSettings<D>& settings;
-  const UnpairedBodies& unpaired;
+  const NonCollidingPairs& nonColliding;
   Profiler& profiler;
 
-  bool looks(Lookout when) const { return settings.features.continuous && method.lookout() == when; }
+  bool runsIn(CcdPhase when) const { return settings.model.continuous && method.ccdPhase() == when; }
 };
 
 /// Continuous collision between the poses of two steps. Depending on the method, pairs that would touch get contacts
@@ -40,35 +40,35 @@ class ContinuousPass {
 
   /// Before the solver, with the boxes of the start of the step: fills ahead(), sorted by slots. Leaves it empty for a
   /// method that works after the solver.
-  void lookAhead(const ContinuousInput<D>& in);
-  std::span<const PairAhead> ahead() const { return m_ahead; }
+  void findSpeculativePairs(const ContinuousInput<D>& in);
+  std::span<const SpeculativePair> speculativePairs() const { return m_speculative; }
   /// Keeps the poses at the start of the step, for a method that works after the solver.
   void begin(const ContinuousInput<D>& in);
   /// After the solver: moves fast bodies back to their time of impact, together with all bodies that are jointed to
   /// them (`joints`, by slot). Ignores pairs that a listener has vetoed.
-  void stopAtMeetings(const ContinuousInput<D>& in, std::span<const Manifold<D>> manifolds,
-                      std::span<const JointRecord<D>> joints, const ContactGraph<D>& graph);
+  void stopAtImpacts(const ContinuousInput<D>& in, std::span<const Manifold<D>> manifolds,
+                     std::span<const JointRecord<D>> joints, const ContactGraph<D>& graph);
 
  private:
   using Pair = typename FastParts<D>::Pair;
-  struct Meeting {
+  struct ToiEvent {
     Real t;  // s after the start
     std::size_t pair;
     Real asked;  // firstStop() of the pair when this event was computed; a later stop makes the event stale
     // For a heap: the earliest event is the largest.
-    bool operator<(const Meeting& o) const { return std::tie(o.t, o.pair) < std::tie(t, pair); }
+    bool operator<(const ToiEvent& o) const { return std::tie(o.t, o.pair) < std::tie(t, pair); }
   };
-  std::span<const Pair> fastPairs(const ContinuousInput<D>& in, const Ways<D>& ways);
-  Motion<D> wayOf(const ContinuousInput<D>& in, std::size_t body) const;
-  FastPair<D> pairFrom(const ContinuousInput<D>& in, const Pair& p, const Ways<D>& ways, Real from) const;
+  std::span<const Pair> fastPairs(const ContinuousInput<D>& in, const BodySweeps<D>& sweeps);
+  Motion<D> sweepOf(const ContinuousInput<D>& in, std::size_t body) const;
+  FastPair<D> pairFrom(const ContinuousInput<D>& in, const Pair& p, const BodySweeps<D>& sweeps, Real from) const;
 
   FastParts<D> m_fast;
   // Scratch of a step.
-  std::vector<PairAhead> m_ahead;
-  std::vector<Pose<D>> m_start;   // poses at the start of the step, X_WC by body slot
-  std::vector<Motion<D>> m_ways;  // of the step just solved, by body slot
-  std::vector<Real> m_stop;       // s after the start, by body slot
-  std::vector<Meeting> m_meetings;
+  std::vector<SpeculativePair> m_speculative;
+  std::vector<Pose<D>> m_start;      // poses at the start of the step, X_WC by body slot
+  std::vector<Motion<D>> m_motions;  // of the step just solved, by body slot
+  std::vector<Real> m_stop;          // s after the start, by body slot
+  std::vector<ToiEvent> m_events;
   std::vector<FastPair<D>> m_questions;
   std::vector<Real> m_times;
   std::vector<std::pair<std::int32_t, std::size_t>> m_pairsOf;  // body, pair; sorted

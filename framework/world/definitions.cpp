@@ -19,19 +19,20 @@ bool isFinite(const MassProperties<D>& m) {
 }
 
 template <int D>
-void checkShape(const ShapeDef<D>& s, const std::string& who) {
-  checkPose(s.X_BS, who + ", shape");
-  checkAmount(s.density, who, "density");
-  checkAmount(s.friction, who, "friction");
-  checkAmount(s.restitution, who, "restitution");
+void checkShape(const ShapeDef<D>& s, const std::string& subject) {
+  checkPose(s.X_BS, subject + ", shape");
+  checkAmount(s.density, subject, "density");
+  checkAmount(s.friction, subject, "friction");
+  checkAmount(s.restitution, subject, "restitution");
 }
 
 template <int D>
-void checkGivenMass(const MassProperties<D>& m, const std::string& who) {
-  checkAmount(m.mass, who, "the mass (kg)");
-  if (!m.center.allFinite() || !m.inertia.allFinite()) throw UserError(who + ": its centre or inertia is not finite");
+void checkGivenMass(const MassProperties<D>& m, const std::string& subject) {
+  checkAmount(m.mass, subject, "the mass (kg)");
+  if (!m.center.allFinite() || !m.inertia.allFinite())
+    throw UserError(subject + ": its centre or inertia is not finite");
   if (isInertia(m.inertia)) return;
-  throw UserError(who + ": the inertia is not that of a rigid body; valid: " +
+  throw UserError(subject + ": the inertia is not that of a rigid body; valid: " +
                   (D == 2 ? "a number >= 0"
                           : "a symmetric matrix with principal values >= 0, each at most the sum of the other two"));
 }
@@ -62,43 +63,44 @@ Motion<D> together(const BodyDef<D>& a, const BodyDef<D>& b, const MassPropertie
 }  // namespace
 
 template <int D>
-std::string calledIn(const BodyDef<D>& def) {
+std::string bodyLabel(const BodyDef<D>& def) {
   return def.name.empty() ? "body" : "body '" + def.name + "'";
 }
 
 template <int D>
-Weighed<D> weigh(const BodyDef<D>& def) {
-  const std::string who = calledIn(def);
-  checkPose(def.X_WB, who);
-  checkMotion(Motion<D>{def.velocity, def.angularVelocity}, who);
-  if (!std::isfinite(def.gravityScale)) throw UserError(who + ": the gravity scale is not finite");
-  Weighed<D> w;
+CheckedBody<D> checkBody(const BodyDef<D>& def) {
+  const std::string subject = bodyLabel(def);
+  checkPose(def.X_WB, subject);
+  checkMotion(Motion<D>{def.velocity, def.angularVelocity}, subject);
+  if (!std::isfinite(def.gravityScale)) throw UserError(subject + ": the gravity scale is not finite");
+  CheckedBody<D> w;
   w.shapes = def.shapes;
   for (ShapeDef<D>& s : w.shapes) {
-    checkShape(s, who);
+    checkShape(s, subject);
     const ShapePart<D> near = centredPart<D>({s.shape, s.X_BS});
     s.shape = near.shape, s.X_BS = near.X_SP;
     const MassProperties<D> part = transformed(massProperties(s.shape, s.density), s.X_BS);
     w.mass = combined(w.mass, part);
     if (!isFinite(part) || !isFinite(w.mass)) {
-      throw UserError(who + ": its mass, " + std::to_string(part.mass) +
+      throw UserError(subject + ": its mass, " + std::to_string(part.mass) +
                       " kg, or its inertia is too large; valid: smaller ones");
     }
     if (s.shape.isPlane() && def.type != BodyType::fixed) {
-      throw UserError(who + ": a plane on a moving body; valid: a fixed body, or a bounded shape");
+      throw UserError(subject + ": a plane on a moving body; valid: a fixed body, or a bounded shape");
     }
     if (s.shape.surface() && def.type != BodyType::fixed) {
-      throw UserError(who + ": a " + (D == 2 ? "chain" : "mesh") +
+      throw UserError(subject + ": a " + (D == 2 ? "chain" : "mesh") +
                       " on a moving body; valid for moving bodies: convex shapes or a compound of them");
     }
     markKinds(s.shape, w.kinds);
   }
   if (def.mass) {
-    checkGivenMass(*def.mass, who);
+    checkGivenMass(*def.mass, subject);
     w.mass = *def.mass;
   }
   if (def.type == BodyType::dynamic && !(w.mass.mass > 0)) {
-    throw UserError(who + ": a dynamic body without mass; valid: a mass, a shape with density > 0, or a fixed body");
+    throw UserError(subject +
+                    ": a dynamic body without mass; valid: a mass, a shape with density > 0, or a fixed body");
   }
   if (def.type == BodyType::dynamic) {
     std::optional<Inertia<D>> inverse = Inertia<D>(Inertia<D>::Zero());
@@ -106,7 +108,7 @@ Weighed<D> weigh(const BodyDef<D>& def) {
     if (!std::isfinite(1 / w.mass.mass) || !inverse) {
       char kilograms[32];
       std::snprintf(kilograms, sizeof kilograms, "%g", double(w.mass.mass));
-      throw UserError(who + ": its mass, " + kilograms +
+      throw UserError(subject + ": its mass, " + kilograms +
                       " kg, or its inertia is too small to invert; valid: larger ones");
     }
     w.invInertia = *inverse;
@@ -135,12 +137,12 @@ BodyDef<D> merged(const BodyDef<D>& a, const BodyDef<D>& b) {
 }
 
 template <int D>
-std::vector<BodyDef<D>> takenApart(const BodyDef<D>& whole, const Vec<D>& center) {
+std::vector<BodyDef<D>> splitDefinition(const BodyDef<D>& whole, const Vec<D>& center) {
   std::vector<BodyDef<D>> parts;
   for (const ShapeDef<D>& s : whole.shapes) {
     BodyDef<D>& part = parts.emplace_back(whole);
     part.shapes = {s}, part.mass.reset();
-    const Vec<D> by = whole.X_WB.q * Vec<D>(weigh(part).mass.center - center);
+    const Vec<D> by = whole.X_WB.q * Vec<D>(checkBody(part).mass.center - center);
     if (&s != &whole.shapes[0]) part.velocity += cross(whole.angularVelocity, by);
     if (whole.pinned) part.velocity.setZero();
   }
@@ -148,10 +150,10 @@ std::vector<BodyDef<D>> takenApart(const BodyDef<D>& whole, const Vec<D>& center
 }
 
 #define LPC_INSTANTIATE(D)                                          \
-  template std::string calledIn(const BodyDef<D>&);                 \
-  template Weighed<D> weigh(const BodyDef<D>&);                     \
+  template std::string bodyLabel(const BodyDef<D>&);                \
+  template CheckedBody<D> checkBody(const BodyDef<D>&);             \
   template BodyDef<D> merged(const BodyDef<D>&, const BodyDef<D>&); \
-  template std::vector<BodyDef<D>> takenApart(const BodyDef<D>&, const Vec<D>&)
+  template std::vector<BodyDef<D>> splitDefinition(const BodyDef<D>&, const Vec<D>&)
 LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE

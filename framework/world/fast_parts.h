@@ -13,7 +13,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 /// Motions of the bodies in a step: body i starts at start[i] and keeps velocity[i].
 template <int D>
-struct Ways {
+struct BodySweeps {
   std::span<const Pose<D>> start;  // X_WC
   std::span<const Motion<D>> velocity;
   Real dt;
@@ -32,10 +32,10 @@ class FastParts {
     std::int32_t body, shape, number;  // slots, and the index of the part in the shape
     ShapeView<D> view;
     Pose<D> X_CP;
-    Girth<D> girth;
-    Real goes;    // m, upper bound of the motion of its points
-    Aabb<D> box;  // of its whole motion
-    bool fast;    // moves farther than the threshold; also set for kinematic parts, which are never stopped
+    InnerOuterRadii<D> radii;
+    Real maxTravel;  // m, upper bound of the motion of its points
+    Aabb<D> box;     // of its whole motion
+    bool fast;       // moves farther than the threshold; also set for kinematic parts, which are never stopped
     bool operator<(const Part& o) const { return std::tie(body, shape, number) < std::tie(o.body, o.shape, o.number); }
   };
   struct Pair {
@@ -48,17 +48,17 @@ class FastParts {
   void forget(std::size_t shape);
   /// All pairs of a fast part and another part with overlapping swept boxes, on two bodies, if their filters allow it;
   /// sorted by parts. `boxes` are those of the start of the step.
-  std::span<const Pair> find(const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
+  std::span<const Pair> find(const BodySweeps<D>& sweeps, Real threshold, const Bodies<D>& bodies,
                              std::span<const ShapeRecord<D>> shapes, const BoxIndex<D>& boxes, WorkDone& work);
 
  private:
   template <class F>
-  void forParts(std::size_t shape, const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
+  void forParts(std::size_t shape, const BodySweeps<D>& sweeps, Real threshold, const Bodies<D>& bodies,
                 const ShapeRecord<D>& record, const Aabb<D>& near, const F& f);
-  Girth<D> girthOf(const ShapeView<D>& part);
+  InnerOuterRadii<D> innerOuterRadii(const ShapeView<D>& part);
 
-  std::unique_ptr<PairQuery<D>> m_query;        // measures how deep a part's centre lies inside the part
-  std::vector<std::vector<Girth<D>>> m_girths;  // by shape slot, for each part; empty: not computed yet
+  std::unique_ptr<PairQuery<D>> m_query;                 // measures how deep a part's centre lies inside the part
+  std::vector<std::vector<InnerOuterRadii<D>>> m_radii;  // by shape slot, for each part; empty: not computed yet
   // Scratch.
   std::vector<Part> m_fast;
   std::vector<ProxyId> m_near;

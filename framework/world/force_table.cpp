@@ -11,8 +11,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
 ForceHandle ForceTable<D>::add(const ForceDef<D>& def, BodyTable<D>& table) {
-  for (const Handle& body : {def.bodyA, def.bodyB}) {
-    if (body != Handle{}) table.slotOf(body);
+  for (const BodyHandle& body : {def.bodyA, def.bodyB}) {
+    if (body != BodyHandle{}) table.slotOf(body);
   }
   ForceRecord<D> force = makeForce(def, table.bodies);
   const std::size_t i = m_slots.take(table.visits);
@@ -84,7 +84,7 @@ void ForceTable<D>::moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t
 }
 
 template <int D>
-void ForceTable<D>::handOver(std::size_t from, std::size_t into, const Bodies<D>& bodies) {
+void ForceTable<D>::reassign(std::size_t from, std::size_t into, const Bodies<D>& bodies) {
   const auto a = static_cast<std::int32_t>(into), b = static_cast<std::int32_t>(from);
   const Pose<D> X_AcBc = poseBetween(bodies.pose[into], bodies.pose[from]);
   for (ForceRecord<D>& f : records) {

@@ -36,7 +36,7 @@ class ForceTable {
   /// Call after the centre of mass of the body has moved by `by` within the body.
   void moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t& visits);
   /// Moves the forces of `from` to `into`, except forces between the two.
-  void handOver(std::size_t from, std::size_t into, const Bodies<D>& bodies);
+  void reassign(std::size_t from, std::size_t into, const Bodies<D>& bodies);
   /// Recomputes the derived data after the records were replaced.
   void recount();
 

@@ -96,9 +96,9 @@ Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>
 }
 
 template <int D>
-ShapeView<D> viewOf(const Shape<D>& shape, std::int32_t child, Pose<D>& X_SP) {
+ShapeView<D> viewOf(const Shape<D>& shape, std::int32_t number, Pose<D>& X_SP) {
   if (shape.convex()) return shape.view();
-  const ShapePart<D>& part = shape.parts()[static_cast<std::size_t>(child)];
+  const ShapePart<D>& part = shape.parts()[static_cast<std::size_t>(number)];
   X_SP = part.X_SP;
   return part.shape.view();
 }
@@ -126,9 +126,9 @@ bool measureAnew(Manifold<D>& m, bool isA, const Surface<D>& surface, const Corr
                                           pose[static_cast<std::size_t>(other.body)]);  // of the other shape's body
   const Pose<D> X_OS = X_SO.inverse();
   Pose<D> X_OP;
-  const ShapeView<D> view = viewOf(other.shape, isA ? m.childB : m.childA, X_OP);
+  const ShapeView<D> view = viewOf(other.shape, isA ? m.partB : m.partA, X_OP);
   X_OP = other.X_CS * X_OP;
-  const std::int32_t part = isA ? m.childA : m.childB, count = m.count;
+  const std::int32_t part = isA ? m.partA : m.partB, count = m.count;
   const Vec<D>& n = correction.normal;
   const bool rolls = view.core() == CoreClass::curved && count == 1;
   m.count = 0;
@@ -165,9 +165,9 @@ bool correctManifold(Manifold<D>& m, std::span<const ShapeRecord<D>> shapes, std
   const Vec<D> n = R_WS.inverse() * (a ? m.normal : Vec<D>(-m.normal));
   Pose<D> unused;
   const ShapeView<D> view =
-      viewOf(shapes[static_cast<std::size_t>(a ? m.shapeB : m.shapeA)].shape, a ? m.childB : m.childA, unused);
+      viewOf(shapes[static_cast<std::size_t>(a ? m.shapeB : m.shapeA)].shape, a ? m.partB : m.partA, unused);
   const Real least = view.core() == CoreClass::curved ? kCurvedLeans : kLeans;
-  const Correction<D> correction = correct(surface, a ? m.childA : m.childB, n, least);
+  const Correction<D> correction = correct(surface, a ? m.partA : m.partB, n, least);
   if (correction.verdict == Correction<D>::stays) return true;
   return correction.verdict == Correction<D>::changes &&
          measureAnew(m, a != nullptr, surface, correction, n, shapes, pose, margin);

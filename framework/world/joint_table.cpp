@@ -13,7 +13,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 JointHandle JointTable<D>::add(const JointDef<D>& def, BodyTable<D>& table) {
   const Bodies<D>& bodies = table.bodies;
-  const bool toWorld = def.bodyA == Handle{};
+  const bool toWorld = def.bodyA == BodyHandle{};
   const std::size_t b = table.slotOf(def.bodyB), a = toWorld ? b : table.slotOf(def.bodyA);
   const auto moves = [&](std::size_t i) { return bodies.type[i] == BodyType::dynamic; };
   if (def.bodyA == def.bodyB)
@@ -26,7 +26,7 @@ JointHandle JointTable<D>::add(const JointDef<D>& def, BodyTable<D>& table) {
   if (i == records.size()) records.emplace_back();
   j.generation = records[i].generation;
   records[i] = std::move(j);
-  list(i, table.visits);
+  link(i, table.visits);
   for (const std::int32_t body : {records[i].bodyA, records[i].bodyB}) {  // the joint may pull at a sleeping body
     if (body >= 0) table.wake(static_cast<std::size_t>(body));
   }
@@ -40,7 +40,7 @@ void JointTable<D>::remove(JointHandle joint, BodyTable<D>& table) {
   }
   const auto i = static_cast<std::size_t>(joint.slot);
   release(records[i], table.events);
-  unlist(i, table.visits);
+  unlink(i, table.visits);
   freeRecord(records[i]);
   m_slots.give(i, table.visits);
 }
@@ -79,13 +79,13 @@ void JointTable<D>::clear(std::uint64_t& visits) {
 }
 
 template <int D>
-void JointTable<D>::list(std::size_t slot, std::uint64_t& visits) {
+void JointTable<D>::link(std::size_t slot, std::uint64_t& visits) {
   for (const std::int32_t body : {records[slot].bodyA, records[slot].bodyB}) {
     if (body >= 0) m_of.add(static_cast<std::size_t>(body), slot, visits);
   }
 }
 template <int D>
-void JointTable<D>::unlist(std::size_t slot, std::uint64_t& visits) {
+void JointTable<D>::unlink(std::size_t slot, std::uint64_t& visits) {
   for (const std::int32_t body : {records[slot].bodyA, records[slot].bodyB}) {
     if (body >= 0) m_of.remove(static_cast<std::size_t>(body), slot, visits);
   }
@@ -134,7 +134,7 @@ void JointTable<D>::moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t
 }
 
 template <int D>
-void JointTable<D>::weigh(std::size_t body, BodyTable<D>& table) {
+void JointTable<D>::updateMass(std::size_t body, BodyTable<D>& table) {
   for (const std::int32_t joint : m_of.of(body, table.visits)) {
     JointRecord<D>& j = records[static_cast<std::size_t>(joint)];
     j.kind->weigh(j, massBetween(table.bodies, j.bodyA, j.bodyB));
@@ -142,7 +142,7 @@ void JointTable<D>::weigh(std::size_t body, BodyTable<D>& table) {
 }
 
 template <int D>
-void JointTable<D>::handOver(std::size_t from, std::size_t into, BodyTable<D>& table) {
+void JointTable<D>::reassign(std::size_t from, std::size_t into, BodyTable<D>& table) {
   const auto a = static_cast<std::int32_t>(into), b = static_cast<std::int32_t>(from);
   const Pose<D> X_AcBc = poseBetween(table.bodies.pose[into], table.bodies.pose[from]);
   const std::span<const std::int32_t> joints = m_of.of(from, table.visits);
@@ -150,11 +150,11 @@ void JointTable<D>::handOver(std::size_t from, std::size_t into, BodyTable<D>& t
     const auto slot = static_cast<std::size_t>(joint);
     JointRecord<D>& j = records[slot];
     if (std::minmax(j.bodyA, j.bodyB) == std::minmax(a, b)) continue;
-    unlist(slot, table.visits);
+    unlink(slot, table.visits);
     (j.bodyA == b ? j.bodyA : j.bodyB) = a;
     Pose<D>& X_CJ = j.bodyA == a ? j.X_CaJ : j.X_CbJ;
     X_CJ = X_AcBc * X_CJ;
-    list(slot, table.visits);
+    link(slot, table.visits);
   }
 }
 
@@ -163,7 +163,7 @@ void JointTable<D>::recount(std::uint64_t& visits) {
   m_slots.read(records, [](const JointRecord<D>& j) { return !j.kind; });
   m_of.clear();
   for (std::size_t i = 0; i < records.size(); ++i) {
-    if (records[i].kind) list(i, visits);
+    if (records[i].kind) link(i, visits);
   }
 }
 

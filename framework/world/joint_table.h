@@ -43,15 +43,15 @@ class JointTable {
   /// Call after the centre of mass of the body has moved by `by` within the body.
   void moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t& visits);
   /// Call after the mass of the body has changed.
-  void weigh(std::size_t body, BodyTable<D>& table);
+  void updateMass(std::size_t body, BodyTable<D>& table);
   /// Moves the joints of `from` to `into`, except joints between the two.
-  void handOver(std::size_t from, std::size_t into, BodyTable<D>& table);
+  void reassign(std::size_t from, std::size_t into, BodyTable<D>& table);
   /// Recomputes the derived data after the records were replaced.
   void recount(std::uint64_t& visits);
 
  private:
-  void list(std::size_t slot, std::uint64_t& visits);  // adds it to the lists of its bodies
-  void unlist(std::size_t slot, std::uint64_t& visits);
+  void link(std::size_t slot, std::uint64_t& visits);  // adds it to the lists of its bodies
+  void unlink(std::size_t slot, std::uint64_t& visits);
   static void release(const JointRecord<D>& joint, std::vector<SleepEvent>& events);  // adds an event for its bodies
 
   SlotTable m_slots;

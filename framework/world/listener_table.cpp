@@ -96,7 +96,7 @@ void ListenerTable<D>::forget(std::size_t body) {
 }
 
 template <int D>
-void ListenerTable<D>::tell(const World<D>& world, BodyTable<D>& table, const ContactNews<D>& news) const {
+void ListenerTable<D>::notify(const World<D>& world, BodyTable<D>& table, const StepContacts<D>& news) const {
   const auto asleep = [&](std::int32_t body) { return !table.bodies.awake[static_cast<std::size_t>(body)]; };
   // Only sleeping bodies need events, and few bodies sleep near contacts that change.
   const auto wakeEvent = [&](SleepEvent::Kind kind, const Manifold<D>& m, Real speed) {
@@ -119,10 +119,10 @@ void ListenerTable<D>::tell(const World<D>& world, BodyTable<D>& table, const Co
     old = old.subspan(before.size());
     if (table.resting(m)) continue;
     if (known && (news.again || quiet(m, table.bodies))) {  // made again in the step, or at rest: keep the answer
-      for (Manifold<D>& child : pair) hear(child, before[0]);
+      for (Manifold<D>& manifold : pair) hear(manifold, before[0]);
       continue;
     }
-    for (Manifold<D>& child : pair) child.begun = !known, child.ignored = 0;
+    for (Manifold<D>& manifold : pair) manifold.begun = !known, manifold.ignored = 0;
     if (!known) {
       wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, table.bodies));
     } else if (asleep(m.bodyA) || asleep(m.bodyB)) {
@@ -132,10 +132,11 @@ void ListenerTable<D>::tell(const World<D>& world, BodyTable<D>& table, const Co
     PairMaterial material{m.friction, m.restitution};
     forEach(m, [&](ContactListener<D>& l) { l.mix(world, m, material); });
     checkMaterial(material);
-    for (Manifold<D>& child : pair) child.friction = material.friction, child.restitution = material.restitution;
+    for (Manifold<D>& manifold : pair)
+      manifold.friction = material.friction, manifold.restitution = material.restitution;
     forEach(m, [&](ContactListener<D>& l) {
       if (known ? l.persist(world, m) : l.begin(world, m)) return;
-      for (Manifold<D>& child : pair) child.ignored = 1;
+      for (Manifold<D>& manifold : pair) manifold.ignored = 1;
     });
     // A veto also wakes bodies that rest on it.
     if (known && m.ignored && !before[0].ignored) wakeEvent(SleepEvent::contactLost, m, 0);

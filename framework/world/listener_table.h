@@ -14,7 +14,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 /// The contacts of this step and of the last step, both sorted by key.
 template <int D>
-struct ContactNews {
+struct StepContacts {
   std::span<Manifold<D>> now;
   std::span<const Manifold<D>> before;
   Real lastDt = 0;     // s, between the two
@@ -39,7 +39,7 @@ class ListenerTable {
 
   /// Reports contacts that begin, persist and end, after mix(), and writes the listeners' answers into the manifolds.
   /// Adds sleep events for sleeping bodies. `world` is passed to the listeners.
-  void tell(const World<D>& world, BodyTable<D>& table, const ContactNews<D>& news) const;
+  void notify(const World<D>& world, BodyTable<D>& table, const StepContacts<D>& news) const;
 
  private:
   std::vector<ContactListener<D>*> m_all;

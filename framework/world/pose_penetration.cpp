@@ -13,10 +13,10 @@ PosePenetration<D>::PosePenetration()
     : m_query(createStage<PairQuery<D>>({"gjk_epa", {}})), m_pairs(kShapeKinds * kShapeKinds) {}
 
 template <int D>
-void PosePenetration<D>::pairUp(const Simulation<D>& simulation) {
+void PosePenetration<D>::collectPairs(const Simulation<D>& simulation) {
   const Bodies<D>& bodies = simulation.bodies();
   const auto shapes = simulation.shapes();
-  m_parts.clear(), m_unpaired.clear();
+  m_parts.clear(), m_nonColliding.clear();
   for (auto& list : m_pairs) list.clear();
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     if (shapes[s].body < 0) continue;
@@ -26,10 +26,10 @@ void PosePenetration<D>::pairUp(const Simulation<D>& simulation) {
     });
   }
   for (const JointRecord<D>& j : simulation.joints()) {
-    if (simulation.settings().features.joints && j.active() && j.bodyA >= 0 && !j.collide)
-      m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
+    if (simulation.settings().model.joints && j.active() && j.bodyA >= 0 && !j.collide)
+      m_nonColliding.emplace_back(std::minmax(j.bodyA, j.bodyB));
   }
-  std::sort(m_unpaired.begin(), m_unpaired.end());
+  std::sort(m_nonColliding.begin(), m_nonColliding.end());
   std::sort(m_parts.begin(), m_parts.end(), [](const Part& a, const Part& b) { return a.box.lo[0] < b.box.lo[0]; });
   const auto mayCollide = [&](const Part& p, const Part& q) {
     const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.shape)], &b = shapes[static_cast<std::size_t>(q.shape)];
@@ -37,7 +37,7 @@ void PosePenetration<D>::pairUp(const Simulation<D>& simulation) {
       return bodies.type[static_cast<std::size_t>(body)] == BodyType::dynamic;
     };
     return a.body != b.body && (moves(a.body) || moves(b.body)) && (a.category & b.mask) && (b.category & a.mask) &&
-           !std::binary_search(m_unpaired.begin(), m_unpaired.end(),
+           !std::binary_search(m_nonColliding.begin(), m_nonColliding.end(),
                                std::pair<std::int32_t, std::int32_t>(std::minmax(a.body, b.body)));
   };
   for (std::size_t i = 0; i < m_parts.size(); ++i) {
@@ -53,7 +53,7 @@ void PosePenetration<D>::pairUp(const Simulation<D>& simulation) {
 
 template <int D>
 typename PosePenetration<D>::Depths PosePenetration<D>::of(const Simulation<D>& simulation) {
-  pairUp(simulation);
+  collectPairs(simulation);
   Depths out;
   double sum = 0;
   WorkDone work;

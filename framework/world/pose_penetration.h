@@ -32,12 +32,12 @@ class PosePenetration {
     Pose<D> X_WP;
     std::int32_t shape;
   };
-  void pairUp(const Simulation<D>& simulation);
+  void collectPairs(const Simulation<D>& simulation);
 
   std::unique_ptr<PairQuery<D>> m_query;
   // Scratch.
   std::vector<Part> m_parts;
-  std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;          // jointed bodies, sorted
+  std::vector<std::pair<std::int32_t, std::int32_t>> m_nonColliding;      // jointed bodies, sorted
   std::vector<std::vector<std::pair<const Part*, const Part*>>> m_pairs;  // by pair of kinds
   std::vector<PairView<D>> m_views;
   std::vector<PairAnswer<D>> m_answers;

@@ -133,14 +133,14 @@ void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts
 
 // Checks the owners of a manifold's or record's shapes. `who` names it in messages.
 template <int D, class Pair>
-void checkPair(const SavedState<D>& saved, const Pair& p, std::string_view who) {
+void checkPair(const SavedState<D>& saved, const Pair& p, std::string_view subject) {
   const auto isShapeOf = [&](std::int32_t shape, std::int32_t body) {
     return holds(saved.shapes, shape) && saved.shapes[static_cast<std::size_t>(shape)].body == body;
   };
-  require(isBody(saved.bodies, p.bodyA) && isBody(saved.bodies, p.bodyB) && p.bodyA < p.bodyB, who,
+  require(isBody(saved.bodies, p.bodyA) && isBody(saved.bodies, p.bodyB) && p.bodyA < p.bodyB, subject,
           " refers to an invalid body");
-  require(isShapeOf(p.shapeA, p.bodyA) && isShapeOf(p.shapeB, p.bodyB), who, " refers to an invalid shape");
-  require(p.childA >= 0 && p.childB >= 0, who, " has a negative part number");
+  require(isShapeOf(p.shapeA, p.bodyA) && isShapeOf(p.shapeB, p.bodyB), subject, " refers to an invalid shape");
+  require(p.partA >= 0 && p.partB >= 0, subject, " has a negative part number");
 }
 
 template <int D>
@@ -168,7 +168,7 @@ void checkManifolds(const SavedState<D>& saved) {
 }  // namespace
 
 template <int D>
-void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contacts) {
+void requireValidState(const SavedState<D>& saved, const ContactGenerator<D>& contacts) {
   const WorldSettings<D>& s = saved.settings;
   require(s.gravity.allFinite() && isAmount(s.margin) && isAmount(s.restitutionThreshold), "a setting is not finite");
   for (const MixRule rule : {s.mixing.friction, s.mixing.restitution}) {
@@ -205,7 +205,7 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
   }
 }
 
-template void requireSound(const SavedState<2>&, const ContactGenerator<2>&);
-template void requireSound(const SavedState<3>&, const ContactGenerator<3>&);
+template void requireValidState(const SavedState<2>&, const ContactGenerator<2>&);
+template void requireValidState(const SavedState<3>&, const ContactGenerator<3>&);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -41,7 +41,7 @@ SavedKind savedKind(std::istream& in);
 template <int D>
 void writeState(std::ostream& out, SavedState<D> state);
 /// Reads a state; invMass and invInertia are empty. Throws UserError when the bytes are damaged or are not a world of
-/// this dimension, precision and format. requireSound() checks the content.
+/// this dimension, precision and format. requireValidState() checks the content.
 template <int D>
 SavedState<D> readState(std::istream& in);
 
@@ -49,6 +49,6 @@ SavedState<D> readState(std::istream& in);
 /// unequal length, and shape kinds that the generator does not support. Poses, velocities and forces may have any
 /// value: a world that has exploded is saved as it is.
 template <int D>
-void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contacts);
+void requireValidState(const SavedState<D>& saved, const ContactGenerator<D>& contacts);
 
 }}  // namespace lpc::LPC_PRECISION

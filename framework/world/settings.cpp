@@ -54,7 +54,7 @@ WorldSettings<D> Settings::world() const {
   WorldSettings<D> out;
   out.gravity = gravity * Vec<D>::Unit(1);
   out.restitutionThreshold = restitutionThreshold;
-  out.features.restitution = useRestitution;
+  out.model.restitution = useRestitution;
   out.mixing = mixing;
   out.sleepingContacts = sleepingContacts;
   return out;

@@ -29,7 +29,7 @@ struct WorldSettings {
   Vec<D> gravity = defaultGravity<D>();  // m/s^2
   Real restitutionThreshold = kRestitutionThreshold;
   Real margin = kContactMargin;
-  Features features{};
+  PhysicsModel model{};
   MixRules mixing{};
   /// On: contacts of sleeping bodies are made again in each step, as if the bodies were awake. Off: a sleeping pair
   /// keeps the contacts with which it fell asleep. The 2009 engine called this switch `findSleepingContacts`.
@@ -44,28 +44,28 @@ class Simulation {
   // --- building, at any time between steps ---------------------------------------------------------------------------
   /// Adds a body. All add() throw UserError with the reason when the definition is invalid or the simulation does not
   /// support it.
-  virtual Handle add(const BodyDef<D>& def) = 0;
+  virtual BodyHandle add(const BodyDef<D>& def) = 0;
   /// Adds a joint. Also throws for a joint from a body to itself, between two bodies that do not move, or with invalid
   /// frames or limits.
   virtual JointHandle add(const JointDef<D>& def) = 0;
   /// Adds a force. Also throws for ends that the kind does not have or does not allow.
   virtual ForceHandle add(const ForceDef<D>& def) = 0;
   virtual void add(std::shared_ptr<const ForceGenerator<D>> generator) = 0;
-  virtual void remove(Handle body) = 0;  // and its joints and forces
+  virtual void remove(BodyHandle body) = 0;  // and its joints and forces
   virtual void remove(JointHandle joint) = 0;
   virtual void remove(ForceHandle force) = 0;
 
   // --- changing bodies by a script, between steps --------------------------------------------------------------------
   // All five throw UserError for an invalid handle and for numbers that are not finite.
-  virtual void setPose(Handle body, const Pose<D>& X_WB) = 0;  // of the body frame
+  virtual void setPose(BodyHandle body, const Pose<D>& X_WB) = 0;  // of the body frame
   /// Sets the velocity of the centre of mass and the angular velocity. Throws UserError for a static body.
-  virtual void setMotion(Handle body, const Motion<D>& motion) = 0;
+  virtual void setMotion(BodyHandle body, const Motion<D>& motion) = 0;
   /// Applies a force (N) at a world point, or a torque (N m), in the next step only.
-  virtual void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) = 0;
-  virtual void applyTorque(Handle body, const Ang<D>& torque) = 0;
+  virtual void applyForce(BodyHandle body, const Vec<D>& force, const Vec<D>& point) = 0;
+  virtual void applyTorque(BodyHandle body, const Ang<D>& torque) = 0;
   /// Changes velocities immediately, by an impulse (N s) at the centre of mass and an angular impulse (N m s) about it.
   /// Has no effect on bodies that are not dynamic; a pinned body takes only the angular impulse.
-  virtual void applyImpulse(Handle body, const Wrench<D>& impulse) = 0;
+  virtual void applyImpulse(BodyHandle body, const Wrench<D>& impulse) = 0;
 
   // --- running -------------------------------------------------------------------------------------------------------
   /// Advances by dt seconds. Only this call is timed. dt = 0 changes nothing. Throws UserError when dt is negative or
@@ -85,9 +85,9 @@ class Simulation {
   virtual std::optional<std::span<const Manifold<D>>> contacts() const = 0;
   virtual const WorldSettings<D>& settings() const = 0;
   virtual int bodyCount() const = 0;
-  virtual bool valid(Handle body) const = 0;
-  virtual Pose<D> pose(Handle body) const = 0;  // X_WB, of the body frame
-  virtual Profiler& profiler() = 0;             // counts and times of the last step
+  virtual bool valid(BodyHandle body) const = 0;
+  virtual Pose<D> pose(BodyHandle body) const = 0;  // X_WB, of the body frame
+  virtual Profiler& profiler() = 0;                 // counts and times of the last step
   /// 64-bit hash of all poses and velocities, bit by bit: equal for equal histories.
   virtual std::uint64_t hash() const = 0;
 };

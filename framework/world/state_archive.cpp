@@ -121,7 +121,7 @@ void fields(Archive& a, ContactPoint<D>& c) {
 }
 template <int D>
 void fields(Archive& a, Manifold<D>& m) {
-  a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.childA, m.childB, m.count, m.normal, m.friction, m.restitution, m.begun,
+  a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.partA, m.partB, m.count, m.normal, m.friction, m.restitution, m.begun,
     m.ignored, m.points, m.X_AB, m.normalA);
 }
 // The checksum is right: this program lacks the kind, the save is not damaged.
@@ -137,7 +137,7 @@ std::unique_ptr<Kind> createSaved(const std::string& text) {
   return createStage<Kind>(spec);
 }
 
-void fields(Archive& a, PairRecord& r) { a(r.bodyA, r.shapeA, r.bodyB, r.shapeB, r.childA, r.childB, r.memory.bytes); }
+void fields(Archive& a, PairRecord& r) { a(r.bodyA, r.shapeA, r.bodyB, r.shapeB, r.partA, r.partB, r.memory.bytes); }
 template <int D>
 void fields(Archive& a, JointRecord<D>& j) {
   a(j.spec, j.generation);  // no spec: a free slot
@@ -157,7 +157,7 @@ void fields(Archive& a, Bodies<D>& b) {
   a(b.pose, b.motion, b.mass, b.invInertiaBody, b.center, b.type, b.used, b.awake, b.canSleep, b.pinned, b.sleep,
     b.solver, b.generation, b.userData, b.rotatable, b.gravityScale, b.givenMass);
 }
-void fields(Archive& a, Features& f) {
+void fields(Archive& a, PhysicsModel& f) {
   a(f.friction, f.rotation, f.restitution, f.cache, f.joints, f.sleeping, f.continuous);
 }
 
@@ -260,8 +260,7 @@ void fields(Archive& a, ShapeRecord<D>& s) {
 }
 template <int D>
 void fields(Archive& a, WorldSettings<D>& s) {
-  a(s.gravity, s.restitutionThreshold, s.margin, s.features, s.mixing.friction, s.mixing.restitution,
-    s.sleepingContacts);
+  a(s.gravity, s.restitutionThreshold, s.margin, s.model, s.mixing.friction, s.mixing.restitution, s.sleepingContacts);
 }
 
 template <int D>

@@ -23,40 +23,40 @@ template <int D>
 World<D>::~World() = default;
 
 template <int D>
-Pose<D> World<D>::pose(Handle body) const {
+Pose<D> World<D>::pose(BodyHandle body) const {
   return m_table.frame(slotOf(body));
 }
 template <int D>
-Motion<D> World<D>::motion(Handle body) const {
+Motion<D> World<D>::motion(BodyHandle body) const {
   return m_table.bodies.motion[slotOf(body)];
 }
 template <int D>
-Real World<D>::mass(Handle body) const {
+Real World<D>::mass(BodyHandle body) const {
   return m_table.bodies.mass[slotOf(body)];
 }
 template <int D>
-bool World<D>::awake(Handle body) const {
+bool World<D>::awake(BodyHandle body) const {
   return m_table.bodies.awake[slotOf(body)] != 0;
 }
 
 template <int D>
-std::uint64_t World<D>::userData(Handle body) const {
+std::uint64_t World<D>::userData(BodyHandle body) const {
   return m_table.bodies.userData[slotOf(body)];
 }
 template <int D>
-void World<D>::setUserData(Handle body, std::uint64_t data) {
+void World<D>::setUserData(BodyHandle body, std::uint64_t data) {
   m_table.bodies.userData[slotOf(body)] = data;
 }
 
 template <int D>
-void World<D>::setPose(Handle body, const Pose<D>& X_WB) {
+void World<D>::setPose(BodyHandle body, const Pose<D>& X_WB) {
   const std::size_t i = slotOf(body);
   checkPose(X_WB, "setPose");
   m_table.bodies.pose[i] = {X_WB * m_table.bodies.center[i], X_WB.q};
   m_table.touch(i);
 }
 template <int D>
-void World<D>::setMotion(Handle body, const Motion<D>& motion) {
+void World<D>::setMotion(BodyHandle body, const Motion<D>& motion) {
   const std::size_t i = slotOf(body);
   checkMotion(motion, "setMotion");
   if (m_table.bodies.type[i] == BodyType::fixed) throw UserError("setMotion: a fixed body has no velocity");
@@ -64,7 +64,7 @@ void World<D>::setMotion(Handle body, const Motion<D>& motion) {
   m_table.touch(i);
 }
 template <int D>
-void World<D>::applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) {
+void World<D>::applyForce(BodyHandle body, const Vec<D>& force, const Vec<D>& point) {
   const std::size_t i = slotOf(body);
   if (!force.allFinite() || !point.allFinite()) throw UserError("applyForce: force or point is not finite");
   m_table.userForces[i].force += force;
@@ -72,25 +72,25 @@ void World<D>::applyForce(Handle body, const Vec<D>& force, const Vec<D>& point)
   m_table.touch(i);
 }
 template <int D>
-void World<D>::applyTorque(Handle body, const Ang<D>& torque) {
+void World<D>::applyTorque(BodyHandle body, const Ang<D>& torque) {
   const std::size_t i = slotOf(body);
   if (!torque.allFinite()) throw UserError("applyTorque: the torque is not finite");
   m_table.userForces[i].torque += torque;
   m_table.touch(i);
 }
 template <int D>
-void World<D>::wake(Handle body) {
+void World<D>::wake(BodyHandle body) {
   m_table.touch(slotOf(body));
 }
 template <int D>
-void World<D>::applyImpulse(Handle body, const Wrench<D>& impulse) {
+void World<D>::applyImpulse(BodyHandle body, const Wrench<D>& impulse) {
   const std::size_t i = slotOf(body);
   if (!impulse.force.allFinite() || !impulse.torque.allFinite()) {
     throw UserError("applyImpulse: an impulse is not finite");
   }
   if (m_table.bodies.type[i] != BodyType::dynamic) return;
   if (!m_table.bodies.pinned[i]) m_table.bodies.motion[i].v += impulse.force / m_table.bodies.mass[i];
-  if (m_settings.features.rotation) {
+  if (m_settings.model.rotation) {
     m_table.bodies.motion[i].w +=
         rotateInertia(m_table.bodies.pose[i].q, m_table.bodies.invInertiaBody[i]) * impulse.torque;
   }
@@ -98,14 +98,14 @@ void World<D>::applyImpulse(Handle body, const Wrench<D>& impulse) {
 }
 
 template <int D>
-void World<D>::applyImpulse(Handle body, const Vec<D>& impulse, const Vec<D>& point) {
+void World<D>::applyImpulse(BodyHandle body, const Vec<D>& impulse, const Vec<D>& point) {
   const std::size_t i = slotOf(body);
   if (!point.allFinite()) throw UserError("applyImpulse: the point is not finite");
   applyImpulse(body, {impulse, cross(Vec<D>(point - m_table.bodies.pose[i].p), impulse)});
 }
 
 template <int D>
-void World<D>::applyAngularImpulse(Handle body, const Ang<D>& impulse) {
+void World<D>::applyAngularImpulse(BodyHandle body, const Ang<D>& impulse) {
   applyImpulse(body, {Vec<D>::Zero(), impulse});
 }
 
@@ -123,14 +123,14 @@ void World<D>::follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> 
   }
   m_joints.countTurns(b);
   m_table.events.clear();  // no step will decide about sleep
-  m_table.boxes.outdate();
+  m_table.boxes.markAllStale();
 }
 
 template <int D>
-Weighed<D> World<D>::weigh(const BodyDef<D>& def, std::int32_t inPlaceOf) const {
-  const Weighed<D> weighed = lpc::weigh(def);
-  requireStages(m_stages, m_pipeline, m_table.kindsWith(weighed, inPlaceOf), calledIn(def) + ": ");
-  return weighed;
+CheckedBody<D> World<D>::checkBody(const BodyDef<D>& def, std::int32_t inPlaceOf) const {
+  const CheckedBody<D> checked = lpc::checkBody(def);
+  requireStages(m_stages, m_pipeline, m_table.kindsWith(checked, inPlaceOf), bodyLabel(def) + ": ");
+  return checked;
 }
 
 template <int D>
@@ -138,31 +138,31 @@ void World<D>::requireStages(const StageSet<D>& stages, const Pipeline& pipeline
                              const std::array<bool, kShapeKinds>& kinds, const std::string& prefix) const {
   requireContacts(stages.template get<ContactGenerator<D>>(), kinds,
                   prefix + "contacts=" + pipeline[StageKind::contacts].name);
-  if (!m_settings.features.continuous) return;
+  if (!m_settings.model.continuous) return;
   requireCasts(stages.template get<ContinuousCollision<D>>(), kinds,
                prefix + "continuous=" + pipeline[StageKind::continuous].name);
 }
 
 // Ends the contacts of a removed body, or of removed shapes. Wakes the other body and informs listeners, which may
-// still ask for both bodies' user data. `gone` is called for manifolds and records.
+// still ask for both bodies' user data. `endedBy` is called for manifolds and records.
 template <int D>
-template <class Gone>
-void World<D>::endContacts(const Gone& gone) {
-  m_contacts.end(gone, [&](const Manifold<D>& m, std::int32_t body) {
+template <class EndedBy>
+void World<D>::endContacts(const EndedBy& endedBy) {
+  m_contacts.end(endedBy, [&](const Manifold<D>& m, std::int32_t body) {
     m_table.events.push_back({SleepEvent::bodyRemoved, m.bodyA == body ? m.bodyB : m.bodyA, body});
     m_listeners.forEach(m, [&](ContactListener<D>& l) { l.end(*this, m); });
   });
 }
 
 template <int D>
-Handle World<D>::add(const BodyDef<D>& def) {
-  const std::size_t i = m_table.add(def, weigh(def, -1));
+BodyHandle World<D>::add(const BodyDef<D>& def) {
+  const std::size_t i = m_table.add(def, checkBody(def, -1));
   for (const std::int32_t shape : shapesOf(i)) m_continuous.forget(static_cast<std::size_t>(shape));
   return handle(static_cast<std::int32_t>(i));
 }
 
 template <int D>
-void World<D>::remove(Handle body) {
+void World<D>::remove(BodyHandle body) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
   m_table.visits += m_contacts.manifolds.size() + m_contacts.records.size();
@@ -220,7 +220,7 @@ void World<D>::addListener(ContactListener<D>* listener) {
   m_listeners.add(listener);
 }
 template <int D>
-void World<D>::addListener(Handle body, ContactListener<D>* listener) {
+void World<D>::addListener(BodyHandle body, ContactListener<D>* listener) {
   m_listeners.add(slotOf(body), listener);
 }
 template <int D>
@@ -233,19 +233,20 @@ void World<D>::removeListener(ContactListener<D>* listener) {
 }
 
 template <int D>
-BodyDef<D> World<D>::definition(Handle body) const {
+BodyDef<D> World<D>::definition(BodyHandle body) const {
   return m_table.definition(slotOf(body));
 }
 
 template <int D>
-void World<D>::change(Handle body, const BodyDef<D>& def) {
+void World<D>::change(BodyHandle body, const BodyDef<D>& def) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
-  const Weighed<D> weighed = weigh(def, slot);
+  const CheckedBody<D> checked = checkBody(def, slot);
   if (def.type != BodyType::dynamic) m_joints.requireMoving(i, m_table);
-  const auto match = m_table.match(i, weighed.shapes);
+  const auto match = m_table.match(i, checked.shapes);
   const auto isGone = [&](std::int32_t shape) {
-    return std::find(match.gone.begin(), match.gone.end(), static_cast<std::size_t>(shape)) != match.gone.end();
+    return std::find(match.removed.begin(), match.removed.end(), static_cast<std::size_t>(shape)) !=
+           match.removed.end();
   };
   // Two bodies that do not move have no contact, and no step would end an existing one.
   const auto& type = m_table.bodies.type;
@@ -254,30 +255,30 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
     if (!stops || (pair.bodyA != slot && pair.bodyB != slot)) return false;
     return type[static_cast<std::size_t>(pair.bodyA == slot ? pair.bodyB : pair.bodyA)] != BodyType::dynamic;
   };
-  if (stops || !match.gone.empty()) {  // otherwise all contacts stay and are not visited
+  if (stops || !match.removed.empty()) {  // otherwise all contacts stay and are not visited
     m_table.visits += m_contacts.manifolds.size() + m_contacts.records.size();
     endContacts(
         [&](const auto& pair) { return isGone(pair.shapeA) || isGone(pair.shapeB) || bothStay(pair) ? slot : -1; });
   }
-  const Vec<D> by = m_table.rewrite(i, def, weighed, match);
+  const Vec<D> by = m_table.rewrite(i, def, checked, match);
   if (!by.isZero(0)) {  // update everything measured from the centre of mass
     m_contacts.moveCenter(i, by, m_table.visits);
     m_joints.moveCenter(i, by, m_table.visits);
     m_forces.moveCenter(i, by, m_table.visits);
   }
-  m_joints.weigh(i, m_table);
+  m_joints.updateMass(i, m_table);
   for (const std::int32_t shape : shapesOf(i)) m_continuous.forget(static_cast<std::size_t>(shape));
   m_table.touch(i);
 }
 
 template <int D>
-void World<D>::merge(Handle into, Handle other) {
+void World<D>::merge(BodyHandle into, BodyHandle other) {
   const std::size_t a = slotOf(into), b = slotOf(other);
   if (a == b) throw UserError("merge: a body and itself; valid: two different bodies");
   const BodyDef<D> def = merged(definition(into), definition(other));
-  weigh(def, into.slot);  // throws before anything changes
-  m_forces.handOver(b, a, m_table.bodies);
-  m_joints.handOver(b, a, m_table);
+  checkBody(def, into.slot);  // throws before anything changes
+  m_forces.reassign(b, a, m_table.bodies);
+  m_joints.reassign(b, a, m_table);
   // Forces for the next step act on the merged body.
   std::vector<Wrench<D>>& push = m_table.userForces;
   const Vec<D> arm = m_table.bodies.pose[b].p - m_table.bodies.pose[a].p, force = push[b].force;
@@ -288,10 +289,10 @@ void World<D>::merge(Handle into, Handle other) {
 }
 
 template <int D>
-std::vector<Handle> World<D>::takeApart(Handle body) {
+std::vector<BodyHandle> World<D>::splitByShape(BodyHandle body) {
   const std::size_t i = slotOf(body);
-  const std::vector<BodyDef<D>> parts = takenApart<D>(definition(body), m_table.bodies.center[i]);
-  std::vector<Handle> out = {body};
+  const std::vector<BodyDef<D>> parts = splitDefinition<D>(definition(body), m_table.bodies.center[i]);
+  std::vector<BodyHandle> out = {body};
   if (parts.empty()) return out;
   change(body, parts[0]);  // keeps its motion
   for (std::size_t k = 1; k < parts.size(); ++k) out.push_back(add(parts[k]));
@@ -316,7 +317,7 @@ template void changeGravity(Simulation<2>&, const Vec<2>&);
 template void changeGravity(Simulation<3>&, const Vec<3>&);
 
 template <int D>
-void World<D>::exchange(const Pipeline& pipeline) {
+void World<D>::setPipeline(const Pipeline& pipeline) {
   StageSet<D> stages(pipeline);
   requireStages(stages, pipeline, m_table.kinds(), "exchange: ");
   // Compare with all parameters written out: a text that omits a default value names the same algorithm.
@@ -348,21 +349,21 @@ void World<D>::exchange(const Pipeline& pipeline) {
 }
 
 template <int D>
-std::vector<Handle> World<D>::at(const Vec<D>& point) const {
+std::vector<BodyHandle> World<D>::at(const Vec<D>& point) const {
   sync();
   return BodyQueries<D>(m_table).at(point);
 }
 template <int D>
-std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
+std::vector<BodyHandle> World<D>::overlap(const Aabb<D>& box) const {
   sync();
   return BodyQueries<D>(m_table).overlap(box);
 }
 template <int D>
-bool World<D>::contains(Handle body, const Vec<D>& point) const {
+bool World<D>::contains(BodyHandle body, const Vec<D>& point) const {
   return BodyQueries<D>(m_table).contains(slotOf(body), point);
 }
 template <int D>
-bool World<D>::intersects(Handle body, const Aabb<D>& box) const {
+bool World<D>::intersects(BodyHandle body, const Aabb<D>& box) const {
   return BodyQueries<D>(m_table).intersects(slotOf(body), box);
 }
 template <int D>
@@ -387,8 +388,8 @@ void World<D>::save(std::ostream& out) const {
 template <int D>
 void World<D>::load(std::istream& in) {
   SavedState<D> s = readState<D>(in);
-  requireSound<D>(s, stage<ContactGenerator>());
-  if (s.settings.features.continuous) {
+  requireValidState<D>(s, stage<ContactGenerator>());
+  if (s.settings.model.continuous) {
     std::array<bool, kShapeKinds> kinds{};
     for (const ShapeRecord<D>& shape : s.shapes) markKinds(shape.shape, kinds);
     requireCasts(stage<ContinuousCollision>(), kinds, "load: this world's continuous collision");

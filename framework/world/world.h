@@ -36,8 +36,8 @@ class World final : public Simulation<D> {
   // --- building, at any time between steps ---------------------------------------------------------------------------
   /// Adds a body. Throws UserError for poses, velocities or sizes that are not finite, a dynamic body without mass, and
   /// shape kinds that the contact generator does not support.
-  Handle add(const BodyDef<D>& def) override;
-  void remove(Handle body) override;
+  BodyHandle add(const BodyDef<D>& def) override;
+  void remove(BodyHandle body) override;
   /// Removes all bodies, joints, forces and force generators, in time linear in their number. Sets time and step number
   /// to 0. Listeners get end() as with `remove`, by slot. Listeners of the whole world, settings, stages and watcher
   /// stay. Bodies added later get the same slots and the same results, to the last bit, as in a new world. Old handles
@@ -51,12 +51,14 @@ class World final : public Simulation<D> {
   void remove(ForceHandle force) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
-  Handle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }  // a bare shape becomes a static body
+  BodyHandle add(const ShapeDef<D>& shape) {
+    return add(BodyDef<D>::fixed(shape));
+  }  // a bare shape becomes a static body
   /// Registers a listener for all contacts, or for the contacts of one body. The listener is not owned. A listener
   /// registered twice for a pair is called once. The world's listeners are called first, then those of body A, then
   /// those of body B.
   void addListener(ContactListener<D>* listener);
-  void addListener(Handle body, ContactListener<D>* listener);
+  void addListener(BodyHandle body, ContactListener<D>* listener);
   /// True when this listener is registered for the body in this slot. A listener uses it to find its body in a
   /// manifold.
   bool isListenerOf(std::int32_t slot, const ContactListener<D>* listener) const;
@@ -64,27 +66,27 @@ class World final : public Simulation<D> {
 
   // --- changing bodies and stages, between steps ---------------------------------------------------------------------
   /// The body's current definition: added to an empty world, it gives the same body.
-  BodyDef<D> definition(Handle body) const;
+  BodyDef<D> definition(BodyHandle body) const;
   /// Changes the body to match `def`. Wakes the body and those that touch it. The handle and the joints stay. Contacts
   /// stay for each shape that is unchanged, to the last bit; other shapes are new. Values that `def` leaves as
   /// `definition` gave them stay, so a body continues the same rigid motion when its centre of mass changes. Throws
   /// UserError, and changes nothing, when add() would reject `def` or a joint would connect two bodies that do not
   /// move.
-  void change(Handle body, const BodyDef<D>& def);
+  void change(BodyHandle body, const BodyDef<D>& def);
   /// Merges `other` into `into`; both are dynamic or both static. The shapes of `other` are appended, in place; its
   /// joints and forces move to `into`; `other` is removed, with the joints and forces between the two. Linear and
   /// angular momentum are kept unless a body is pinned. Throws UserError, and changes nothing, for other body types and
   /// when change() would throw.
-  void merge(Handle into, Handle other);
+  void merge(BodyHandle into, BodyHandle other);
   /// Splits the body into one body for each shape, at the same pose and with the same motion. The first keeps handle
   /// and joints. Returns all bodies, in the order of the shapes. An explicitly given mass is lost. Throws UserError,
   /// and changes nothing, when a shape alone makes no valid body.
-  std::vector<Handle> takeApart(Handle body);
+  std::vector<BodyHandle> splitByShape(BodyHandle body);
   /// Sets the gravity of later steps and wakes all bodies. Throws UserError when it is not finite.
   void setGravity(const Vec<D>& gravity);
   /// Replaces the algorithms from the next step on. Bodies, joints, and contacts with their impulses stay; internal
   /// state of the old stages is lost. Throws UserError, and changes nothing, when the constructor or add() would.
-  void exchange(const Pipeline& pipeline);
+  void setPipeline(const Pipeline& pipeline);
 
   // --- running -------------------------------------------------------------------------------------------------------
   void step(Real dt) override;
@@ -93,40 +95,40 @@ class World final : public Simulation<D> {
   Real lastDt() const override { return m_lastDt; }
 
   // --- bodies --------------------------------------------------------------------------------------------------------
-  bool valid(Handle body) const override { return m_table.valid(body); }
-  Pose<D> pose(Handle body) const override;
-  Motion<D> motion(Handle body) const;  // of the centre of mass
-  Real mass(Handle body) const;         // kg, 0 for static and kinematic bodies
-  bool awake(Handle body) const;
-  void setPose(Handle body, const Pose<D>& X_WB) override;
-  void setMotion(Handle body, const Motion<D>& motion) override;
+  bool valid(BodyHandle body) const override { return m_table.valid(body); }
+  Pose<D> pose(BodyHandle body) const override;
+  Motion<D> motion(BodyHandle body) const;  // of the centre of mass
+  Real mass(BodyHandle body) const;         // kg, 0 for static and kinematic bodies
+  bool awake(BodyHandle body) const;
+  void setPose(BodyHandle body, const Pose<D>& X_WB) override;
+  void setMotion(BodyHandle body, const Motion<D>& motion) override;
   /// Applies a force (N) at a world point, or a torque (N m), in the next step only. Wakes the body.
-  void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override;
-  void applyTorque(Handle body, const Ang<D>& torque) override;
-  void applyImpulse(Handle body, const Wrench<D>& impulse) override;  // wakes the body
+  void applyForce(BodyHandle body, const Vec<D>& force, const Vec<D>& point) override;
+  void applyTorque(BodyHandle body, const Ang<D>& torque) override;
+  void applyImpulse(BodyHandle body, const Wrench<D>& impulse) override;  // wakes the body
   /// Applies an impulse (N s) at a world point, or an angular impulse (N m s). Wakes the body.
-  void applyImpulse(Handle body, const Vec<D>& impulse, const Vec<D>& point);
-  void applyAngularImpulse(Handle body, const Ang<D>& impulse);
-  void wake(Handle body);
+  void applyImpulse(BodyHandle body, const Vec<D>& impulse, const Vec<D>& point);
+  void applyAngularImpulse(BodyHandle body, const Ang<D>& impulse);
+  void wake(BodyHandle body);
   void wakeAll();
   /// The user's own number: from BodyDef, or as set last. A step neither reads nor changes it.
-  std::uint64_t userData(Handle body) const;
-  void setUserData(Handle body, std::uint64_t data);
+  std::uint64_t userData(BodyHandle body) const;
+  void setUserData(BodyHandle body, std::uint64_t data);
   /// For a world that displays bodies simulated elsewhere: sets the pose X_WC and motion of each body that is not
   /// static, by slot. Creates no events and wakes no body. Precondition: both have bodies().size() entries.
   void follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion);
   /// The joint keeps its slot, without rows, until it is removed. Precondition: joints()[slot] is active.
   void breakJoint(std::size_t slot);
-  Handle handle(std::int32_t slot) const { return m_table.handle(slot); }  // of the body now in this slot
+  BodyHandle handle(std::int32_t slot) const { return m_table.handle(slot); }  // of the body now in this slot
   int bodyCount() const override { return m_table.count(); }
 
   // --- queries on exact shapes, through the broadphase ---------------------------------------------------------------
   /// Bodies with a shape that contains this world point, or that overlaps this world box.
-  std::vector<Handle> at(const Vec<D>& point) const;
-  std::vector<Handle> overlap(const Aabb<D>& box) const;
+  std::vector<BodyHandle> at(const Vec<D>& point) const;
+  std::vector<BodyHandle> overlap(const Aabb<D>& box) const;
   /// The same for one body.
-  bool contains(Handle body, const Vec<D>& point) const;
-  bool intersects(Handle body, const Aabb<D>& box) const;
+  bool contains(BodyHandle body, const Vec<D>& point) const;
+  bool intersects(BodyHandle body, const Aabb<D>& box) const;
   /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Throws UserError when the
   /// point or direction is not finite, or maxT is negative; maxT may be infinite.
   std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const;
@@ -171,15 +173,15 @@ class World final : public Simulation<D> {
   void load(std::istream& in);
 
  private:
-  std::size_t slotOf(Handle body) const { return m_table.slotOf(body); }
+  std::size_t slotOf(BodyHandle body) const { return m_table.slotOf(body); }
   void sync() const { m_table.sync(m_settings.sleepingContacts); }
-  Weighed<D> weigh(const BodyDef<D>& def, std::int32_t inPlaceOf) const;  // inPlaceOf: body slot, or -1
+  CheckedBody<D> checkBody(const BodyDef<D>& def, std::int32_t inPlaceOf) const;  // inPlaceOf: body slot, or -1
   void requireStages(const StageSet<D>& stages, const Pipeline& pipeline, const std::array<bool, kShapeKinds>& kinds,
                      const std::string& prefix) const;
-  template <class Gone>
-  void endContacts(const Gone& gone);
+  template <class EndedBy>
+  void endContacts(const EndedBy& endedBy);
   std::span<const JointRecord<D>> jointsInUse() const {
-    return m_settings.features.joints ? joints() : std::span<const JointRecord<D>>();
+    return m_settings.model.joints ? joints() : std::span<const JointRecord<D>>();
   }
   /// The object of a stage: stage<Solver>() is the solver that the pipeline names.
   template <template <int> class S>
@@ -203,7 +205,7 @@ class World final : public Simulation<D> {
   long m_steps = 0;
 
   // Data of a step.
-  UnpairedBodies m_unpaired;
+  NonCollidingPairs m_nonColliding;
   ContactGraph<D> m_graph;
   std::vector<std::uint8_t> m_awakeBefore;
   VelocityWatcher<D>* m_watcher = nullptr;

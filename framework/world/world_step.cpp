@@ -42,25 +42,26 @@ void World<D>::step(Real dt) {
   }
   {
     Profiler::Scope scope(m_profiler, "broadphase");
-    m_unpaired.read(jointsInUse());
-    m_contacts.findPairs(m_table, m_unpaired, f.work);
+    m_nonColliding.read(jointsInUse());
+    m_contacts.findPairs(m_table, m_nonColliding, f.work);
   }
-  const ContinuousInput<D> continuous{dt, stage<ContinuousCollision>(), m_table, m_settings, m_unpaired, m_profiler};
-  m_continuous.lookAhead(continuous);
+  const ContinuousInput<D> continuous{dt,        stage<ContinuousCollision>(), m_table, m_settings, m_nonColliding,
+                                      m_profiler};
+  m_continuous.findSpeculativePairs(continuous);
   {
     Profiler::Scope scope(m_profiler, "cache");
-    m_contacts.sortPairs(m_table.shapes, m_continuous.ahead());
+    m_contacts.sortPairs(m_table.shapes, m_continuous.speculativePairs());
   }
   const auto detect = [&](bool again) {
-    m_contacts.make(
-        {stage<ContactCache>(), stage<ContactGenerator>(), m_table, m_settings, m_continuous.ahead(), m_profiler});
+    m_contacts.make({stage<ContactCache>(), stage<ContactGenerator>(), m_table, m_settings,
+                     m_continuous.speculativePairs(), m_profiler});
     Profiler::Scope scope(m_profiler, "listeners");
-    m_listeners.tell(*this, m_table, {m_contacts.manifolds, m_contacts.before(), m_lastDt, again});
+    m_listeners.notify(*this, m_table, {m_contacts.manifolds, m_contacts.before(), m_lastDt, again});
   };
   const auto outdateGraph = [&] { m_graph.reset(m_table.bodies, m_contacts.manifolds, jointsInUse(), f.work); };
   detect(false);
   outdateGraph();
-  if (m_settings.features.sleeping) {
+  if (m_settings.model.sleeping) {
     Profiler::Scope scope(m_profiler, "sleep");
     m_awakeBefore = m_table.bodies.awake;
     stage<SleepPolicy>().decide({dt, m_table.bodies, m_contacts.manifolds, jointsInUse(), m_table.events,
@@ -71,7 +72,7 @@ void World<D>::step(Real dt) {
   m_table.events.clear();
   {
     Profiler::Scope scope(m_profiler, "solver");
-    m_table.refreshMasses(m_settings.features.rotation);
+    m_table.refreshMasses(m_settings.model.rotation);
     m_continuous.begin(continuous);
     const StepForces<D> forces(m_table, m_forces, {m_settings.gravity, dt, m_lastDt});
     const auto again = [&] {
@@ -83,12 +84,11 @@ void World<D>::step(Real dt) {
     CallAgain callAgain(again);
     stage<Solver>().step({dt, m_lastDt, m_time, m_table.bodies, m_contacts.manifolds,
                           m_contacts.collectActive(m_table.bodies), m_joints.records, forces, callAgain,
-                          m_settings.features, m_settings.restitutionThreshold, f.work, m_profiler, m_graph,
-                          m_watcher});
+                          m_settings.model, m_settings.restitutionThreshold, f.work, m_profiler, m_graph, m_watcher});
   }
-  m_continuous.stopAtMeetings(continuous, m_contacts.manifolds, m_joints.records, m_graph);
-  if (m_settings.features.joints) m_joints.finish(m_table.bodies, dt, m_table.events);
-  m_table.boxes.outdate();
+  m_continuous.stopAtImpacts(continuous, m_contacts.manifolds, m_joints.records, m_graph);
+  if (m_settings.model.joints) m_joints.finish(m_table.bodies, dt, m_table.events);
+  m_table.boxes.markAllStale();
   std::fill(m_table.userForces.begin(), m_table.userForces.end(), Wrench<D>{});
   m_time += dt, m_lastDt = dt;
   ++m_steps;

@@ -23,7 +23,7 @@ class ProblemDrawer {
   DrawnProblem<D> draw() {
     m_problem.dt = m_problem.lastDt = Real(1) / 60;
     m_problem.gravity = Vec<D>::Unit(1) * Real(-9.81);
-    m_problem.features.restitution = false;
+    m_problem.model.restitution = false;
     m_problem.position.rate = Real(0.2) / m_problem.dt;
     m_problem.addBody(BodyType::fixed, true, Vec<D>::Zero(), 0, Inertia<D>::Zero(), {});
     const auto bodies = static_cast<std::int32_t>(1 + m_random.below(6));

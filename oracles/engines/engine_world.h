@@ -16,10 +16,10 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
  public:
-  Handle add(const BodyDef<D>& def) final {
+  BodyHandle add(const BodyDef<D>& def) final {
     refresh();
     checkBody(def);
-    const Handle body = m_scene.add(def);
+    const BodyHandle body = m_scene.add(def);
     try {
       addBody(static_cast<std::size_t>(body.slot), def);
     } catch (...) {
@@ -55,7 +55,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
   }
   void remove(ForceHandle force) final { m_scene.remove(force); }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) final { m_generators.push_back(std::move(generator)); }
-  void remove(Handle body) final {
+  void remove(BodyHandle body) final {
     refresh();
     if (m_scene.valid(body)) {  // otherwise m_scene.remove() throws
       for (std::size_t j = 0; j < m_scene.joints().size(); ++j) {
@@ -79,29 +79,29 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     m_scene.setGravity(gravity);
     putGravity();
   }
-  void setPose(Handle body, const Pose<D>& X_WB) final {
+  void setPose(BodyHandle body, const Pose<D>& X_WB) final {
     refresh();
     m_scene.setPose(body, X_WB);
     const auto i = static_cast<std::size_t>(body.slot);
     putPose(i, m_scene.bodies().pose[i]);
   }
-  void setMotion(Handle body, const Motion<D>& motion) final {
+  void setMotion(BodyHandle body, const Motion<D>& motion) final {
     refresh();
     m_scene.setMotion(body, motion);
     const auto i = static_cast<std::size_t>(body.slot);
     putMotion(i, motionOf(i));
   }
-  void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) final {
+  void applyForce(BodyHandle body, const Vec<D>& force, const Vec<D>& point) final {
     if (!force.allFinite() || !point.allFinite()) throw UserError("applyForce: force or point is not finite");
     Wrench<D>& w = pushOf(body);
     w.force += force;
     w.torque += cross(point - m_scene.bodies().pose[static_cast<std::size_t>(body.slot)].p, force);
   }
-  void applyTorque(Handle body, const Ang<D>& torque) final {
+  void applyTorque(BodyHandle body, const Ang<D>& torque) final {
     if (!torque.allFinite()) throw UserError("applyTorque: the torque is not finite");
     pushOf(body).torque += torque;
   }
-  void applyImpulse(Handle body, const Wrench<D>& impulse) final {
+  void applyImpulse(BodyHandle body, const Wrench<D>& impulse) final {
     refresh();
     m_scene.applyImpulse(body, impulse);
     const auto i = static_cast<std::size_t>(body.slot);
@@ -131,8 +131,8 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
   std::optional<std::span<const Manifold<D>>> contacts() const final { return std::nullopt; }
   const WorldSettings<D>& settings() const final { return m_scene.settings(); }
   int bodyCount() const final { return m_scene.bodyCount(); }
-  bool valid(Handle body) const final { return m_scene.valid(body); }
-  Pose<D> pose(Handle body) const final { return refresh().pose(body); }
+  bool valid(BodyHandle body) const final { return m_scene.valid(body); }
+  Pose<D> pose(BodyHandle body) const final { return refresh().pose(body); }
   Profiler& profiler() final {
     refresh();
     return m_profiler;
@@ -171,12 +171,10 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     }
   }
   // Parts of the model that a scene disables are disabled for engines too.
-  Real frictionOf(const ShapeRecord<D>& s) const { return settings().features.friction ? s.friction : Real(0); }
-  Real restitutionOf(const ShapeRecord<D>& s) const {
-    return settings().features.restitution ? s.restitution : Real(0);
-  }
+  Real frictionOf(const ShapeRecord<D>& s) const { return settings().model.friction ? s.friction : Real(0); }
+  Real restitutionOf(const ShapeRecord<D>& s) const { return settings().model.restitution ? s.restitution : Real(0); }
   bool turns(std::size_t slot) const {
-    return settings().features.rotation && m_scene.bodies().invInertiaBody[slot].trace() > 0;
+    return settings().model.rotation && m_scene.bodies().invInertiaBody[slot].trace() > 0;
   }
   /// The scene's motion, without the parts that our worlds ignore for bodies that are pinned or may not rotate.
   Motion<D> motionOf(std::size_t slot) const {
@@ -184,7 +182,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     const bool dynamic = b.type[slot] == BodyType::dynamic;
     Motion<D> motion = b.motion[slot];
     if (dynamic && b.pinned[slot]) motion.v.setZero();
-    if (dynamic ? !turns(slot) : !settings().features.rotation) motion.w.setZero();
+    if (dynamic ? !turns(slot) : !settings().model.rotation) motion.w.setZero();
     return motion;
   }
 
@@ -194,7 +192,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     m_pose.resize(b.pose.size()), m_motion.resize(b.pose.size());
   }
   // Joints that are broken, or disabled by the scene, are not in the engine.
-  bool holds(const JointRecord<D>& joint) const { return settings().features.joints && joint.active(); }
+  bool holds(const JointRecord<D>& joint) const { return settings().model.joints && joint.active(); }
   // Poses are read within the timed step only when a force needs them.
   const World<D>& refresh() const {
     if (!m_stale) return m_scene;
@@ -215,7 +213,7 @@ class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
     m_profiler.endFrame(0);
     return m_scene;
   }
-  Wrench<D>& pushOf(Handle body) {
+  Wrench<D>& pushOf(BodyHandle body) {
     refresh().pose(body);  // throws for an invalid handle
     m_pushed = true;
     return m_pushes[static_cast<std::size_t>(body.slot)];

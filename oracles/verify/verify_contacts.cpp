@@ -173,12 +173,12 @@ Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<PlacedHa
     pose.push_back(p.pair.X_WA);
     pose.push_back(nudge && p.resting() ? *p.pair.X_WBNudged : p.pair.X_WB);
   }
-  ChildPairs<D> childPairs;
+  PartPairs<D> partPairs;
   WorkDone work;
-  const auto children = childPairs.of(pairs, shapes, pose, kContactMargin, work);
+  const auto convexPairs = partPairs.of(pairs, shapes, pose, kContactMargin, work);
   std::vector<Manifold<D>> fresh;
   const double before = threadNanoseconds();
-  generator.generate({children, shapes, pose, kContactMargin, true}, fresh, work);
+  generator.generate({convexPairs, shapes, pose, kContactMargin, true}, fresh, work);
   spent = threadNanoseconds() - before;
   Manifolds<D> out;
   for (const Manifold<D>& m : fresh) out[m.shapeA].push_back(m);

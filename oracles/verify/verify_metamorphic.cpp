@@ -35,7 +35,7 @@ template <int D>
 std::vector<ImageAnswer> ask(PairQuery<D>& method, const std::vector<PairView<D>>& views) {
   std::vector<PairAnswer<D>> answers(views.size());
   WorkDone work;
-  method.query(views, QueryNeed::witnesses, answers, {}, work);
+  method.query(views, QueryNeed::closestPoints, answers, {}, work);
   const auto* witness = dynamic_cast<const Witness<D>*>(&method);
   std::vector<ImageAnswer> out;
   for (std::size_t i = 0; i < answers.size(); ++i) {

@@ -124,7 +124,7 @@ double timeOneByOne(PairQuery<D>& method, std::span<const PairView<D>> pairs, st
   Clock::duration spent{};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Clock::time_point before = Clock::now();
-    method.query(pairs.subspan(i, 1), QueryNeed::witnesses, answers.subspan(i, 1), {}, work);
+    method.query(pairs.subspan(i, 1), QueryNeed::closestPoints, answers.subspan(i, 1), {}, work);
     spent += Clock::now() - before;
   }
   return std::chrono::duration<double, std::nano>(spent).count();
@@ -170,7 +170,7 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
       double spent = 0;
       answers.assign(views.size(), {});
       if (!range.ended) {
-        method->query(views, QueryNeed::witnesses, answers, {}, work);  // for our methods this warms the caches
+        method->query(views, QueryNeed::closestPoints, answers, {}, work);  // for our methods this warms the caches
         spent = witness ? static_cast<double>(witness->nanoseconds()) : timeOneByOne<D>(*method, views, answers);
       }
       LedgerKey subject = subjectOf(StageKind::pairQuery, D, m.name);

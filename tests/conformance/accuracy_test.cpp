@@ -13,7 +13,7 @@
 
 #include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/pair_query_twins.h"
+#include "tests/planted_bugs/pair_query_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace accuracy_test { namespace accuracy_test {
 

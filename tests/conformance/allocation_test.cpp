@@ -124,7 +124,7 @@ Shape<D> twoParts() {
 template <int D>
 long allocationsOfWarmSteps(const Pipeline& pipeline, const std::vector<std::string>& forces = {}) {
   WorldSettings<D> settings;
-  settings.features.sleeping = false;
+  settings.model.sleeping = false;
   World<D> world(pipeline, settings);
   const auto add = [&](BodyType type, const Vec<D>& at, const Shape<D>& box) {
     BodyDef<D> body;

@@ -10,7 +10,7 @@
 #include "tests/check_property.h"
 #include "tests/expect_caught.h"
 #include "tests/pair_query_properties.h"
-#include "tests/planted_bugs/pair_query_twins.h"
+#include "tests/planted_bugs/pair_query_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace approximate_pair_query_test {
 
@@ -111,7 +111,7 @@ std::uint64_t facesOnContacts(const std::string& spec) {
     const Pose<3> X_AB{{Real(0.2) * draw.real(-1, 1), a[1] + b[1] - depth, 0}, Rot<3>::vector({0, draw.real(0, 3), 0})};
     const std::array pair{PairView<3>{A.view(), B.view(), X_AB}};
     std::array<PairAnswer<3>, 1> answer;
-    method->query(pair, QueryNeed::witnesses, answer, {}, work);
+    method->query(pair, QueryNeed::closestPoints, answer, {}, work);
     EXPECT_NEAR(answer[0].distance, -depth, kPairTolerance * 4) << spec;
   }
   return work[WorkCount::polytopeFaces];
@@ -210,7 +210,7 @@ TEST(ApproximatePairQuery, NanAndInfinityFail) {
   const auto mpr = createStage<PairQuery<3>>(Spec{"mpr", {}});
   const Shape<3> box = Shape<3>::box({1, 1, 1}, 0), capsule = Shape<3>::capsule(1, Real(0.5));
   for (const Real bad : {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity()}) {
-    for (const QueryNeed need : {QueryNeed::boolean, QueryNeed::distance, QueryNeed::witnesses}) {
+    for (const QueryNeed need : {QueryNeed::boolean, QueryNeed::distance, QueryNeed::closestPoints}) {
       for (const Shape<3>* other : {&box, &capsule}) {
         const Pose<3> X{{bad, 0, 0}, {}};
         EXPECT_EQ(queryPair<3>(*mpr, box.view(), other->view(), X, need).status, QueryStatus::failed) << bad;

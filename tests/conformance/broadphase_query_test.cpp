@@ -10,14 +10,14 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace broadphase_query_test {
 
 /// When the box moved by t * displacement touches the target, for t in [0, maxT], and whether that is certain.
-struct Meeting {
+struct SweepHit {
   bool hit = false, sure = true;
   long double t = 0;
 };
 
 // Slab test on the sum of both boxes, without any of the optimisations of the code under test.
 template <int D>
-Meeting meeting(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target) {
+SweepHit sweepHit(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target) {
   long double enter = 0, leave = maxT;
   bool apart = false;
   for (int d = 0; d < D; ++d) {
@@ -66,12 +66,12 @@ std::vector<ProxyId> standing(const Proxies<D>& proxies) {
 }
 
 template <int D>
-void checkMeetings(const Proxies<D>& proxies, const std::vector<ProxyId>& standing, const Aabb<D>& box,
-                   const Vec<D>& displacement, Real maxT, std::vector<RayHit<D>> hits) {
+void checkHits(const Proxies<D>& proxies, const std::vector<ProxyId>& standing, const Aabb<D>& box,
+               const Vec<D>& displacement, Real maxT, std::vector<RayHit<D>> hits) {
   std::sort(hits.begin(), hits.end(), [](const auto& a, const auto& b) { return a.proxy < b.proxy; });
   std::size_t at = 0;
   for (ProxyId i : standing) {
-    const Meeting m = meeting<D>(box, displacement, maxT, proxies.box(i));
+    const SweepHit m = sweepHit<D>(box, displacement, maxT, proxies.box(i));
     const bool found = at < hits.size() && hits[at].proxy == i;
     if (m.sure) RC_ASSERT(found == m.hit);
     if (found) {
@@ -126,7 +126,7 @@ void ask(const Broadphase<D>& broadphase, const Proxies<D>& proxies, BoxFamily f
   const Real maxT = static_cast<Real>(random.below(4)) * 3;
   std::vector<RayHit<D>> hits, first;
   broadphase.ray(proxies, point, direction, maxT, false, hits);
-  checkMeetings<D>(proxies, there, {point, point}, direction, maxT, hits);
+  checkHits<D>(proxies, there, {point, point}, direction, maxT, hits);
   broadphase.ray(proxies, point, direction, maxT, true, first);
   RC_ASSERT(first.size() == std::min<std::size_t>(1, hits.size()));
   for (const auto& h : hits) RC_ASSERT(first[0].t <= h.t);
@@ -134,7 +134,7 @@ void ask(const Broadphase<D>& broadphase, const Proxies<D>& proxies, BoxFamily f
   hits.clear();
   const Vec<D> displacement = 3 * direction;
   broadphase.sweep(proxies, box, displacement, hits);
-  checkMeetings<D>(proxies, there, box, displacement, Real(1), hits);
+  checkHits<D>(proxies, there, box, displacement, Real(1), hits);
 
   // A sweep without motion hits exactly the boxes that it overlaps.
   hits.clear(), found.clear();

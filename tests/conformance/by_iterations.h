@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "tests/every_solver.h"
-#include "tests/planted_bugs/solver_twins.h"
+#include "tests/planted_bugs/solver_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 

@@ -36,7 +36,7 @@ std::vector<Manifold<D>> drawManifolds(Draw& draw) {
     if (draw.coin()) continue;
     Manifold<D> m;
     m.bodyA = k / 4, m.bodyB = 3 + k / 2, m.shapeA = k / 4, m.shapeB = 3 + k / 2;
-    m.childA = k % 2, m.childB = k % 4;
+    m.partA = k % 2, m.partB = k % 4;
     m.normal = drawDirection<D>(draw);
     m.begun = draw.coin();
     // In the upper half of the number, which 32 bits would lose.

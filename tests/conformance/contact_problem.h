@@ -22,7 +22,7 @@ const PositionResolver<D>& nothing() {
 }
 template <int D>
 VelocityInput<D> inputOf(ImpactScene<D>& s) {
-  return {s.dt,   s.lastDt,  s.bodies, s.manifolds, s.active, s.joints, nothing<D>(), s.features, kRestitutionThreshold,
+  return {s.dt,   s.lastDt,  s.bodies, s.manifolds, s.active, s.joints, nothing<D>(), s.model, kRestitutionThreshold,
           s.work, s.profiler};
 }
 

@@ -66,12 +66,12 @@ struct OnSlope {
     scene.touch(0, 1, Vec<D>::Unit(1), Vec<D>::Zero(), 0, static_cast<Real>(mu), 0);
   }
   /// Residual at an impulse along the normal and one against the sliding.
-  ProblemResidual left(double push, double rub, bool corrected = true) {
+  ProblemResidual left(double push, double friction, bool corrected = true) {
     Whole<D> whole(scene);
     std::vector<double> x(D, 0);
     x[0] = push;
     for (int k = 1; k < D; ++k) {
-      x[static_cast<std::size_t>(k)] = -rub * double(tangents(Vec<D>(Vec<D>::Unit(1)))(0, k - 1));
+      x[static_cast<std::size_t>(k)] = -friction * double(tangents(Vec<D>(Vec<D>::Unit(1)))(0, k - 1));
     }
     return whole.problem.naturalMap(x, whole.freeVelocity, corrected);
   }
@@ -165,8 +165,7 @@ template <int D>
 void matrixIsSolvedAsItsBodiesAre(const Registered& method, Draw& draw) {
   auto s = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = draw.below(2)});
   for (Manifold<D>& m : s.manifolds) m.friction = std::min(m.friction, Real(0.3));
-  if (D == 3 && method.info.friction == FrictionLaw::facets)
-    s.features.friction = false;  // its pyramid is not the cone
+  if (D == 3 && method.info.friction == FrictionLaw::facets) s.model.friction = false;  // its pyramid is not the cone
   Given<D> given(s);
   Spec spec = withIterations(method, 2000, 0);
   for (const ParamInfo& p : method.params) {

@@ -48,15 +48,15 @@ void pairsAreIndependent() {
     }
     pairs.push_back({2 * i, 2 * i + 1});
   }
-  ChildPairs<D> childPairs;
+  PartPairs<D> partPairs;
   WorkDone none;
-  const auto children = childPairs.of(pairs, shapes, pose, kContactMargin, none);
+  const auto convexPairs = partPairs.of(pairs, shapes, pose, kContactMargin, none);
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
     WorkDone work;
     std::vector<Manifold<D>> together, alone;
     const auto generator = createStage<ContactGenerator<D>>({r->info.name, {}});
-    generator->generate({children, shapes, pose, kContactMargin, true}, together, work);
-    for (const ConvexPair<D>& pair : children) {
+    generator->generate({convexPairs, shapes, pose, kContactMargin, true}, together, work);
+    for (const ConvexPair<D>& pair : convexPairs) {
       const auto fresh = createStage<ContactGenerator<D>>({r->info.name, {}});
       fresh->generate({{&pair, 1}, shapes, pose, kContactMargin, true}, alone, work);
     }
@@ -83,14 +83,14 @@ void nowhereIsNoContact() {
   for (int i = 0; i < 400; ++i) {
     ContactScene<D> scene = drawScene<D>(draw);
     const ShapePair pair{0, 1};
-    ChildPairs<D> childPairs;
+    PartPairs<D> partPairs;
     WorkDone work;
-    const auto children = childPairs.of({&pair, 1}, scene.shapes, scene.pose, scene.margin, work);
+    const auto convexPairs = partPairs.of({&pair, 1}, scene.shapes, scene.pose, scene.margin, work);
     scene.pose[static_cast<std::size_t>(i % 2)].p[i % D] = std::numeric_limits<Real>::quiet_NaN();
     for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
       std::vector<Manifold<D>> fresh;
       createStage<ContactGenerator<D>>({r->info.name, {}})
-          ->generate({children, scene.shapes, scene.pose, scene.margin, true}, fresh, work);
+          ->generate({convexPairs, scene.shapes, scene.pose, scene.margin, true}, fresh, work);
       for (const Manifold<D>& m : fresh) EXPECT_EQ(m.count, 0) << r->info.name << ", " << D << "D, scene " << i;
     }
   }
@@ -264,12 +264,12 @@ TEST(Contacts, RoundedPolygonsMeasureFewEdges) {
   };
   const auto axes = [](const char* name, const ContactScene<2>& scene) {
     const ShapePair pair{0, 1};
-    ChildPairs<2> childPairs;
+    PartPairs<2> partPairs;
     WorkDone work;
     std::vector<Manifold<2>> fresh;
-    const auto children = childPairs.of({&pair, 1}, scene.shapes, scene.pose, scene.margin, work);
+    const auto convexPairs = partPairs.of({&pair, 1}, scene.shapes, scene.pose, scene.margin, work);
     createStage<ContactGenerator<2>>({name, {}})
-        ->generate({children, scene.shapes, scene.pose, scene.margin}, fresh, work);
+        ->generate({convexPairs, scene.shapes, scene.pose, scene.margin}, fresh, work);
     return fresh.empty() || deepest(fresh[0]) < Real(-0.1) ? std::uint64_t(0) : work[WorkCount::axisTests];
   };
   std::uint64_t most = 0, all = 0;

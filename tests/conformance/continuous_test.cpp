@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/continuous_twins.h"
+#include "tests/planted_bugs/continuous_bugs.h"
 #include "tests/small_worlds.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace continuous_test {
@@ -29,7 +29,7 @@ struct Range {
   explicit Range(const std::string& method, const WorldSettings<D>& settings = weightless<D>())
       : world(Pipeline::parse("continuous=" + method), settings) {}
 
-  Handle add(const Shape<D>& shape, const Vec<D>& place, const Vec<D>& velocity, double turn = 0, double spin = 0) {
+  BodyHandle add(const Shape<D>& shape, const Vec<D>& place, const Vec<D>& velocity, double turn = 0, double spin = 0) {
     BodyDef<D> def = body<D>(shape, place);
     def.velocity = velocity;
     def.angularVelocity[kAngDim<D> - 1] = static_cast<Real>(spin);
@@ -39,7 +39,7 @@ struct Range {
     return world.add(def);
   }
   // A wall of half thickness `half` and half height `high` in the other directions.
-  Handle wall(const Vec<D>& place, double half, double high = 4) {
+  BodyHandle wall(const Vec<D>& place, double half, double high = 4) {
     Vec<D> size = Vec<D>::Constant(static_cast<Real>(high));
     size[0] = static_cast<Real>(half);
     return world.add(body<D>(Shape<D>::box(size), place, BodyType::fixed));
@@ -47,7 +47,7 @@ struct Range {
   void steps(int n) {
     for (int i = 0; i < n; ++i) world.step(kDt), lost += world.profiler().frame().lostTime;
   }
-  double x(Handle h) const { return double(world.pose(h).p[0]); }
+  double x(BodyHandle h) const { return double(world.pose(h).p[0]); }
 };
 
 // The projectiles: a ball, a box on its edge, a lying capsule, and two balls on one bar.
@@ -76,7 +76,7 @@ bool areStopped(const std::string& method, const std::vector<Shape<D>>& shot) {
       for (int phase = 0; phase < 8; ++phase) {
         Range<D> w(method);
         w.wall(Vec<D>::Zero(), half);
-        const Handle h = w.add(bullet, at<D>(-9 - 0.83 * phase, 0.3), at<D>(400, 3), 0.7);
+        const BodyHandle h = w.add(bullet, at<D>(-9 - 0.83 * phase, 0.3), at<D>(400, 3), 0.7);
         w.steps(8);
         if (!(w.x(h) < 0)) return false;
       }
@@ -101,7 +101,7 @@ bool edgeIsMet(const std::string& method) {
   w.wall(at<D>(0, -2), 0.01, 2);
   Vec<D> half = Vec<D>::Constant(Real(0.5));
   half[1] = 1;
-  const Handle h = w.add(Shape<D>::box(half), at<D>(-8.1, 0.9), at<D>(300, 0));
+  const BodyHandle h = w.add(Shape<D>::box(half), at<D>(-8.1, 0.9), at<D>(300, 0));
   w.steps(4);
   return (w.world.motion(h).v - at<D>(300, 0)).norm() > 1;
 }
@@ -114,7 +114,7 @@ bool spinningRodIsStopped(const std::string& method) {
   half[0] = 2;
   BodyDef<D> rod = body<D>(Shape<D>::box(half), Vec<D>(Vec<D>::Zero()));
   rod.angularVelocity[kAngDim<D> - 1] = 18, rod.pinned = true;
-  const Handle h = w.world.add(rod);
+  const BodyHandle h = w.world.add(rod);
   // 0.94 rad further, between the start and the end of the third step.
   w.world.add(
       body<D>(Shape<D>::sphere(Real(0.02)), at<D>(1.5 * std::cos(0.78), 1.5 * std::sin(0.78)), BodyType::fixed));
@@ -134,7 +134,7 @@ bool fastOnesMeet(const std::string& method) {
       Range<D> w(method);
       const Shape<D> ball = Shape<D>::sphere(Real(0.1));
       w.add(ball, at<D>(-2.2 - 0.7 * phase, 0), at<D>(310, 0));
-      const Handle b = w.add(ball, at<D>(2, 0.02), at<D>(speed, 0));
+      const BodyHandle b = w.add(ball, at<D>(2, 0.02), at<D>(speed, 0));
       w.steps(6);
       if (!((w.world.motion(b).v - at<D>(speed, 0)).norm() > 1)) return false;
     }
@@ -152,7 +152,7 @@ bool sentOnItsWayIsStopped(const std::string& method) {
   BodyDef<D> light = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0.1, 0));
   heavy.shapes[0].restitution = light.shapes[0].restitution = 1;
   w.world.add(heavy);
-  const Handle h = w.world.add(light);
+  const BodyHandle h = w.world.add(light);
   w.steps(1);
   return w.x(h) < 1 && w.x(h) > 0.5;
 }
@@ -162,7 +162,7 @@ template <int D>
 bool passesBy(const std::string& method) {
   Range<D> w(method);
   w.wall(at<D>(0, -2), 0.5, 2);
-  const Handle h = w.add(Shape<D>::sphere(Real(0.2)), at<D>(-3, 1.2), at<D>(300, -80));
+  const BodyHandle h = w.add(Shape<D>::sphere(Real(0.2)), at<D>(-3, 1.2), at<D>(300, -80));
   w.steps(3);
   return (w.world.motion(h).v - at<D>(300, -80)).norm() < 1e-3 && w.lost == 0;
 }
@@ -179,7 +179,7 @@ bool slidesOverSeams(const std::string& method) {
     }
     BodyDef<D> slider = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.2))), at<D>(0, 0.2));
     slider.velocity = at<D>(30 * fast, 0);
-    const Handle h = w.world.add(slider);
+    const BodyHandle h = w.world.add(slider);
     const int steps = fast == 1 ? 28 : 8;
     w.steps(steps);
     const double way = 0.5 * fast * steps;
@@ -194,7 +194,7 @@ bool leavesAtOnce(const std::string& method) {
   for (const double gap : {0.0, -0.004, 0.0005}) {
     Range<D> w(method);
     w.wall(at<D>(-0.01, 0), 0.01);
-    const Handle h = w.add(Shape<D>::box(Vec<D>::Constant(Real(0.1))), at<D>(0.1 + gap, 0), at<D>(100, 10));
+    const BodyHandle h = w.add(Shape<D>::box(Vec<D>::Constant(Real(0.1))), at<D>(0.1 + gap, 0), at<D>(100, 10));
     w.steps(1);
     if (!(std::abs(w.x(h) - (0.1 + gap + 100.0 / 60)) < 0.02)) return false;
   }
@@ -208,7 +208,7 @@ bool queueIsStopped(const std::string& method) {
   for (const double faster : {40.0, 0.0}) {
     Range<D> w(method);
     w.wall(Vec<D>::Zero(), 0.01);
-    std::vector<Handle> row;
+    std::vector<BodyHandle> row;
     for (int i = 0; i < 5; ++i) {
       row.push_back(w.add(Shape<D>::sphere(Real(0.1)), at<D>(-3 - 0.31 * i, 0.01 * i), at<D>(250 + faster * i, 0)));
     }
@@ -234,8 +234,8 @@ bool stoppedOnesStandInTheWay(const std::string& method) {
     half[0] = Real(0.02);
     w.world.add(body<D>(Shape<D>::sphere(Real(0.05)), at<D>(0, 0.9), BodyType::fixed));
     w.world.add(body<D>(Shape<D>::sphere(Real(0.05)), at<D>(2, -0.5), BodyType::fixed));
-    const Handle plate = w.add(Shape<D>::box(half), at<D>(-ahead, 0), at<D>(300, 0));
-    const Handle bullet =
+    const BodyHandle plate = w.add(Shape<D>::box(half), at<D>(-ahead, 0), at<D>(300, 0));
+    const BodyHandle bullet =
         w.add(Shape<D>::sphere(Real(0.1)), at<D>(-ahead - 0.3, -0.5), at<D>(ahead < 1 ? 313 : 300, 0));
     w.steps(1);
     if (!(w.x(bullet) < w.x(plate))) return false;
@@ -251,7 +251,7 @@ bool wholeTurnsAreSeen(const std::string& method) {
   half[0] = 2;
   BodyDef<D> rod = body<D>(Shape<D>::box(half), Vec<D>(Vec<D>::Zero()));
   rod.angularVelocity[kAngDim<D> - 1] = 377, rod.pinned = true;
-  const Handle h = w.world.add(rod);
+  const BodyHandle h = w.world.add(rod);
   w.world.add(body<D>(Shape<D>::sphere(Real(0.02)), at<D>(1.5 * std::cos(0.4), 1.5 * std::sin(0.4)), BodyType::fixed));
   w.steps(1);
   const Vec<D> along = w.world.pose(h).q * Vec<D>::Unit(0);
@@ -264,8 +264,8 @@ template <int D>
 bool weldedStayTogether(const std::string& method) {
   Range<D> w(method);
   w.wall(Vec<D>::Zero(), 0.01);
-  const Handle first = w.add(Shape<D>::sphere(Real(0.1)), at<D>(-3, 0), at<D>(300, 0));
-  const Handle second = w.add(Shape<D>::sphere(Real(0.1)), at<D>(-4.5, 0), at<D>(300, 0));
+  const BodyHandle first = w.add(Shape<D>::sphere(Real(0.1)), at<D>(-3, 0), at<D>(300, 0));
+  const BodyHandle second = w.add(Shape<D>::sphere(Real(0.1)), at<D>(-4.5, 0), at<D>(300, 0));
   w.world.add(JointDef<D>{.kind = "weld", .bodyA = first, .bodyB = second, .X_WJ = {at<D>(-3.7, 0), {}}});
   for (int i = 0; i < 4; ++i) {
     w.steps(1);
@@ -361,41 +361,41 @@ class Vetoes final : public ContactListener<D> {
 
 // Whether a projectile passes a wall that it starts 1 cm before. `change` lets it pass, or not.
 template <int D, class Change>
-bool passes(const Change& change, const Features& features = {}) {
+bool passes(const Change& change, const PhysicsModel& model = {}) {
   WorldSettings<D> settings = weightless<D>();
-  settings.features = features;
+  settings.model = model;
   Range<D> w("cast", settings);
-  const Handle wall = w.wall(Vec<D>::Zero(), 0.01);
+  const BodyHandle wall = w.wall(Vec<D>::Zero(), 0.01);
   BodyDef<D> bullet = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(-0.12, 0));
   bullet.velocity = at<D>(200, 0);
-  const Handle h = change(w, bullet, wall);
+  const BodyHandle h = change(w, bullet, wall);
   w.steps(2);
   return w.x(h) > 1;
 }
 
 template <int D>
 void worldsPart() {
-  EXPECT_FALSE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, Handle) { return w.world.add(bullet); }));
-  Features off;
+  EXPECT_FALSE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, BodyHandle) { return w.world.add(bullet); }));
+  PhysicsModel off;
   off.continuous = false;
   EXPECT_TRUE(passes<D>(
-      [](Range<D>& w, BodyDef<D> bullet, Handle) {
+      [](Range<D>& w, BodyDef<D> bullet, BodyHandle) {
         bullet.X_WB.p[0] = -2;
         return w.world.add(bullet);
       },
       off))
       << "the feature is off";
-  EXPECT_TRUE(passes<D>([](Range<D>& w, BodyDef<D> bullet, Handle) {
+  EXPECT_TRUE(passes<D>([](Range<D>& w, BodyDef<D> bullet, BodyHandle) {
     bullet.shapes[0].mask = 2;
     return w.world.add(bullet);
   })) << "filters";
-  EXPECT_TRUE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, Handle) {
+  EXPECT_TRUE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, BodyHandle) {
     static Vetoes<D> vetoes;
     w.world.addListener(&vetoes);
     return w.world.add(bullet);
   })) << "a listener's veto";
-  EXPECT_TRUE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, Handle wall) {
-    const Handle h = w.world.add(bullet);
+  EXPECT_TRUE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, BodyHandle wall) {
+    const BodyHandle h = w.world.add(bullet);
     w.world.add(JointDef<D>{.kind = "distance{mode=rope,length=9}", .bodyA = wall, .bodyB = h});
     return h;
   })) << "a joint that forbids it";

@@ -113,8 +113,8 @@ Real frictionOfOneAnswer(ImpactScene<D> s) {
   const struct : PositionResolver<D> {
   } none;
   ContactProblem<D> problem;
-  problem.set({s.dt, s.lastDt, s.bodies, s.manifolds, s.active, s.joints, none, s.features, kRestitutionThreshold,
-               s.work, s.profiler});
+  problem.set({s.dt, s.lastDt, s.bodies, s.manifolds, s.active, s.joints, none, s.model, kRestitutionThreshold, s.work,
+               s.profiler});
   const int n = problem.size();
   std::vector<std::int32_t> all(static_cast<std::size_t>(n));
   std::iota(all.begin(), all.end(), 0);

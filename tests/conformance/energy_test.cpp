@@ -44,7 +44,7 @@ template <int D>
 Bouncing<D> drawBouncing(Draw& draw, Kind kind) {
   Bouncing<D> out;
   out.joined = kind == Kind::jointed;
-  out.settings.features.sleeping = false;
+  out.settings.model.sleeping = false;
   if (draw.coin()) out.settings.gravity.setZero();
   const Real e = draw.real(0.05, 1), mu = kind == Kind::smooth ? Real(0) : draw.real(0, 1);
   const bool cubes = draw.coin(), apart = draw.coin();
@@ -87,7 +87,7 @@ double ofEuler(const World<D>& world) {
 template <int D>
 double worstGain(const std::string& solver, const Bouncing<D>& scene) {
   World<D> world(Pipeline::parse("solver=" + solver), scene.settings);
-  std::vector<Handle> handles;
+  std::vector<BodyHandle> handles;
   for (const BodyDef<D>& b : scene.bodies) handles.push_back(world.add(b));
   if (scene.joined) {
     const Vec<D> middle = (scene.bodies[1].X_WB.p + scene.bodies[2].X_WB.p) / 2;

@@ -8,7 +8,7 @@
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/force_twins.h"
+#include "tests/planted_bugs/force_bugs.h"
 #include "tests/small_worlds.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace force_kinds_test { namespace {
@@ -238,7 +238,7 @@ TEST(ForceConformance, Figures) {
   World<2> world;
   BodyDef<2> def = body<2>(Shape<2>::sphere(Real(0.5)), at<2>(3, 0));
   def.velocity = at<2>(2, 0);
-  const Handle a = world.add(def);
+  const BodyHandle a = world.add(def);
   const auto on = [&](const ForceDef<2>& force, Real t) {
     const ForceRecord<2> record = makeForce(force, world.bodies());
     std::vector<Wrench<2>> out(1);
@@ -265,8 +265,8 @@ TEST(ForceConformance, Figures) {
 TEST(ForceConformance, RecordsComeAndGo) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);
-  const Handle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
-  const Handle other = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(5, 0.5)));
+  const BodyHandle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+  const BodyHandle other = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(5, 0.5)));
   for (int i = 0; i < 300 && world.awake(box); ++i) world.step(Real(1) / 60);
   ASSERT_FALSE(world.awake(box));
   ASSERT_FALSE(world.awake(other));

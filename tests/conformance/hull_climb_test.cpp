@@ -134,8 +134,8 @@ bool climbsAsItScans(bool unlinked) {
       const PairView<3> pair{a.view(), b.view(), X};
       PairAnswer<3> s, c;
       WorkDone scanWork, climbWork;
-      scan->query({&pair, 1}, QueryNeed::witnesses, {&s, 1}, {&scanned, 1}, scanWork);
-      climb->query({&pair, 1}, QueryNeed::witnesses, {&c, 1}, {&climbed, 1}, climbWork);
+      scan->query({&pair, 1}, QueryNeed::closestPoints, {&s, 1}, {&scanned, 1}, scanWork);
+      climb->query({&pair, 1}, QueryNeed::closestPoints, {&c, 1}, {&climbed, 1}, climbWork);
       same = same && s.distance == c.distance && s.normal == c.normal && s.pA == c.pA && s.status == c.status &&
              scanned == climbed && scanWork.counts == climbWork.counts;
       X.p += way, X.q = integrateRotation(X.q, turn);

@@ -6,7 +6,7 @@
 #include "tests/check_property.h"
 #include "tests/conformance/scene_change.h"
 #include "tests/every_solver.h"
-#include "tests/planted_bugs/solver_twins.h"
+#include "tests/planted_bugs/solver_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace impact_law_test {
 
@@ -126,7 +126,7 @@ std::vector<Named<D>> properties() {
   const auto givesBackTooMuch = spoilt<D>([](ImpactScene<D>& s) {
     for (Manifold<D>& m : s.manifolds) m.restitution = Real(1.5);
   });
-  const auto forgetsFriction = spoilt<D>([](ImpactScene<D>& s) { s.features.friction = false; });
+  const auto forgetsFriction = spoilt<D>([](ImpactScene<D>& s) { s.model.friction = false; });
   return {{"Impact.AddsNoEnergy", addsNoEnergy<D>, givesBackTooMuch, false},
           {"Impact.RubsWhileItBounces", rubsWhileItBounces<D>, forgetsFriction, false},
           {"Impact.KeepsMomenta", keepsMomenta<D>, spoiledStep<D>(Bug::oneBodyOnly), false},

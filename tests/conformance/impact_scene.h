@@ -45,7 +45,7 @@ struct ImpactScene {
   IndexedVector<Manifold<D>> manifolds;
   IndexedVector<int> active;
   std::vector<JointRecord<D>> joints;
-  Features features;
+  PhysicsModel model;
   Field<D> field;
   Real dt = Real(1) / 60, lastDt = 0, time = 0;
   WorkDone work;
@@ -75,7 +75,7 @@ struct ImpactScene {
     Manifold<D> m;
     m.bodyA = a, m.bodyB = b, m.shapeA = a, m.shapeB = b;
     m.normal = n_AB, m.friction = friction, m.restitution = restitution;
-    m.childA = static_cast<std::int32_t>(manifolds.size());
+    m.partA = static_cast<std::int32_t>(manifolds.size());
     manifolds.push_back(m);
     active.push_back(static_cast<int>(active.size()));
     addPoint(manifolds.back(), p, separation);
@@ -102,7 +102,7 @@ struct ImpactScene {
 
   void solve(VelocityResolver<D>& resolver, const PositionResolver<D>& position) {
     resolver.solve(
-        {dt, lastDt, bodies, manifolds, active, joints, position, features, kRestitutionThreshold, work, profiler});
+        {dt, lastDt, bodies, manifolds, active, joints, position, model, kRestitutionThreshold, work, profiler});
   }
   /// One step; then contacts follow their anchors.
   void step(Solver<D>& solver) {
@@ -111,8 +111,8 @@ struct ImpactScene {
     for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
       bodies.invInertia[i] = rotateInertia(bodies.pose[i].q, bodies.invInertiaBody[i]);
     }
-    solver.step({dt, lastDt, time, bodies, manifolds, active, joints, field, detect, features, kRestitutionThreshold,
-                 work, profiler, graph});
+    solver.step({dt, lastDt, time, bodies, manifolds, active, joints, field, detect, model, kRestitutionThreshold, work,
+                 profiler, graph});
     lastDt = dt, time += dt;
     for (Manifold<D>& m : manifolds) {
       for (int k = 0; k < m.count; ++k) {

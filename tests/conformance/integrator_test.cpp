@@ -21,7 +21,7 @@ void fly(ImpactScene<D>& s, Integrator<D>& integrator, int steps) {
     for (std::size_t i = 0; i < drift.size(); ++i) {
       s.bodies.invInertia[i] = rotateInertia(s.bodies.pose[i].q, s.bodies.invInertiaBody[i]);
     }
-    integrator.integrate({s.dt, s.time, s.bodies, s.field, s.features, s.work}, drift);
+    integrator.integrate({s.dt, s.time, s.bodies, s.field, s.model, s.work}, drift);
     for (std::size_t i = 0; i < drift.size(); ++i) {
       s.bodies.pose[i].p += s.dt * drift[i].v;
       s.bodies.pose[i].q = integrateRotation(s.bodies.pose[i].q, Ang<D>(s.dt * drift[i].w));

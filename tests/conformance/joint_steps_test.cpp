@@ -8,8 +8,8 @@
 
 #include "tests/check_property.h"
 #include "tests/conformance/joined_bodies.h"
-#include "tests/planted_bugs/joint_twins.h"
-#include "tests/planted_bugs/solver_twins.h"
+#include "tests/planted_bugs/joint_bugs.h"
+#include "tests/planted_bugs/solver_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_steps_test {
 

@@ -8,7 +8,7 @@
 #include "tests/check_property.h"
 #include "tests/conformance/joined_bodies.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/joint_twins.h"
+#include "tests/planted_bugs/joint_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_test {
 

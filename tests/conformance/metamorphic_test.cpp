@@ -12,7 +12,7 @@
 #include "oracles/verify/verify.h"
 #include "tests/check_property.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/pair_query_twins.h"
+#include "tests/planted_bugs/pair_query_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace metamorphic_test {
 

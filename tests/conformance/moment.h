@@ -19,13 +19,13 @@ struct Moment {
   std::vector<ShapePair> pairs = {{0, 1}, {0, 2}};
   std::vector<Pose<D>> before, after;
   std::vector<Manifold<D>> old;
-  ChildPairs<D> children;
+  PartPairs<D> partPairs;
   WorkDone work;
 
   std::vector<Manifold<D>> made(std::span<const ShapePair> which, const std::vector<Pose<D>>& pose) {
     std::vector<Manifold<D>> out;
     createStage<ContactGenerator<D>>({"sat_clip", {}})
-        ->generate({children.of(which, shapes, pose, kContactMargin, work), shapes, pose, kContactMargin}, out, work);
+        ->generate({partPairs.of(which, shapes, pose, kContactMargin, work), shapes, pose, kContactMargin}, out, work);
     for (Manifold<D>& m : out) {
       const Pose<D>& X_WA = pose[static_cast<std::size_t>(m.bodyA)];
       m.X_AB = poseBetween(X_WA, pose[static_cast<std::size_t>(m.bodyB)]);

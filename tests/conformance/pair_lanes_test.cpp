@@ -69,7 +69,7 @@ int differences(PairQuery<3>& many, PairQuery<3>& one, std::span<const PairView<
   return out;
 }
 
-constexpr QueryNeed kNeeds[] = {QueryNeed::boolean, QueryNeed::distance, QueryNeed::witnesses};
+constexpr QueryNeed kNeeds[] = {QueryNeed::boolean, QueryNeed::distance, QueryNeed::closestPoints};
 
 TEST(PairLanes, HaveTheBitsOfTheScalarCode) {
   for (const char* name : {"closed_form", "sat"}) {
@@ -105,8 +105,8 @@ TEST(PairLanes, AnswerMostPairs) {
         const auto pairs = pool.views().subspan(begin, answers.size());
         const std::uint64_t left = kinds.first == ShapeKind::sphere ? pair_query::ballsInLanes(pairs, answers)
                                    : kinds.first == ShapeKind::capsule
-                                       ? pair_query::segmentsInLanes(pairs, QueryNeed::witnesses, answers, work)
-                                       : pair_query::boxesInLanes(pairs, QueryNeed::witnesses, answers, work);
+                                       ? pair_query::segmentsInLanes(pairs, QueryNeed::closestPoints, answers, work)
+                                       : pair_query::boxesInLanes(pairs, QueryNeed::closestPoints, answers, work);
         answered += 64 - std::popcount(left);
       }
       std::printf("%s by %s: %d of %zu\n", std::string(shapeKindName(kinds.first)).c_str(), hwy::TargetName(target),
@@ -147,7 +147,8 @@ TEST(PairLanes, PlantedBugsAreSeen) {
                                  {Spoiled::neighbour, "neighbour"},
                                  {Spoiled::uncounted, "uncounted"}}) {
     Spoiled twin(*right, way);
-    expectCaught(std::string("pair lanes: ") + bug, differences(twin, *right, pool.views(), QueryNeed::witnesses) == 0);
+    expectCaught(std::string("pair lanes: ") + bug,
+                 differences(twin, *right, pool.views(), QueryNeed::closestPoints) == 0);
   }
 }
 

@@ -8,7 +8,7 @@
 #include "framework/math/check.h"
 #include "tests/check_property.h"
 #include "tests/pair_query_properties.h"
-#include "tests/planted_bugs/pair_query_twins.h"
+#include "tests/planted_bugs/pair_query_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_query_relations_test {
 

@@ -9,7 +9,7 @@
 
 #include "tests/check_property.h"
 #include "tests/pair_query_properties.h"
-#include "tests/planted_bugs/pair_query_twins.h"
+#include "tests/planted_bugs/pair_query_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_query_test {
 
@@ -321,7 +321,7 @@ TEST(PairQuery, APointBesideATriangleInItsPlane) {
         for (std::size_t i = 0; i < memory.bytes.size(); i += 4)
           memory.bytes[i] = static_cast<std::byte>(draw.below(7));
       }
-      for (const QueryNeed need : {QueryNeed::distance, QueryNeed::boolean, QueryNeed::witnesses}) {
+      for (const QueryNeed need : {QueryNeed::distance, QueryNeed::boolean, QueryNeed::closestPoints}) {
         PairAnswer<3> answer;
         WorkDone work;
         m.query->query({&view, 1}, need, {&answer, 1}, {&memory, 1}, work);

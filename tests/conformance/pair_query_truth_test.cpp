@@ -103,7 +103,7 @@ void competitorsAgree() {
   for (const Registered* entry : Registry::instance().list(StageKind::pairQuery, D)) {
     if (entry->info.role != AlgorithmRole::competitor) continue;
     const auto method = createStage<PairQuery<D>>(Spec{entry->info.name, {}});
-    for (const QueryNeed need : {QueryNeed::witnesses, QueryNeed::distance, QueryNeed::boolean}) {
+    for (const QueryNeed need : {QueryNeed::closestPoints, QueryNeed::distance, QueryNeed::boolean}) {
       const Tally tally = against<D>(*method, need, pairs, entry->info.guarantee);
       if (entry->info.guarantee == Guarantee::approximate && need != QueryNeed::boolean) {
         EXPECT_FALSE(against<D>(*method, need, pairs).right()) << entry->info.name << " is exact, and may say so";
@@ -112,9 +112,9 @@ void competitorsAgree() {
       const std::size_t n = tally.errors.size();
       std::printf("%dD %-12s %-9s %6zu pairs, error/s median %.1e, 99.9 %% %.1e, worst %.1e; wrong signs %d\n", D,
                   entry->info.name.c_str(),
-                  need == QueryNeed::witnesses  ? "witnesses"
-                  : need == QueryNeed::distance ? "distance"
-                                                : "boolean",
+                  need == QueryNeed::closestPoints ? "witnesses"
+                  : need == QueryNeed::distance    ? "distance"
+                                                   : "boolean",
                   n, tally.errors[n / 2], tally.errors[n * 999 / 1000], tally.errors.back(), tally.wrongSigns);
       EXPECT_TRUE(tally.right()) << entry->info.name << ", unanswered " << tally.unanswered << ", wrong signs "
                                  << tally.wrongSigns << "\n"
@@ -180,7 +180,7 @@ void spoiledAreSeen(const char* name) {
   for (const auto way :
        {S::offByMore, S::flippedNormal, S::missedTouch, S::neverAnswers, S::leaningNormal, S::halfTheDigits}) {
     S spoiled(*method, way);
-    EXPECT_FALSE(against<D>(spoiled, QueryNeed::witnesses, pairs, guarantee).right())
+    EXPECT_FALSE(against<D>(spoiled, QueryNeed::closestPoints, pairs, guarantee).right())
         << "way " << way << " was not seen of " << name;
   }
 }
@@ -257,7 +257,7 @@ void bothPrecisions(std::uint64_t inputs) {
   for (const Registered* entry : Registry::instance().list(StageKind::pairQuery, D)) {
     if (entry->info.role != AlgorithmRole::competitor) continue;
     const auto method = createStage<PairQuery<D>>(Spec{entry->info.name, {}});
-    const Tally tally = against<D>(*method, QueryNeed::witnesses, pairs, entry->info.guarantee);
+    const Tally tally = against<D>(*method, QueryNeed::closestPoints, pairs, entry->info.guarantee);
     EXPECT_TRUE(tally.right()) << entry->info.name << ", worst error " << tally.errors.back() << ":\n" << tally.worst;
   }
 }

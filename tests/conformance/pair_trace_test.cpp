@@ -13,7 +13,7 @@
 #include "oracles/corpus/hard_pairs.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/trace_twins.h"
+#include "tests/planted_bugs/trace_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace pair_trace_test {
 
@@ -29,7 +29,7 @@ Asked<D> ask(const char* query, const PairView<D>& pair) {
   const auto method = createStage<PairQuery<D>>(Spec::parse(query));
   PairAnswer<D> distance;
   method->query({&pair, 1}, QueryNeed::distance, {&distance, 1}, {}, out.ofSearch);
-  method->query({&pair, 1}, QueryNeed::witnesses, {&out.answer, 1}, {}, out.work);
+  method->query({&pair, 1}, QueryNeed::closestPoints, {&out.answer, 1}, {}, out.work);
   return out;
 }
 

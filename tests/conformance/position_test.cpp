@@ -9,7 +9,7 @@
 #include "tests/check_property.h"
 #include "tests/conformance/scene_change.h"
 #include "tests/every_solver.h"
-#include "tests/planted_bugs/solver_twins.h"
+#include "tests/planted_bugs/solver_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace position_test {
 
@@ -160,7 +160,7 @@ void testAll() {
 template <int D>
 Step<D> alone(PositionResolver<D>& twin) {
   return [&twin](ImpactScene<D>& s) {
-    twin.correct({s.dt, s.bodies, s.manifolds, s.active, s.joints, s.features, s.work, s.profiler});
+    twin.correct({s.dt, s.bodies, s.manifolds, s.active, s.joints, s.model, s.work, s.profiler});
     for (Manifold<D>& m : s.manifolds) {
       ContactPoint<D>& c = m.points[0];
       c.separation = separationNow(m, c, s.pose(m.bodyA), s.pose(m.bodyB));

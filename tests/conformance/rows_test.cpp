@@ -76,7 +76,7 @@ struct RowProblem {
   }
   /// Friction: stops sliding, or as far as the cone allows. First the exact solution; if it is outside, a gradient step
   /// and a projection onto the cone.
-  void rub(RowContact<D>& c) {
+  void solveFriction(RowContact<D>& c) {
     if (c.row[1].absent()) return;
     RealMatrix<D - 1, D - 1> k;
     RealMatrix<D - 1, 1> v, old;
@@ -109,7 +109,7 @@ void accumulated(RowProblem<D>& p, const VelocityInput<D>& in, int iterations) {
         c.impulse[0] = std::max(Real(0), old + (p.target(c.row[0], in.dt) - p.speed(c, 0)) / p.response(c, 0, 0));
         p.apply(c, 0, c.impulse[0] - old);
       }
-      for (std::size_t k = p.firstOf[m]; k < p.firstOf[m + 1]; ++k) p.rub(p.contacts[k]);
+      for (std::size_t k = p.firstOf[m]; k < p.firstOf[m + 1]; ++k) p.solveFriction(p.contacts[k]);
     }
   }
 }
@@ -135,7 +135,7 @@ void pushedOnce(RowProblem<D>& p, const VelocityInput<D>& in, int) {
     if (!(impulse > 0)) continue;
     c.impulse[0] = impulse;
     p.apply(c, 0, impulse);
-    p.rub(c);
+    p.solveFriction(c);
   }
 }
 
@@ -209,7 +209,7 @@ void softly(RowProblem<D>& p, const VelocityInput<D>& in, int substeps) {
   const auto sweep = [&](bool springs) {
     for (std::size_t m = 0; m + 1 < p.firstOf.size(); ++m) {
       for (std::size_t k = p.firstOf[m]; k < p.firstOf[m + 1]; ++k) push(k, springs);
-      for (std::size_t k = p.firstOf[m]; k < p.firstOf[m + 1]; ++k) p.rub(p.contacts[k]);
+      for (std::size_t k = p.firstOf[m]; k < p.firstOf[m + 1]; ++k) p.solveFriction(p.contacts[k]);
     }
   };
   for (int n = 0; n < substeps; ++n) {
@@ -230,7 +230,7 @@ void softly(RowProblem<D>& p, const VelocityInput<D>& in, int substeps) {
     if (e > 0 && arrival[k] < -in.restitutionThreshold && largest[k] > 0) {
       c.impulse[0] = std::max(Real(0), old - (p.speed(c, 0) + e * arrival[k]) / p.response(c, 0, 0));
       p.apply(c, 0, c.impulse[0] - old);
-      if (c.impulse[0] < old) p.rub(c);
+      if (c.impulse[0] < old) p.solveFriction(c);
     }
   }
   for (RowContact<D>& c : p.contacts) {  // scaled to a whole step
@@ -258,8 +258,8 @@ void equalToRows(Stage& resolver, Method<D> method, int iterations, Draw& draw) 
   const NoCorrection<D> position;
   const Real restitution = draw.pick({Real(0), Real(0.5)});
   auto s = drawImpact<D>(draw, {.fixed = draw.coin(), .friction = true, .restitution = restitution, .gap = Real(0.05)});
-  const VelocityInput<D> in{s.dt,      s.lastDt, s.bodies,   s.manifolds,           s.active,
-                            s.joints,  position, s.features, kRestitutionThreshold, s.work,
+  const VelocityInput<D> in{s.dt,      s.lastDt, s.bodies, s.manifolds,           s.active,
+                            s.joints,  position, s.model,  kRestitutionThreshold, s.work,
                             s.profiler};
   RowProblem<D> rows(in);
   method(rows, in, iterations);

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "tests/planted_bugs/sleep_twins.h"
+#include "tests/planted_bugs/sleep_bugs.h"
 #include "tests/sleep_duties.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace sleep_test {

@@ -5,7 +5,7 @@
 #include "tests/check_property.h"
 #include "tests/conformance/scene_change.h"
 #include "tests/every_solver.h"
-#include "tests/planted_bugs/solver_twins.h"
+#include "tests/planted_bugs/solver_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace solver_test {
 
@@ -320,7 +320,7 @@ TEST(SolverConformance, FeaturesAreObeyed) {
     const auto solver = createStage<Solver<3>>(Spec::parse(text));
     auto s = restingBox<3>();
     s.bodies.motion[1] = {Vec<3>(1, 0, 0), Ang<3>(0, 2, 0)};
-    s.features.friction = false, s.features.rotation = false;
+    s.model.friction = false, s.model.rotation = false;
     for (auto& i : s.bodies.invInertiaBody) i.setZero();
     for (int i = 0; i < 10; ++i) s.step(*solver);
     EXPECT_NEAR(s.motion(1).v[0], 1, 1e-6) << text;
@@ -328,7 +328,7 @@ TEST(SolverConformance, FeaturesAreObeyed) {
     auto j = restingBox<3>();
     j.manifolds.clear(), j.active.clear();
     j.join(0, 1, Vec<3>(0, 2, 0), Vec<3>::Zero());
-    j.features.joints = false;
+    j.model.joints = false;
     for (int i = 0; i < 10; ++i) j.step(*solver);
     EXPECT_NEAR(j.motion(1).v[1], -9.81 / 6, 1e-4) << text;
   }
@@ -393,7 +393,7 @@ TEST(SoftStep, SagIsThatOfASpring) {
     NoDetection detect;
     s.graph.reset(s.bodies, s.manifolds, s.joints, s.work);
     for (int i = 0; i < 240; ++i) {
-      solver->step({s.dt, s.lastDt, s.time, s.bodies, s.manifolds, s.active, s.joints, press, detect, s.features,
+      solver->step({s.dt, s.lastDt, s.time, s.bodies, s.manifolds, s.active, s.joints, press, detect, s.model,
                     kRestitutionThreshold, s.work, s.profiler, s.graph});
       s.lastDt = s.dt;
     }

@@ -75,7 +75,7 @@ Asked ask(PairQuery<D>& method, const Pairs<D>& pairs, QueryNeed need) {
   return {work[WorkCount::supportCalls] + 2 * work[WorkCount::axisTests], g_calls};
 }
 
-constexpr QueryNeed kNeeds[] = {QueryNeed::boolean, QueryNeed::distance, QueryNeed::witnesses};
+constexpr QueryNeed kNeeds[] = {QueryNeed::boolean, QueryNeed::distance, QueryNeed::closestPoints};
 
 // Planted bug: one support point of A is not counted.
 template <int D>
@@ -188,7 +188,7 @@ void looserAsksNoMore() {
       }
       std::string text;
       expectCaught("counts: bands below the tolerance, " + name,
-                   loosenessIsFree<D>(pairs, QueryNeed::witnesses, text,
+                   loosenessIsFree<D>(pairs, QueryNeed::closestPoints, text,
                                       [&](const char* t) { return std::make_unique<EveryBand<D>>(name, t); }));
     }
   }

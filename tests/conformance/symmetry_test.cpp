@@ -12,7 +12,7 @@
 #include "tests/check_property.h"
 #include "tests/conformance/scene_change.h"
 #include "tests/every_solver.h"
-#include "tests/planted_bugs/solver_twins.h"
+#include "tests/planted_bugs/solver_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace symmetry_test {
 

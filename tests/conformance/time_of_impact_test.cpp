@@ -9,7 +9,7 @@
 #include "oracles/referee/impact_bracket.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
-#include "tests/planted_bugs/time_of_impact_twins.h"
+#include "tests/planted_bugs/time_of_impact_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace time_of_impact_test {
 namespace time_of_impact_test {

@@ -84,11 +84,11 @@ void hulls(World<3>& world) {
 
 // A chain of unequal links that swings into a rod tumbling on a spring, in air.
 void chain(World<3>& world) {
-  Handle last = world.add(body<3>(Shape<3>::sphere(Real(0.1)), at<3>(0, 6), BodyType::fixed));
+  BodyHandle last = world.add(body<3>(Shape<3>::sphere(Real(0.1)), at<3>(0, 6), BodyType::fixed));
   for (int i = 0; i < 7; ++i) {
     BodyDef<3> link = body<3>(Shape<3>::capsule(Real(0.25), Real(0.08)), at<3>(0.5 + 0.8 * i, 6));
     link.shapes[0].density = static_cast<Real>(1 + i % 3);
-    const Handle next = world.add(link);
+    const BodyHandle next = world.add(link);
     world.add(JointDef<3>{.bodyA = last, .bodyB = next, .X_WJ = {at<3>(0.1 + 0.8 * i, 6), {}}});
     last = next;
   }

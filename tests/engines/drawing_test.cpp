@@ -3,7 +3,7 @@
 // and islands are not invented.
 #include "tests/engines/engine_checks.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/draw_twins.h"
+#include "tests/planted_bugs/draw_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace engine_drawing_test { namespace {
 
@@ -12,7 +12,7 @@ template <int D>
 bool tellsWhatEnginesTell(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
   s->add(ground<D>());
-  const Handle rests = s->add(body<D>(cube<D>(), at<D>(0, 0.6))), hangs = s->add(body<D>(cube<D>(), at<D>(5, 5)));
+  const BodyHandle rests = s->add(body<D>(cube<D>(), at<D>(0, 0.6))), hangs = s->add(body<D>(cube<D>(), at<D>(5, 5)));
   s->add(JointDef<D>{.kind = "pivot", .bodyB = hangs, .X_WJ = {at<D>(6, 5), {}}});
   run(*s, 0.5);
   DrawLayers layers;

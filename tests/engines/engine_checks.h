@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "framework/world/world.h"
-#include "tests/planted_bugs/engine_twins.h"
+#include "tests/planted_bugs/engine_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 

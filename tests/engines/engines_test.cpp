@@ -18,7 +18,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace {
 template <int D>
 bool falls(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle ball = s->add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(1, 30)));
+  const BodyHandle ball = s->add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(1, 30)));
   run(*s, 2);
   const double n = 120, dt = double(kDt);  // semi-implicit Euler, the integrator of all engines
   return near(double(s->bodies().motion[0].v[1]), -kG * n * dt, 1e-4) &&
@@ -69,7 +69,7 @@ bool slides(const Start<D>& start) {
     BodyDef<D> floor = ground<D>(), block = body<D>(cube<D>(), at<D>(0, 0.5));
     floor.shapes[0].friction = Real(0.9), block.shapes[0].friction = Real(mu * mu / 0.9);
     s->add(floor);
-    const Handle h = s->add(block);
+    const BodyHandle h = s->add(block);
     run(*s, 2);
     return double(s->pose(h).p[0]);
   };
@@ -89,7 +89,7 @@ bool mixes(const Start<D>& start) {
     BodyDef<D> floor = ground<D>(), block = body<D>(cube<D>(), at<D>(0, 0.5));
     floor.shapes[0].friction = Real(0.6), block.shapes[0].friction = Real(0.2);
     slides->add(floor);
-    const Handle h = slides->add(block);
+    const BodyHandle h = slides->add(block);
     run(*slides, 2);
     const double way = kG * half * (1 - double(mix(static_cast<MixRule>(i), Real(0.6), Real(0.2)))) * 2 * 2 / 2;
     BodyDef<D> a = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-2, 0)), b = a;
@@ -114,7 +114,7 @@ bool sticks(const Start<D>& start) {
   BodyDef<D> floor = ground<D>(), block = body<D>(Shape<D>::box(half), at<D>(0, 0.02));
   floor.shapes[0].friction = block.shapes[0].friction = 20;
   s->add(floor);
-  const Handle h = s->add(block);
+  const BodyHandle h = s->add(block);
   run(*s, 1);
   return near(double(s->pose(h).p[0]), 0, 0.1);  // with a friction of 10 it slides 0.8 m
 }
@@ -123,7 +123,7 @@ template <int D>
 bool rests(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
   s->add(ground<D>());
-  std::vector<Handle> boxes;
+  std::vector<BodyHandle> boxes;
   for (int i = 0; i < 5; ++i) boxes.push_back(s->add(body<D>(cube<D>(), at<D>(0, 0.5 + i))));
   run(*s, 5);
   const StateInvariants<D> now = stateInvariants<D>(*s);
@@ -144,7 +144,7 @@ bool bears(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
   BodyDef<D> ball = body<D>(cube<D>(), at<D>(0, 5));
   ball.shapes[0].density = 7;
-  const Handle h = s->add(ball);
+  const BodyHandle h = s->add(ball);
   auto lift = std::make_shared<Lift<D>>();
   lift->force = Real(7 * kG);
   s->add(lift);
@@ -159,7 +159,7 @@ bool swingsOnASpring(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
   BodyDef<D> ball = body<D>(cube<D>(), at<D>(0.5, 0));
   ball.shapes[0].density = 7;
-  const Handle h = s->add(ball);
+  const BodyHandle h = s->add(ball);
   const double w = 6.283185307179586;
   const ForceHandle spring =
       s->add(ForceDef<D>{.kind = "spring{stiffness=" + std::to_string(7 * w * w) + "}", .bodyB = h});
@@ -196,8 +196,8 @@ bool tumbles(const Start<D>& start) {
 template <int D>
 bool swings(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle post = s->add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0, 0), BodyType::fixed));
-  const Handle bob = s->add(body<D>(cube<D>(), at<D>(1, 0)));
+  const BodyHandle post = s->add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0, 0), BodyType::fixed));
+  const BodyHandle bob = s->add(body<D>(cube<D>(), at<D>(1, 0)));
   JointDef<D> pivot;
   pivot.bodyA = post, pivot.bodyB = bob;
   const JointHandle joint = s->add(pivot);
@@ -339,7 +339,7 @@ void refuses(const std::string& name, const BodyDef<D>& def, const std::string& 
   for (const auto& e : engines<D>()) {
     if (e.name != name) continue;
     const auto s = e.start({});
-    const Handle first = s->add(ground<D>());
+    const BodyHandle first = s->add(ground<D>());
     s->add(std::make_shared<Everywhere<D>>());
     const std::uint64_t before = s->hash();
     try {
@@ -378,7 +378,7 @@ TEST(Engines, BulletKeepsSizes) {
       for (const auto& [shape, height] : shapes) {
         const auto s = e.start(gravity<3>(0, -kG));
         s->add(plane ? body<3>(Shape<3>::plane(), at<3>(0, 0), BodyType::fixed) : ground<3>());
-        const Handle h = s->add(body<3>(shape, at<3>(0, height)));
+        const BodyHandle h = s->add(body<3>(shape, at<3>(0, height)));
         run(*s, 2);
         EXPECT_NEAR(double(s->pose(h).p[1]), height, 0.015) << e.name << ", plane " << plane << ", height " << height;
       }

@@ -16,11 +16,11 @@ Rot<D> aboutZ(double angle) {
 }
 // The rotation about z, seen from the origin, of a point that began on the x axis; within half a turn.
 template <int D>
-double angleOfPlace(const Simulation<D>& s, Handle h) {
+double angleOfPlace(const Simulation<D>& s, BodyHandle h) {
   return std::atan2(double(s.pose(h).p[1]), double(s.pose(h).p[0]));
 }
 template <int D>
-JointDef<D> joint(const std::string& kind, Handle a, Handle b, const Vec<D>& place = Vec<D>::Zero()) {
+JointDef<D> joint(const std::string& kind, BodyHandle a, BodyHandle b, const Vec<D>& place = Vec<D>::Zero()) {
   return {.kind = kind, .bodyA = a, .bodyB = b, .X_WJ = {place, {}}};
 }
 // A ball of 1 kg, 0.5 m wide.
@@ -38,8 +38,8 @@ template <int D>
 bool stops(const Start<D>& start) {
   for (const bool up : {false, true}) {
     const auto s = start(gravity<D>(0, up ? kG : -kG));
-    const Handle arm = s->add(ball<D>(at<D>(1, 0)));
-    s->add(joint<D>("hinge{lower=-0.4,upper=0.6}", Handle{}, arm));
+    const BodyHandle arm = s->add(ball<D>(at<D>(1, 0)));
+    s->add(joint<D>("hinge{lower=-0.4,upper=0.6}", BodyHandle{}, arm));
     run(*s, 3);
     if (!near(angleOfPlace(*s, arm), up ? 0.6 : -0.4, 0.02) || stateInvariants<D>(*s).maxSpeed > 0.05) return false;
   }
@@ -52,7 +52,7 @@ bool stopsFromZero(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
   BodyDef<D> post = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0, 0), BodyType::fixed), arm = ball<D>(at<D>(1, 0));
   post.X_WB.q = aboutZ<D>(0.7), arm.X_WB.q = aboutZ<D>(-0.4);
-  const Handle a = s->add(post), b = s->add(arm);
+  const BodyHandle a = s->add(post), b = s->add(arm);
   JointDef<D> hinge = joint<D>("hinge{lower=0.2,upper=0.9}", a, b);
   hinge.X_WJ.q = aboutZ<D>(0.3), hinge.X_WJb = Pose<D>{Vec<D>::Zero(), aboutZ<D>(0.8)};
   s->add(hinge);
@@ -66,7 +66,7 @@ template <int D>
 bool drives(const Start<D>& start) {
   for (const double speed : {2.0, -2.0}) {
     const auto s = start(gravity<D>(0, 0));
-    const Handle a = s->add(body<D>(cube<D>(), at<D>(0, 0))), b = s->add(body<D>(cube<D>(), at<D>(2, 0)));
+    const BodyHandle a = s->add(body<D>(cube<D>(), at<D>(0, 0))), b = s->add(body<D>(cube<D>(), at<D>(2, 0)));
     s->add(joint<D>("hinge{motor_speed=" + std::to_string(speed) + ",motor_torque=1000}", a, b, at<D>(1, 0)));
     run(*s, 1);
     const auto& m = s->bodies().motion;
@@ -74,8 +74,8 @@ bool drives(const Start<D>& start) {
     if (!near(relative, speed, 0.02) || stateInvariants<D>(*s).momentum.norm() > 0.01) return false;
   }
   const auto s = start(gravity<D>(0, 0));
-  const Handle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0)));  // 1/6 kg m^2
-  s->add(joint<D>("hinge{motor_speed=1000,motor_torque=0.05}", Handle{}, wheel));
+  const BodyHandle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0)));  // 1/6 kg m^2
+  s->add(joint<D>("hinge{motor_speed=1000,motor_torque=0.05}", BodyHandle{}, wheel));
   run(*s, 1);
   return near(double(s->bodies().motion[0].w[kAngDim<D> - 1]), 0.05 * 6, 0.005);
 }
@@ -88,8 +88,8 @@ bool keepsTime(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
   Rot<D> tilt{};
   if constexpr (D == 3) tilt = Rot<3>::vector(Vec<3>(Real(lean), 0, 0));
-  const Handle bob = s->add(ball<D>(tilt * at<D>(std::sin(amplitude), -std::cos(amplitude))));
-  JointDef<D> hinge = joint<D>("hinge", Handle{}, bob);
+  const BodyHandle bob = s->add(ball<D>(tilt * at<D>(std::sin(amplitude), -std::cos(amplitude))));
+  JointDef<D> hinge = joint<D>("hinge", BodyHandle{}, bob);
   hinge.X_WJ.q = tilt;
   s->add(hinge);
   const double dt = 1.0 / 240;
@@ -113,11 +113,11 @@ bool keepsTime(const Start<D>& start) {
 template <int D>
 bool welds(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  Handle last{};
+  BodyHandle last{};
   for (int i = 0; i < 3; ++i) {
     BodyDef<D> def = body<D>(cube<D>(), at<D>(i + 0.5, 0));
     def.X_WB.q = aboutZ<D>(0.5 * i);
-    const Handle next = s->add(def);
+    const BodyHandle next = s->add(def);
     s->add(joint<D>("weld", last, next, at<D>(i, 0)));
     last = next;
   }
@@ -128,7 +128,7 @@ bool welds(const Start<D>& start) {
   const auto free = start(gravity<D>(0, 0));
   BodyDef<D> left = body<D>(cube<D>(), at<D>(0, 0)), right = body<D>(cube<D>(), at<D>(2, 0));
   right.velocity = at<D>(0, 2), right.X_WB.q = aboutZ<D>(1);
-  const Handle a = free->add(left), b = free->add(right);
+  const BodyHandle a = free->add(left), b = free->add(right);
   free->add(joint<D>("weld", a, b, at<D>(1, 0)));
   run(*free, 2);
   const Pose<D> X_AB = free->pose(a).inverse() * free->pose(b);
@@ -137,8 +137,8 @@ bool welds(const Start<D>& start) {
 }
 
 template <int D>
-JointDef<D> hanging(const std::string& kind, Handle b, double hook, double end) {
-  JointDef<D> def = joint<D>(kind, Handle{}, b, at<D>(0, hook));
+JointDef<D> hanging(const std::string& kind, BodyHandle b, double hook, double end) {
+  JointDef<D> def = joint<D>(kind, BodyHandle{}, b, at<D>(0, hook));
   def.X_WJb = Pose<D>{at<D>(0, end), {}};
   return def;
 }
@@ -146,7 +146,7 @@ JointDef<D> hanging(const std::string& kind, Handle b, double hook, double end) 
 template <int D>
 bool ropes(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle h = s->add(ball<D>(at<D>(0, -1)));
+  const BodyHandle h = s->add(ball<D>(at<D>(0, -1)));
   s->add(hanging<D>("distance{mode=rope,length=2}", h, 0, -1));
   run(*s, 0.4);
   const double fallen = kG * 24 * 25 / 2 / 3600;
@@ -162,8 +162,8 @@ bool ropes(const Start<D>& start) {
 template <int D>
 bool rods(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle h = s->add(ball<D>(at<D>(1, 0)));
-  JointDef<D> def = joint<D>("distance", Handle{}, h);
+  const BodyHandle h = s->add(ball<D>(at<D>(1, 0)));
+  JointDef<D> def = joint<D>("distance", BodyHandle{}, h);
   def.X_WJb = Pose<D>{at<D>(1, 0), {}};
   s->add(def);
   double lowest = 0, off = 0;
@@ -179,7 +179,7 @@ bool rods(const Start<D>& start) {
 template <int D>
 bool springs(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle h = s->add(ball<D>(at<D>(0, -1)));
+  const BodyHandle h = s->add(ball<D>(at<D>(0, -1)));
   s->add(hanging<D>("distance{mode=spring,length=1,stiffness=50,damping=4}", h, 0, -1));
   double lowest = 0;
   for (int i = 0; i < 2400; ++i) {
@@ -195,8 +195,9 @@ bool springs(const Start<D>& start) {
 template <int D>
 bool hangs(const Start<D>& start, const std::string& kind, double share) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle h = s->add(ball<D>(at<D>(0, 0)));
-  JointDef<D> def = kind.starts_with("distance") ? hanging<D>(kind, h, 1, 0) : joint<D>(kind, Handle{}, h, at<D>(0, 1));
+  const BodyHandle h = s->add(ball<D>(at<D>(0, 0)));
+  JointDef<D> def =
+      kind.starts_with("distance") ? hanging<D>(kind, h, 1, 0) : joint<D>(kind, BodyHandle{}, h, at<D>(0, 1));
   def.breakForce = Real(share * kG);
   const JointHandle hook = s->add(def);
   run(*s, 1);
@@ -215,8 +216,8 @@ bool breaks(const Start<D>& start, std::initializer_list<const char*> kinds) {
   // A weld with a lever: the force is within its limit, the torque is not.
   for (const double share : {0.8, 1.2}) {
     const auto s = start(gravity<D>(0, -kG));
-    const Handle h = s->add(body<D>(cube<D>(), at<D>(0.5, 0)));  // 1 kg
-    JointDef<D> def = joint<D>("weld", Handle{}, h);
+    const BodyHandle h = s->add(body<D>(cube<D>(), at<D>(0.5, 0)));  // 1 kg
+    JointDef<D> def = joint<D>("weld", BodyHandle{}, h);
     def.breakTorque = Real(share * 0.5 * kG);
     s->add(def);
     run(*s, 0.5);
@@ -224,8 +225,8 @@ bool breaks(const Start<D>& start, std::initializer_list<const char*> kinds) {
   }
   // A hinge has no torque about its axis, at any distance of the body's centre and any speed.
   const auto s = start(gravity<D>(0, -kG));
-  const Handle h = s->add(ball<D>(at<D>(2, 0)));
-  JointDef<D> def = joint<D>("hinge", Handle{}, h);
+  const BodyHandle h = s->add(ball<D>(at<D>(2, 0)));
+  JointDef<D> def = joint<D>("hinge", BodyHandle{}, h);
   def.breakTorque = Real(0.05 * 2 * kG);
   s->add(def);
   run(*s, 2);
@@ -246,11 +247,11 @@ bool breaksDistances(const Start<2>& start) {
 template <int D>
 bool switchesOff(const Start<D>& start, const std::string& kind) {
   WorldSettings<D> settings = gravity<D>(0, -kG);
-  settings.features.joints = false;
+  settings.model.joints = false;
   const auto s = start(settings);
-  const Handle h = s->add(ball<D>(at<D>(1, 0)));
-  const JointHandle gone = s->add(joint<D>("pivot", Handle{}, h));
-  s->add(joint<D>(kind, Handle{}, h));
+  const BodyHandle h = s->add(ball<D>(at<D>(1, 0)));
+  const JointHandle gone = s->add(joint<D>("pivot", BodyHandle{}, h));
+  s->add(joint<D>(kind, BodyHandle{}, h));
   run(*s, 0.5);
   s->remove(gone);
   run(*s, 0.5);
@@ -268,8 +269,8 @@ bool switchesAllOff(const Start<D>& start) {
 template <int D>
 double swingsTo(const Start<D>& start, bool collide) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle post = s->add(body<D>(cube<D>(), at<D>(0, 0), BodyType::fixed));
-  const Handle bob = s->add(body<D>(Shape<D>::sphere(Real(0.2)), at<D>(1.4, 0.8)));
+  const BodyHandle post = s->add(body<D>(cube<D>(), at<D>(0, 0), BodyType::fixed));
+  const BodyHandle bob = s->add(body<D>(Shape<D>::sphere(Real(0.2)), at<D>(1.4, 0.8)));
   JointDef<D> def = joint<D>("hinge", post, bob, at<D>(0.6, 0.8));
   def.collide = collide;
   s->add(def);
@@ -288,13 +289,13 @@ bool passes(const Start<D>& start) {
 template <int D>
 bool partsWhatTouched(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle floor = s->add(ground<D>()), box = s->add(body<D>(cube<D>(), at<D>(0, 0.5)));
+  const BodyHandle floor = s->add(ground<D>()), box = s->add(body<D>(cube<D>(), at<D>(0, 0.5)));
   run(*s, 0.5);
   s->add(joint<D>("hinge", floor, box, at<D>(-0.5, 0.5)));
   run(*s, 0.5);
   if (!(double(s->pose(box).p[1]) < 0.2)) return false;
   const auto again = start(gravity<D>(0, -kG));
-  const Handle low = again->add(ground<D>()), high = again->add(body<D>(cube<D>(), at<D>(0, 2)));
+  const BodyHandle low = again->add(ground<D>()), high = again->add(body<D>(cube<D>(), at<D>(0, 2)));
   const JointHandle hook = again->add(joint<D>("pivot", low, high, at<D>(0, 2)));
   run(*again, 0.2);
   again->remove(hook);
@@ -365,8 +366,8 @@ TEST(EngineJoints, PlantedAdaptersAreCaught) {
 template <int D>
 bool countsTurns(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
-  const Handle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0)));
-  s->add(joint<D>("hinge{upper=7,motor_speed=4,motor_torque=5}", Handle{}, wheel));
+  const BodyHandle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0)));
+  s->add(joint<D>("hinge{upper=7,motor_speed=4,motor_torque=5}", BodyHandle{}, wheel));
   for (int i = 0; i < 180; ++i) {
     if (i == 60) s->setPose(wheel, s->pose(wheel));  // at 3.7 rad: setting the pose must not lose the count of turns
     s->step(kDt);
@@ -400,7 +401,7 @@ void refuses(const std::string& name, const JointDef<D>& def, const std::string&
 }
 TEST(EngineJoints, UnsupportedJointsAreRefusedWithoutTrace) {
   const auto far = [](const std::string& kind, auto place) {
-    auto def = joint(kind, Handle{}, Handle{}, place);
+    auto def = joint(kind, BodyHandle{}, BodyHandle{}, place);
     def.X_WJb = decltype(def.X_WJ){};
     return def;
   };

@@ -19,7 +19,7 @@ Ang<D> spin(double about) {
   return w;
 }
 template <int D>
-const Motion<D>& motion(const Simulation<D>& s, Handle h) {
+const Motion<D>& motion(const Simulation<D>& s, BodyHandle h) {
   return s.bodies().motion[static_cast<std::size_t>(h.slot)];
 }
 
@@ -28,7 +28,7 @@ const Motion<D>& motion(const Simulation<D>& s, Handle h) {
 template <int D>
 bool forces(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
-  const Handle h = s->add(block<D>());
+  const BodyHandle h = s->add(block<D>());
   const double t = 12 * double(kDt), inertia = 2.0 / 6;
   for (int i = 0; i < 12; ++i) {
     s->applyForce(h, at<D>(0, 3), at<D>(0.75, 0));
@@ -40,7 +40,7 @@ bool forces(const Start<D>& start) {
   if (!near(double(pushed.w[kAngDim<D> - 1]), 0.5 * 3 * t / inertia, 1e-3)) return false;
 
   const auto other = start(gravity<D>(0, 0));
-  const Handle b = other->add(block<D>());
+  const BodyHandle b = other->add(block<D>());
   for (int i = 0; i < 12; ++i) {
     other->applyTorque(b, spin<D>(0.5));
     other->step(kDt);
@@ -54,10 +54,10 @@ bool forces(const Start<D>& start) {
 template <int D>
 bool forcesAddUp(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
-  const Handle gone = s->add(block<D>());
+  const BodyHandle gone = s->add(block<D>());
   s->applyForce(gone, at<D>(100, 0), at<D>(0, 0));
   s->remove(gone);
-  const Handle h = s->add(block<D>());
+  const BodyHandle h = s->add(block<D>());
   s->step(kDt);
   if (motion(*s, h).v.norm() > 1e-6) return false;
   s->applyForce(h, at<D>(3, 0), at<D>(0.25, 0)), s->applyForce(h, at<D>(3, 0), at<D>(0.25, 0));
@@ -69,10 +69,10 @@ bool forcesAddUp(const Start<D>& start) {
 template <int D>
 bool moves(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
-  const Handle h = s->add(block<D>());
+  const BodyHandle h = s->add(block<D>());
   BodyDef<D> stiff = block<D>();
   stiff.X_WB.p = at<D>(0, 9), stiff.rotatable = false, stiff.angularVelocity = spin<D>(1);
-  const Handle rigid = s->add(stiff);
+  const BodyHandle rigid = s->add(stiff);
   run(*s, 0.1);
   s->setMotion(h, {at<D>(2, 1), spin<D>(1)});
   s->setMotion(rigid, {at<D>(1, 0), spin<D>(1)});
@@ -90,10 +90,10 @@ bool blows(const Start<D>& start) {
   stiff.X_WB.p = at<D>(0, 9), stiff.rotatable = false;
   BodyDef<D> deep = ground<D>();
   deep.X_WB.p = at<D>(0, -9);
-  const Handle h = s->add(block<D>()), rigid = s->add(stiff), floor = s->add(deep);
+  const BodyHandle h = s->add(block<D>()), rigid = s->add(stiff), floor = s->add(deep);
   run(*s, 0.1);
-  for (const Handle& b : {h, rigid, floor}) s->applyImpulse(b, {at<D>(0, 3), spin<D>(0.5)});
-  const auto moved = [&](const Handle& b, double v, double w) {
+  for (const BodyHandle& b : {h, rigid, floor}) s->applyImpulse(b, {at<D>(0, 3), spin<D>(0.5)});
+  const auto moved = [&](const BodyHandle& b, double v, double w) {
     return near(double(motion(*s, b).v[1]), v, 1e-3) && near(double(motion(*s, b).w[kAngDim<D> - 1]), w, 1e-3);
   };
   const auto all = [&] { return moved(h, 1.5, 1.5) && moved(rigid, 1.5, 0) && moved(floor, 0, 0); };
@@ -113,7 +113,7 @@ bool carries(const Start<D>& start) {
   plate.velocity = at<D>(0, 1);
   BodyDef<D> load = body<D>(cube<D>(), at<D>(0, 0.5));
   load.velocity = plate.velocity;
-  const Handle lift = s->add(plate), box = s->add(load);
+  const BodyHandle lift = s->add(plate), box = s->add(load);
   run(*s, 1);
   if (!near(double(s->pose(lift).p[1]), 0.75, 1e-3) || !near(double(s->pose(box).p[1]), 1.5, 0.03)) return false;
   s->setMotion(lift, {at<D>(0.5, 1), spin<D>(0)});
@@ -131,7 +131,7 @@ bool carries(const Start<D>& start) {
 template <int D>
 bool spins(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
-  const Handle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0), BodyType::kinematic));
+  const BodyHandle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0), BodyType::kinematic));
   Motion<D> turn;
   turn.w[kAngDim<D> - 1] = 60;
   s->setMotion(wheel, turn);
@@ -145,7 +145,7 @@ bool placesGently(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
   BodyDef<D> plate = ground<D>();
   plate.type = BodyType::kinematic;
-  const Handle lift = s->add(plate), box = s->add(body<D>(cube<D>(), at<D>(0, 0.5)));
+  const BodyHandle lift = s->add(plate), box = s->add(body<D>(cube<D>(), at<D>(0, 0.5)));
   run(*s, 0.5);
   s->setPose(lift, {at<D>(0, -0.98), {}});
   double fastest = 0;
@@ -160,7 +160,7 @@ bool placesGently(const Start<D>& start) {
 template <int D>
 bool places(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle floor = s->add(ground<D>()), box = s->add(body<D>(cube<D>(), at<D>(0, 0.5)));
+  const BodyHandle floor = s->add(ground<D>()), box = s->add(body<D>(cube<D>(), at<D>(0, 0.5)));
   run(*s, 0.5);
   Rot<D> quarter{};
   if constexpr (D == 2) quarter = Rot<2>::angle(Real(1.5707963));
@@ -219,7 +219,7 @@ void refusesNonsense() {
     const auto s = e.start(gravity<D>(0, 0));
     BodyDef<D> deep = ground<D>();
     deep.X_WB.p = at<D>(0, -9);
-    const Handle h = s->add(block<D>()), floor = s->add(deep), gone = s->add(block<D>());
+    const BodyHandle h = s->add(block<D>()), floor = s->add(deep), gone = s->add(block<D>());
     s->remove(gone);
     const Real nan = std::numeric_limits<Real>::quiet_NaN();
     EXPECT_THROW(s->setPose(gone, {}), UserError);

@@ -37,12 +37,12 @@ class Bits {
 
 template <int D>
 std::uint64_t boxes(const std::string& distribution) {
-  const Flock<D> flock = makeFlock<D>(Spec::parse(distribution), 200, 7);
+  const MovingBoxes<D> boxes = makeMovingBoxes<D>(Spec::parse(distribution), 200, 7);
   Bits bits;
-  for (std::size_t i = 0; i < flock.place.size(); ++i) {
-    bits.add<D>(flock.place[i]), bits.add<D>(flock.velocity[i]), bits.add(static_cast<double>(flock.half[i]));
+  for (std::size_t i = 0; i < boxes.place.size(); ++i) {
+    bits.add<D>(boxes.place[i]), bits.add<D>(boxes.velocity[i]), bits.add(static_cast<double>(boxes.half[i]));
   }
-  bits.add(static_cast<double>(flock.room));
+  bits.add(static_cast<double>(boxes.room));
   return bits.hash();
 }
 

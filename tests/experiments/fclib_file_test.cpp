@@ -230,7 +230,7 @@ TEST(FclibFile, ReportsWhatItCannotHold) {
   };
   said("limits", [&](auto& p) { row(p, [](auto& r) { r.lo = -1, r.hi = 1; }); });
   said("springs", [&](auto& p) { row(p, [](auto& r) { r.law = RowLaw::spring, r.stiffness = 10, r.damping = 1; }); });
-  said("without rotation", [](auto& p) { p.features.rotation = false; });
+  said("without rotation", [](auto& p) { p.model.rotation = false; });
   said("pinned", [](auto& p) {
     for (std::size_t i = 0; i < p.bodies.invMass.size(); ++i) {
       if (p.bodies.type[i] == BodyType::dynamic) p.bodies.invMass[i] = 0;

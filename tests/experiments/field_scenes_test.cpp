@@ -21,7 +21,7 @@ struct Played {
     play.steps(steps);
     for (std::size_t i = 0; i < play.scene.spawns.size(); ++i) {
       from.push_back(play.scene.spawns[i].body.X_WB.p);
-      const Handle body = play.director.body(static_cast<int>(i));
+      const BodyHandle body = play.director.body(static_cast<int>(i));
       to.push_back(play.world.valid(body) ? play.world.pose(body).p : from.back());
     }
   }
@@ -123,7 +123,7 @@ template <int D>
 void stopsOnThePlank(Real heading) {
   Play<D> play("plank", {{"heading", double(heading)}, {"mass", 2.0}});
   play.steps(60);
-  const Handle plank = play.body("plank"), block = play.body("block");
+  const BodyHandle plank = play.body("plank"), block = play.body("block");
   Vec<D> ahead = Vec<D>::Unit(0);
   if constexpr (D == 3) ahead = {std::cos(heading), 0, std::sin(heading)};
   const Vec<D> way = play.world.pose(block).p - play.world.pose(plank).p - Vec<D>::Unit(1) * Real(0.625);
@@ -151,7 +151,7 @@ TEST(FieldScenes, TheHandleTurnsOverInItsTime) {
     double before = 7.5;
     for (int i = 0; i < 4 * 300; ++i) {
       play.step();
-      const Handle handle = play.body("handle");
+      const BodyHandle handle = play.body("handle");
       const double now = (play.world.pose(handle).q.inverse() * Vec<3>(play.world.motion(handle).w))[0];
       if (before * now <= 0) times.push_back((i + before / (before - now)) * double(play.scene.dt));
       before = now;

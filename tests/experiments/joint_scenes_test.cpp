@@ -62,7 +62,7 @@ void swingsAsAChain() {
                                                  double sum = 0;
                                                  for (int i = 0; i < 20; ++i) {
                                                    const double s = 4 - 0.2 * (i + 0.5);
-                                                   const Handle link = play.director.body(i);
+                                                   const BodyHandle link = play.director.body(i);
                                                    sum += double(play.world.pose(link).p[0]) *
                                                           std::cyl_bessel_j(0.0, 2.404825557695773 * std::sqrt(s / 4));
                                                  }
@@ -107,7 +107,7 @@ template <int D>
 void swings() {
   Play<D> play("swing", {});
   play.step();
-  const Handle plank = play.body("plank"), load = play.body("load");
+  const BodyHandle plank = play.body("plank"), load = play.body("load");
   double most = 0, apart = 0;
   const double found = period(
       [&] {

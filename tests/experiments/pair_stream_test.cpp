@@ -82,13 +82,13 @@ class Crowd {
   long steps = 0;
 
  private:
-  Handle add(BodyDef<D> def) {
+  BodyHandle add(BodyDef<D> def) {
     def.userData = ++m_names;
     return world.add(def);
   }
   int m_count = 0;
   std::uint64_t m_names = 0;
-  std::vector<Handle> m_handles;
+  std::vector<BodyHandle> m_handles;
 };
 
 using Ids = std::set<std::pair<std::array<std::int32_t, 3>, std::array<std::int32_t, 3>>>;  // body, shape, child; twice
@@ -99,16 +99,16 @@ void addId(Ids& ids, const std::array<std::int32_t, 3>& a, const std::array<std:
 
 /// The queries of the stream's last step.
 template <int D>
-std::span<const typename PairStream<D>::Meeting> lastMeetings(const PairStream<D>& stream) {
-  return std::span(stream.meetings).last(stream.steps.back().meetings);
+std::span<const typename PairStream<D>::PairPose> lastPairPoses(const PairStream<D>& stream) {
+  return std::span(stream.pairPoses).last(stream.steps.back().pairPoses);
 }
 
 template <int D>
 Ids lastIds(const PairStream<D>& stream) {
   Ids out;
-  for (const auto& m : lastMeetings(stream)) {
+  for (const auto& m : lastPairPoses(stream)) {
     const auto& p = stream.pairs[m.pair];
-    addId(out, {p.a.body, p.a.shape, p.a.child}, {p.b.body, p.b.shape, p.b.child});
+    addId(out, {p.a.body, p.a.shape, p.a.part}, {p.b.body, p.b.shape, p.b.part});
   }
   return out;
 }
@@ -119,7 +119,7 @@ Ids askedIds(const World<D>& world) {
   Ids out;
   const auto index = [&](std::int32_t slot) { return world.shapes()[static_cast<std::size_t>(slot)].index; };
   for (const PairRecord& r : world.pairRecords()) {
-    addId(out, {r.bodyA, index(r.shapeA), r.childA}, {r.bodyB, index(r.shapeB), r.childB});
+    addId(out, {r.bodyA, index(r.shapeA), r.partA}, {r.bodyB, index(r.shapeB), r.partB});
   }
   return out;
 }
@@ -158,10 +158,10 @@ int missing(const World<D>& world, const Ids& ids) {
   const Bodies<D>& bodies = world.bodies();
   for (const ShapeRecord<D>& s : world.shapes()) {
     if (s.body < 0) continue;
-    std::int32_t child = 0;
+    std::int32_t part = 0;
     forParts(s.shape, bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS,
              [&](const ShapeView<D>& view, const Pose<D>& X_WP) {
-               parts.push_back({{s.body, s.index, child++}, view, X_WP, &s});
+               parts.push_back({{s.body, s.index, part++}, view, X_WP, &s});
              });
   }
   const auto query = createStage<PairQuery<D>>({"gjk_epa", {}});
@@ -222,11 +222,11 @@ bool keepsNumbers(const NumberOf& numberOf) {
   for (int i = 0; i < 100; ++i) {
     crowd.collector.see(crowd.world, i, kNoLimit);
     const PairStream<D>& stream = crowd.collector.stream();
-    for (const auto& m : lastMeetings(stream)) {
+    for (const auto& m : lastPairPoses(stream)) {
       const auto& p = stream.pairs[m.pair];
       const auto name = [&](const PartOfBody& part) {
         const std::uint64_t body = crowd.world.userData(crowd.world.handle(part.body));
-        return Name{body, static_cast<std::uint64_t>(part.shape), static_cast<std::uint64_t>(part.child)};
+        return Name{body, static_cast<std::uint64_t>(part.shape), static_cast<std::uint64_t>(part.part)};
       };
       const std::pair<Name, Name> names(name(p.a), name(p.b));
       const std::uint32_t number = numberOf(stream, m);
@@ -244,12 +244,12 @@ void pairsKeepTheirNumbers() {
   std::map<std::array<std::int32_t, 6>, std::uint32_t> bySlot;
   const bool ofSlots = keepsNumbers<D>([&](const auto& stream, const auto& m) {
     const auto& p = stream.pairs[m.pair];
-    const std::array key = {p.a.body, p.a.shape, p.a.child, p.b.body, p.b.shape, p.b.child};
+    const std::array key = {p.a.body, p.a.shape, p.a.part, p.b.body, p.b.shape, p.b.part};
     return bySlot.emplace(key, static_cast<std::uint32_t>(bySlot.size())).first->second;
   });
   test::expectCaught("PairStream takes a slot's next body for the last one", ofSlots);
   const bool byPlace = keepsNumbers<D>(
-      [&](const auto& stream, const auto& m) { return static_cast<std::uint32_t>(&m - lastMeetings(stream).data()); });
+      [&](const auto& stream, const auto& m) { return static_cast<std::uint32_t>(&m - lastPairPoses(stream).data()); });
   test::expectCaught("PairStream numbers pairs anew in each step", byPlace);
 }
 TEST(PairStream, PairsKeepTheirNumbers2) { pairsKeepTheirNumbers<2>(); }
@@ -260,12 +260,12 @@ TEST(PairStream, EndsBeforeItsLimit) {
   std::size_t full = 0;
   for (int i = 0; i < 100 && full == 0; ++i) {
     crowd.world.step(crowd.kDt);
-    const std::size_t had = crowd.collector.stream().meetings.size();
+    const std::size_t had = crowd.collector.stream().pairPoses.size();
     if (!crowd.collector.see(crowd.world, i, 500)) full = had;
   }
   EXPECT_GT(full, 400u);
   EXPECT_LE(full, 500u);
-  EXPECT_EQ(crowd.collector.stream().meetings.size(), full);
+  EXPECT_EQ(crowd.collector.stream().pairPoses.size(), full);
 }
 
 template <int D>
@@ -285,9 +285,9 @@ std::string written(const PairStream<D>& stream) {
 /// Distances of all queries, and their pairs.
 template <int D>
 bool asksTheSame(const PairStream<D>& a, const PairStream<D>& b) {
-  if (a.scene != b.scene || a.dt != b.dt || a.margin != b.margin || a.meetings.size() != b.meetings.size())
+  if (a.scene != b.scene || a.dt != b.dt || a.margin != b.margin || a.pairPoses.size() != b.pairPoses.size())
     return false;
-  const auto sameStep = [](const auto& x, const auto& y) { return x.step == y.step && x.meetings == y.meetings; };
+  const auto sameStep = [](const auto& x, const auto& y) { return x.step == y.step && x.pairPoses == y.pairPoses; };
   const auto samePair = [](const auto& x, const auto& y) { return x.a == y.a && x.b == y.b; };
   if (!std::equal(a.steps.begin(), a.steps.end(), b.steps.begin(), b.steps.end(), sameStep)) return false;
   if (!std::equal(a.pairs.begin(), a.pairs.end(), b.pairs.begin(), b.pairs.end(), samePair)) return false;
@@ -295,9 +295,9 @@ bool asksTheSame(const PairStream<D>& a, const PairStream<D>& b) {
   const auto distance = [&](const PairView<D>& v) {
     return queryPair(*query, v.a, v.b, v.X_AB, QueryNeed::distance).distance;
   };
-  for (std::size_t i = 0; i < a.meetings.size(); ++i) {
-    const PairView<D> x = a.view(a.meetings[i]), y = b.view(b.meetings[i]);
-    if (a.meetings[i].pair != b.meetings[i].pair || x.a.kind != y.a.kind || x.b.kind != y.b.kind) return false;
+  for (std::size_t i = 0; i < a.pairPoses.size(); ++i) {
+    const PairView<D> x = a.view(a.pairPoses[i]), y = b.view(b.pairPoses[i]);
+    if (a.pairPoses[i].pair != b.pairPoses[i].pair || x.a.kind != y.a.kind || x.b.kind != y.b.kind) return false;
     // A rebuilt hull may have its corners in another order: the same distance up to rounding.
     if (std::abs(double(distance(x) - distance(y))) > 1e-9) return false;
   }
@@ -328,10 +328,10 @@ void isReadAsWritten() {
     }
   });
   plant("keeps float", [](auto& s) {
-    for (auto& m : s.meetings) m.X_AB.p = m.X_AB.p.template cast<float>().template cast<Real>().eval();
+    for (auto& m : s.pairPoses) m.X_AB.p = m.X_AB.p.template cast<float>().template cast<Real>().eval();
   });
   plant("turns poses back", [](auto& s) {
-    for (auto& m : s.meetings) m.X_AB.q = m.X_AB.q.inverse();
+    for (auto& m : s.pairPoses) m.X_AB.q = m.X_AB.q.inverse();
   });
   plant("forgets which step it was", [](auto& s) {
     for (auto& step : s.steps) ++step.step;
@@ -376,12 +376,12 @@ TEST(PairStreamFile, NonsenseIsRefusedInOneLine) {
       "{\"format\": \"lpc pairs\", \"version\": 1, \"dimension\": 2, \"scene\": \"s\", \"dt\": 0.02, \"margin\": 0.02, "
       "\"steps\": [[4,1]], \"shapes\": [{\"kind\":\"sphere\",\"rounding\":1,\"sizes\":[]},"
       "{\"kind\":\"box\",\"rounding\":0,\"sizes\":[1,2]}], \"pairs\": [[0,5,0,0,0,1,6,1,0,0]]}\n";
-  std::string meeting(4, '\0');
-  for (const double x : {1.0, 2.0, 0.6, 0.8}) meeting.append(reinterpret_cast<const char*>(&x), sizeof x);
-  const PairStreamFile file = PairStreamFile::parse(sign(header + meeting), "p.pairs");
-  ASSERT_EQ(file.in2.meetings.size(), 1u);
-  EXPECT_EQ(file.in2.view(file.in2.meetings[0]).b.half, Vec<2>(1, 2));
-  EXPECT_EQ(file.in2.meetings[0].X_AB.q.s, Real(0.8));
+  std::string pairPose(4, '\0');
+  for (const double x : {1.0, 2.0, 0.6, 0.8}) pairPose.append(reinterpret_cast<const char*>(&x), sizeof x);
+  const PairStreamFile file = PairStreamFile::parse(sign(header + pairPose), "p.pairs");
+  ASSERT_EQ(file.in2.pairPoses.size(), 1u);
+  EXPECT_EQ(file.in2.view(file.in2.pairPoses[0]).b.half, Vec<2>(1, 2));
+  EXPECT_EQ(file.in2.pairPoses[0].X_AB.q.s, Real(0.8));
   EXPECT_EQ(file.in2.pairs[0].b.generation, 1u);
   const struct {
     std::string from, to;
@@ -411,9 +411,9 @@ TEST(PairStreamFile, NonsenseIsRefusedInOneLine) {
   for (const auto& c : cases) {
     std::string bad = header;
     ASSERT_NE(bad.find(c.from), bad.npos) << c.from;
-    expectParts(refusal(sign(bad.replace(bad.find(c.from), c.from.size(), c.to) + meeting)), c.parts, c.to);
+    expectParts(refusal(sign(bad.replace(bad.find(c.from), c.from.size(), c.to) + pairPose)), c.parts, c.to);
   }
-  std::string other = meeting, turned = meeting, nowhere = meeting;
+  std::string other = pairPose, turned = pairPose, nowhere = pairPose;
   other[0] = 1, turned[4 + 3 * 8 + 6] = 0, nowhere[4 + 6] = nowhere[4 + 7] = 127;
   expectParts(refusal(sign(header + other)), {"the number of a pair in a step is wrong; valid: 0 to 0"}, "a pair");
   expectParts(refusal(sign(header + turned)), {"a pose is wrong"}, "a rotation");
@@ -430,7 +430,7 @@ TEST(RecordPairs, WritesThoseOfSteps) {
   std::vector<long> steps;
   for (const auto& s : stream.steps) {
     steps.push_back(s.step);
-    EXPECT_EQ(s.meetings, 4u);
+    EXPECT_EQ(s.pairPoses, 4u);
   }
   EXPECT_EQ(steps, (std::vector<long>{3, 10, 11, 12, 13, 14}));
   EXPECT_EQ(stream.scene, "vertical_stack");

@@ -63,7 +63,7 @@ std::string fault(const SceneSpec<D>& still, const SceneSpec<D>& moved) {
     if (turn > 2 * kAmount) return body + "turned too far";
     if (a.type != BodyType::dynamic && (shift != 0 || turn != 0)) return body + "is not dynamic and moved";
     if (a.pinned && centersApart(a, b) > 1e-12) return body + "is pinned and moved";
-    const bool turns = a.type == BodyType::dynamic && a.rotatable && still.settings.features.rotation;
+    const bool turns = a.type == BodyType::dynamic && a.rotatable && still.settings.model.rotation;
     if (turns != (turn != 0)) return body + (turns ? "did not turn" : "cannot turn and did");
     const bool free = a.type == BodyType::dynamic && !a.pinned;
     dynamic += free, shifted += free && shift > 0;

@@ -36,7 +36,7 @@ void aWorldIsItsFilm() {
   const ShapePart<D> parts[] = {{Shape<D>::sphere(Real(0.5)), {at<D>(-1, 0), {}}},
                                 {Shape<D>::sphere(Real(0.5)), {at<D>(1, 0), {}}}};
   world.add(body<D>(Shape<D>::compound(parts), at<D>(5, 1)));
-  const Camera<D> camera = cameraOf<D>(Sight{{-6, -2}, {8, 13}}, 400);
+  const Camera<D> camera = cameraOf<D>(Viewport{{-6, -2}, {8, 13}}, 400);
   std::vector<Picture> live, awake;
   {
     std::ofstream out(w.path("run.rec"), std::ios::binary);
@@ -90,7 +90,7 @@ constexpr DrawColour kPaper{247, 247, 245}, kInk{200, 0, 0}, kOther{0, 0, 200};
 // Marks appear where the camera projects their positions, over a shape that covers these.
 template <int D>
 void marksAreOverShapes() {
-  const Camera<D> camera = cameraOf<D>(Sight{{-3, -2}, {3, 2}}, 300);
+  const Camera<D> camera = cameraOf<D>(Viewport{{-3, -2}, {3, 2}}, 300);
   PictureDraw<D> draw(camera);
   const auto ball = Shape<D>::sphere(1), far = Shape<D>::sphere(Real(0.5));
   draw.point(at<D>(0.3, 0.2), 9, kInk);
@@ -115,7 +115,7 @@ TEST(PictureDraw, MarksAreOverShapes3) { marksAreOverShapes<3>(); }
 
 // A plane fills the area below it and hides no body; its outline leaves everything visible.
 TEST(PictureDraw, PlanesAreBehind) {
-  const Camera<2> camera = cameraOf<2>(Sight{{-3, -2}, {3, 2}}, 300);
+  const Camera<2> camera = cameraOf<2>(Viewport{{-3, -2}, {3, 2}}, 300);
   PictureDraw<2> draw(camera);
   const auto ball = Shape<2>::sphere(1), plane = Shape<2>::plane();
   draw.shape(ball.view(), {}, {kOther, kOther});
@@ -131,7 +131,7 @@ TEST(PictureDraw, PlanesAreBehind) {
 
 // Transparent shapes show half of what is behind them, in both file formats; words have their colour.
 TEST(PictureDraw, ShinesThroughAndHasWords) {
-  const Camera<2> camera = cameraOf<2>(Sight{{-3, -2}, {3, 2}}, 300);
+  const Camera<2> camera = cameraOf<2>(Viewport{{-3, -2}, {3, 2}}, 300);
   PictureDraw<2> draw(camera);
   const auto ball = Shape<2>::sphere(1);
   const DrawColour half{200, 0, 0, 128};

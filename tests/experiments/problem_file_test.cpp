@@ -38,7 +38,7 @@ struct Freezer final : VelocityWatcher<D> {
     solved.joints.assign(in.joints.begin(), in.joints.end());
     WorkDone work;
     createStage<VelocityResolver<D>>(Spec::parse(resolver))
-        ->solve({in.dt, in.lastDt, bodies, solved.manifolds, in.order, solved.joints, in.position, in.features,
+        ->solve({in.dt, in.lastDt, bodies, solved.manifolds, in.order, solved.joints, in.position, in.model,
                  in.restitutionThreshold, work, in.profiler, in.arrival, in.colours});
     std::set<std::int32_t> named;
     for (const int i : in.order) {
@@ -77,8 +77,8 @@ template <int D>
 FrozenProblem<D> heapProblem(Freezer<D>& freezer, const std::string& solver) {
   World<D> world(Pipeline::parse(solver));
   test::addHeap(world, 8, 3);
-  const Handle a = world.add(test::body<D>(Shape<D>::sphere(Real(0.3)), test::at<D>(5, 3)));
-  const Handle b = world.add(test::body<D>(Shape<D>::sphere(Real(0.3)), test::at<D>(6, 3)));
+  const BodyHandle a = world.add(test::body<D>(Shape<D>::sphere(Real(0.3)), test::at<D>(5, 3)));
+  const BodyHandle b = world.add(test::body<D>(Shape<D>::sphere(Real(0.3)), test::at<D>(6, 3)));
   JointDef<D> hinge = test::pivot<D>({}, a, test::at<D>(4.5, 3)), rod = test::pivot<D>(a, b, test::at<D>(5, 3));
   hinge.kind = "hinge{motor_speed=2,motor_torque=0.5,lower=-0.2,upper=0.3}";
   rod.kind = "distance{mode=spring,damping=5}", rod.X_WJb = Pose<D>{test::at<D>(6, 3), {}};

@@ -341,7 +341,7 @@ TEST(SceneEvent, WakesOneOrAll) {
         "radius = 1 }]\n[[event]]\ndo = \"wake\"\nstep = 1\n" +
         wake);
     spec.spawns[0].body.awake = false;
-    spec.settings.features.sleeping = true;
+    spec.settings.model.sleeping = true;
     World<2> world(Pipeline::parse("sleep=timer_island"), spec.settings);
     Director<2> director(spec);
     for (int i = 0; i < 2; ++i) director.advance(world), world.step(spec.dt);

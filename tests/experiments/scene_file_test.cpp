@@ -396,12 +396,12 @@ TEST(SceneFile, directionsInABlockWithoutIterationsAreNotChecked) {
 }
 
 TEST(SceneFile, featuresAreText) {
-  Features f = featuresFromText("rotation,cache");
+  PhysicsModel f = modelFromText("rotation,cache");
   EXPECT_TRUE(f.rotation && f.cache);
   EXPECT_FALSE(f.friction || f.joints || f.sleeping || f.restitution);
-  EXPECT_EQ(featuresText(f), "cache,rotation");
-  EXPECT_EQ(featuresFromText(featuresText(Features{})), Features{});
-  EXPECT_THROW(featuresFromText("cache,wings"), UserError);
+  EXPECT_EQ(modelText(f), "cache,rotation");
+  EXPECT_EQ(modelFromText(modelText(PhysicsModel{})), PhysicsModel{});
+  EXPECT_THROW(modelFromText("cache,wings"), UserError);
 }
 
 TEST(SceneFile, CoefficientsMixAsItSays) {

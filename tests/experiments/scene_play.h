@@ -23,7 +23,7 @@ struct Play {
   void steps(long n) {
     for (long i = 0; i < n; ++i) step();
   }
-  Handle body(const std::string& bodyName) const {
+  BodyHandle body(const std::string& bodyName) const {
     for (std::size_t i = 0; i < scene.spawns.size(); ++i) {
       if (scene.spawns[i].body.name == bodyName) return director.body(static_cast<int>(i));
     }

@@ -73,7 +73,7 @@ std::string hashOf(const SceneSpec<D>& scene) {
   Hash hash;
   hash.numbers(scene.settings.gravity), hash.number(scene.dt);
   hash.number(scene.settings.restitutionThreshold), hash.number(scene.settings.margin);
-  hash.word(static_cast<std::uint64_t>(scene.steps)), hash.text(featuresText(scene.settings.features));
+  hash.word(static_cast<std::uint64_t>(scene.steps)), hash.text(modelText(scene.settings.model));
   for (const auto& s : scene.spawns) {
     hash.word(static_cast<std::uint64_t>(s.step)), hash.word(static_cast<std::uint64_t>(s.removeAt));
     addBody(s.body, hash);

@@ -131,8 +131,8 @@ TEST(Scenes, verticalStackIsSolver2ds) {
     EXPECT_NEAR(body.shapes.at(0).friction, 0.3, 1e-12);
   }
   EXPECT_EQ(scene.settings.gravity, Vec<2>(0, -10));
-  EXPECT_FALSE(scene.settings.features.joints);
-  EXPECT_TRUE(scene.settings.features.friction);
+  EXPECT_FALSE(scene.settings.model.joints);
+  EXPECT_TRUE(scene.settings.model.friction);
 }
 
 // Box2D's numbers: row i from 0, y = (2i + 1) / 2, x = (i + 1) / 2 + (j - i) - base / 2 for j from i.

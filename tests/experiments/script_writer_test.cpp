@@ -66,7 +66,7 @@ class Hand {
     m_joints = {{"rod", m_director->joint(0)}};
     m_forces = {{"#0", m_director->force(0)}};
     for (m_step = 0; m_step < kSteps; ++m_step) {
-      for (int n = m_draw.below(4); n > 0; --n) deed();
+      for (int n = m_draw.below(4); n > 0; --n) action();
       m_world->step(scene.dt);
       m_hashes.push_back(m_world->hash());
     }
@@ -131,7 +131,7 @@ class Hand {
     return w;
   }
 
-  void deed() {
+  void action() {
     const int what = m_draw.below(20);
     try {
       m_done.push_back(std::to_string(m_step) + ": " + act(what));
@@ -186,7 +186,7 @@ class Hand {
       }
       case 7: {
         auto other = any(m_bodies);
-        if (m_draw.coin()) other = {"world", Handle{}};
+        if (m_draw.coin()) other = {"world", BodyHandle{}};
         JointDef<D> def;
         def.kind = m_draw.pick<const char*>({"pivot", "weld", "hinge{lower=-0.123456789,upper=0.5}", "distance"});
         def.X_WJ = drawPose<D>(m_draw, 3);
@@ -234,13 +234,13 @@ class Hand {
         return "merge " + name + " with " + other.name;
       }
       case 12: {
-        const std::vector<Handle> parts = w.takeApart(h);
+        const std::vector<BodyHandle> parts = w.splitByShape(h);
         std::vector<std::string> names;
         for (std::size_t i = 0; i < parts.size(); ++i) {
           names.push_back(fresh("part"));
           m_bodies.push_back({names.back(), parts[i]});
         }
-        m_writer.takeApart(m_step, name, names);
+        m_writer.splitByShape(m_step, name, names);
         return "take apart " + name;
       }
       case 13: {
@@ -266,8 +266,8 @@ class Hand {
         Pipeline pipeline = w.pipeline();
         pipeline.replace(m_draw.pick<const char*>({"broadphase=naive", "solver=tgs", "sleep=none", "cache=by_distance",
                                                    "solver=split_solver{velocity=catto{iterations=7}}"}));
-        w.exchange(pipeline);
-        m_writer.exchange(m_step, pipeline);
+        w.setPipeline(pipeline);
+        m_writer.setPipeline(m_step, pipeline);
         return "exchange";
       }
       case 17: {
@@ -303,7 +303,7 @@ class Hand {
     }
   }
   // A script's push and force require a dynamic body; a world ignores them for others.
-  void requireDynamic(Handle h) const {
+  void requireDynamic(BodyHandle h) const {
     if (m_world->bodies().type[static_cast<std::size_t>(h.slot)] != BodyType::dynamic) throw UserError("not dynamic");
   }
   void forget() {
@@ -320,7 +320,7 @@ class Hand {
   std::unique_ptr<World<D>> m_world;
   std::unique_ptr<Director<D>> m_director;
   ScriptWriter<D> m_writer;
-  std::vector<Named<Handle>> m_bodies;
+  std::vector<Named<BodyHandle>> m_bodies;
   std::vector<Named<JointHandle>> m_joints;
   std::vector<Named<ForceHandle>> m_forces;
   long m_step = 0;
@@ -335,7 +335,7 @@ struct Story {
   std::vector<std::string> done;
   friend std::ostream& operator<<(std::ostream& out, const Story& s) {
     out << "\n# what was done before which step, or was refused:\n";
-    for (const std::string& deed : s.done) out << "# " << deed << '\n';
+    for (const std::string& action : s.done) out << "# " << action << '\n';
     return out << s.script;
   }
 };
@@ -394,7 +394,7 @@ void oneLife(const std::function<std::string(const std::string&)>& written,
   RC_ASSERT(played<D>(scene) == story.hashes);
 }
 template <int D>
-void everyDeed() {
+void everyAction() {
   const std::string in = " in " + std::to_string(D) + "D";
   const auto asItIs = [](const std::string& s) { return s; };
   const auto asRead = [](SceneSpec<D>&) {};
@@ -403,8 +403,8 @@ void everyDeed() {
   // An action on a body that does not exist yet is an error and counts as caught.
   expectFalsified("two events of a step swapped" + in, [=] { oneLife<D>(asItIs, swapTwo<D>); });
 }
-TEST(ScriptWriter, ActionsReplayAsEvents2) { everyDeed<2>(); }
-TEST(ScriptWriter, ActionsReplayAsEvents3) { everyDeed<3>(); }
+TEST(ScriptWriter, ActionsReplayAsEvents2) { everyAction<2>(); }
+TEST(ScriptWriter, ActionsReplayAsEvents3) { everyAction<3>(); }
 
 // Every kind of action occurs.
 template <int D>

@@ -13,7 +13,7 @@
 #include "tests/check_property.h"
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
-#include "tests/planted_bugs/store_twins.h"
+#include "tests/planted_bugs/store_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace sweep_rules_test { namespace {
 

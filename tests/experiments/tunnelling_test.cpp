@@ -42,9 +42,9 @@ int led(const Path& path, BodyDef<D> mover, double half, std::uint32_t maskOfWal
   World<D> world;
   BodyDef<D> wall = body<D>(boxOf<D>(half, 5), at<D>(0, 0), BodyType::fixed);
   wall.shapes[0].mask = maskOfWall;
-  const Handle w = world.add(wall);
+  const BodyHandle w = world.add(wall);
   mover.X_WB.p = at<D>(path[0].first, path[0].second);
-  const Handle h = world.add(mover);
+  const BodyHandle h = world.add(mover);
   if (jointed) world.add(test::pivot<D>(w, h, mover.X_WB.p));
   Counter seen;
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -109,8 +109,8 @@ TEST(Tunnelling, CountsOnlyBodiesThatCollide) {
 TEST(Tunnelling, AMovedBodyStartsAgain) {
   inBoth([]<int D>() {
     World<D> world;
-    const Handle wall = world.add(body<D>(boxOf<D>(0.1, 5), at<D>(0, 0), BodyType::fixed));
-    const Handle h = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 0)));
+    const BodyHandle wall = world.add(body<D>(boxOf<D>(0.1, 5), at<D>(0, 0), BodyType::fixed));
+    const BodyHandle h = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 0)));
     Tunnelling<D> seen;
     const auto step = [&](double scripted, double moved) {
       world.setPose(h, {at<D>(scripted, 0), {}});
@@ -126,7 +126,7 @@ TEST(Tunnelling, AMovedBodyStartsAgain) {
     step(4, 8);
     EXPECT_EQ(seen.count(), 1);
     world.remove(h);
-    const Handle next = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 0)));
+    const BodyHandle next = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 0)));
     ASSERT_EQ(next.slot, h.slot);
     seen.place(world), world.setPose(next, {at<D>(9, 0), {}}), seen.observe(world);
     EXPECT_EQ(seen.count(), 2) << "another body in the same slot";
@@ -141,7 +141,7 @@ struct RayPerStep {
     const Vec<D> now = world.bodies().pose[1].p;
     const bool enters =
         before != now &&
-        !world.ray(before, Vec<D>(now - before), 1, false, {.accepts = [](Handle h, auto&) { return h.slot == 0; }})
+        !world.ray(before, Vec<D>(now - before), 1, false, {.accepts = [](BodyHandle h, auto&) { return h.slot == 0; }})
              .empty();
     const auto inside = [&](const Vec<D>& p) { return std::ranges::count(world.at(p), world.handle(0)) > 0; };
     hits += kEnds ? enters && !inside(before) && !inside(now) : enters;

@@ -13,7 +13,7 @@ TYPED_TEST_SUITE(BodyQueriesTest, BothDimensions);
 template <int D>
 struct Gallery : Inhabitants<D> {
   BodyQueries<D> queries{this->table};
-  Handle one, two;
+  BodyHandle one, two;
   Gallery() {
     one = this->handle(this->ball(at<D>(0, 0)));
     BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(4, 0));
@@ -27,11 +27,11 @@ struct Gallery : Inhabitants<D> {
 TYPED_TEST(BodyQueriesTest, PointsAndBoxesMeetExactShapesOncePerBody) {
   constexpr int D = TypeParam::D;
   Gallery<D> g;
-  EXPECT_EQ(g.queries.at(at<D>(0.5, 0.5)), std::vector<Handle>{g.one});
+  EXPECT_EQ(g.queries.at(at<D>(0.5, 0.5)), std::vector<BodyHandle>{g.one});
   EXPECT_TRUE(g.queries.at(at<D>(0.9, 0.9)).empty());  // inside its bounding box only
-  EXPECT_EQ(g.queries.at(at<D>(8, 0)), std::vector<Handle>{g.two});
+  EXPECT_EQ(g.queries.at(at<D>(8, 0)), std::vector<BodyHandle>{g.two});
   const auto boxed = [&](double x, double y) { return Aabb<D>{at<D>(x, -0.1, -0.1), at<D>(y, 0.1, 0.1)}; };
-  EXPECT_EQ(g.queries.overlap(boxed(0, 9)), (std::vector<Handle>{g.one, g.two}));
+  EXPECT_EQ(g.queries.overlap(boxed(0, 9)), (std::vector<BodyHandle>{g.one, g.two}));
   EXPECT_TRUE(g.queries.overlap(boxed(1.5, 2.5)).empty());
   EXPECT_TRUE(g.queries.contains(1, at<D>(8, 0)));
   EXPECT_FALSE(g.queries.contains(1, at<D>(6, 0)));
@@ -55,7 +55,7 @@ TYPED_TEST(BodyQueriesTest, ARayMeetsShapesInTheOrderOfTheirEntries) {
   EXPECT_EQ(g.queries.ray(at<D>(10, 0), at<D>(-1, 0), 4, false).size(), 1u);
   RayFilter<D> filter{.mask = 1};
   EXPECT_EQ(g.queries.ray(at<D>(10, 0), at<D>(-1, 0), 100, false, &filter).size(), 2u);
-  filter.accepts = [&](Handle body, const ShapeRecord<D>&) { return body != g.two; };
+  filter.accepts = [&](BodyHandle body, const ShapeRecord<D>&) { return body != g.two; };
   EXPECT_EQ(g.queries.ray(at<D>(10, 0), at<D>(-1, 0), 100, false, &filter).size(), 1u);
   EXPECT_NE(refusalOf([&] { g.queries.ray(at<D>(0, 0), at<D>(1, 0), -1, false); }), "");
   EXPECT_NE(refusalOf([&] { g.queries.ray(at<D>(0, 0), at<D>(std::nan(""), 0), 1, false); }), "");

@@ -25,7 +25,7 @@ TYPED_TEST(BodyTableTest, AddTakesTheLowestFreeSlotAndOldHandlesStayInvalid) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   for (int i = 0; i < 3; ++i) in.ball(at<D>(3 * i, 0));
-  const Handle first = in.handle(0);
+  const BodyHandle first = in.handle(0);
   in.table.remove(0), in.table.remove(1);
   EXPECT_EQ(in.table.count(), 1);
   EXPECT_EQ(in.table.shapes[0].body, -1);
@@ -74,9 +74,9 @@ TYPED_TEST(BodyTableTest, ARewrittenBodyKeepsSlotMotionAndShapes) {
   const Vec<D> centre = in.table.bodies.pose[i].p;
   BodyDef<D> def = in.table.definition(i);
   def.shapes[0] = {.shape = Shape<D>::sphere(2), .X_BS = {at<D>(5, 0), {}}};
-  const Weighed<D> w = weigh(def);
+  const CheckedBody<D> w = checkBody(def);
   const auto match = in.table.match(i, w.shapes);
-  EXPECT_EQ(match.gone, std::vector<std::size_t>{static_cast<std::size_t>(gone)});
+  EXPECT_EQ(match.removed, std::vector<std::size_t>{static_cast<std::size_t>(gone)});
   EXPECT_EQ(match.kept, (std::vector<std::size_t>{BodyTable<D>::kNew, static_cast<std::size_t>(kept)}));
   const Vec<D> by = in.table.rewrite(i, def, w, match);
   EXPECT_GT(by.norm(), 0.1);
@@ -97,7 +97,7 @@ TYPED_TEST(BodyTableTest, KindsAreCountedByTheirParts) {
   Inhabitants<D> in;
   const std::size_t i = in.add(odd<D>()), j = in.ball(at<D>(9, 9));
   EXPECT_TRUE(in.table.kinds()[box] && in.table.kinds()[sphere]);
-  const Weighed<D> ball = weigh(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
+  const CheckedBody<D> ball = checkBody(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
   EXPECT_TRUE(in.table.kindsWith(ball, -1)[box]);
   EXPECT_FALSE(in.table.kindsWith(ball, static_cast<std::int32_t>(i))[box]);
   in.table.remove(i);

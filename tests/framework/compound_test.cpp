@@ -129,11 +129,11 @@ template <int D>
 std::vector<std::pair<int, int>> nearParts(const std::vector<ShapeRecord<D>>& shapes,
                                            const std::vector<Pose<D>>& pose) {
   const ShapePair pair{0, 1};
-  ChildPairs<D> childPairs;
+  PartPairs<D> partPairs;
   WorkDone work;
   std::vector<std::pair<int, int>> numbers;
-  for (const ConvexPair<D>& c : childPairs.of({&pair, 1}, shapes, pose, kContactMargin, work)) {
-    numbers.emplace_back(c.childA, c.childB);
+  for (const ConvexPair<D>& c : partPairs.of({&pair, 1}, shapes, pose, kContactMargin, work)) {
+    numbers.emplace_back(c.partA, c.partB);
   }
   EXPECT_LT(work[WorkCount::partTests], 100u);
   return numbers;

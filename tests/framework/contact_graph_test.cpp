@@ -11,7 +11,7 @@
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/graph_twins.h"
+#include "tests/planted_bugs/graph_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace contact_graph_test { namespace {
 

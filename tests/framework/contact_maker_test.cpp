@@ -44,16 +44,16 @@ struct Maker : Inhabitants<D> {
   ContactMaker<D> maker;
   OnePoint<D> generator;
   Keeper<D> cache;
-  UnpairedBodies unpaired;
-  std::vector<PairAhead> ahead;
+  NonCollidingPairs nonColliding;
+  std::vector<SpeculativePair> speculative;
 
   void run() {
     this->table.sync(false);
-    maker.findPairs(this->table, unpaired, this->profiler.frame().work);
-    maker.sortPairs(this->table.shapes, ahead);
+    maker.findPairs(this->table, nonColliding, this->profiler.frame().work);
+    maker.sortPairs(this->table.shapes, speculative);
     generator.margins.clear();
-    maker.make({cache, generator, this->table, this->settings, ahead, this->profiler});
-    this->table.boxes.outdate();
+    maker.make({cache, generator, this->table, this->settings, speculative, this->profiler});
+    this->table.boxes.markAllStale();
   }
   std::vector<std::pair<int, int>> touching() const {
     std::vector<std::pair<int, int>> out;
@@ -81,7 +81,7 @@ TYPED_TEST(ContactMakerTest, PairsMayCollideAndAreSortedByBodies) {
   }
   JointTable<D> joints;
   joints.add(pivot<D>(m.handle(1), m.handle(2), at<D>(2, 0)), m.table);
-  m.unpaired.read(std::span<const JointRecord<D>>(joints.records));
+  m.nonColliding.read(std::span<const JointRecord<D>>(joints.records));
   m.run();
   EXPECT_EQ(m.touching(), (Bodies2{{0, 1}, {0, 4}, {2, 3}}));
 }
@@ -105,11 +105,11 @@ TYPED_TEST(ContactMakerTest, PairsAheadHaveTheirOwnMarginAndComeOnce) {
   constexpr int D = TypeParam::D;
   Maker<D> m;
   m.ball(at<D>(0, 0)), m.ball(at<D>(1.5, 0)), m.ball(at<D>(20, 0));
-  m.ahead = {{{0, 1}, Real(7)}, {{0, 2}, Real(8)}};
+  m.speculative = {{{0, 1}, Real(7)}, {{0, 2}, Real(8)}};
   m.run();
   EXPECT_EQ(m.touching(), (Bodies2{{0, 1}, {0, 2}}));
   EXPECT_EQ(m.generator.margins, (std::vector<Real>{7, 8}));
-  m.ahead.clear();
+  m.speculative.clear();
   m.run();
   EXPECT_EQ(m.touching(), (Bodies2{{0, 1}}));
   EXPECT_EQ(m.generator.margins, std::vector<Real>{m.settings.margin});
@@ -130,7 +130,7 @@ TYPED_TEST(ContactMakerTest, CachedContactsAreNotGeneratedAndHaveTheirShapesMate
   EXPECT_EQ(m.maker.manifolds[0].points[0].impulse[0], 3);
   EXPECT_NEAR(m.maker.manifolds[0].friction, m.table.shapes[0].friction, 1e-6);
   EXPECT_EQ(m.maker.before().size(), 1u);
-  m.settings.features.cache = false;  // regenerates all, carries nothing over
+  m.settings.model.cache = false;  // regenerates all, carries nothing over
   m.run();
   EXPECT_EQ(m.maker.manifolds[0].points[0].impulse[0], 0);
 }
@@ -156,7 +156,7 @@ TYPED_TEST(ContactMakerTest, RecordsLastAsLongAsTheirPairs) {
   m.table.bodies.pose[2].p = at<D>(3, 0);
   m.run();
   EXPECT_EQ(asked(), (std::vector<int>{4, 1}));
-  m.settings.features.cache = false;
+  m.settings.model.cache = false;
   m.run();
   EXPECT_TRUE(asked().empty());
 }

@@ -20,7 +20,7 @@ std::vector<Manifold<D>> drawManifolds(Random& random) {
   for (std::size_t i = 0; i < manifolds.size(); ++i) {
     Manifold<D>& m = manifolds[i];
     m.bodyA = number(), m.bodyB = number(), m.shapeA = number(), m.shapeB = number();
-    m.childA = number(), m.childB = number();
+    m.partA = number(), m.partB = number();
     m.count = static_cast<std::int32_t>(i);  // distinguishes equal keys
   }
   return manifolds;

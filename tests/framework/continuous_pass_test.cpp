@@ -15,7 +15,7 @@ template <int D>
 struct Flight : Inhabitants<D> {
   std::unique_ptr<ContinuousCollision<D>> method;
   ContinuousPass<D> pass;
-  UnpairedBodies unpaired;
+  NonCollidingPairs nonColliding;
   JointTable<D> joints;
   std::vector<Manifold<D>> manifolds;
   ContactGraph<D> graph;
@@ -31,7 +31,7 @@ struct Flight : Inhabitants<D> {
     half[0] = Real(0.1);
     return this->add(body<D>(Shape<D>::box(half), at<D>(x + 0.1, 0), BodyType::fixed));
   }
-  ContinuousInput<D> input() { return {1, *method, this->table, this->settings, unpaired, this->profiler}; }
+  ContinuousInput<D> input() { return {1, *method, this->table, this->settings, nonColliding, this->profiler}; }
   void run() {
     this->table.sync(false);
     pass.begin(input());
@@ -40,8 +40,8 @@ struct Flight : Inhabitants<D> {
       if (b.active(static_cast<int>(i))) b.pose[i].p += b.motion[i].v;
     }
     graph.reset(b, manifolds, joints.records, this->profiler.frame().work);
-    pass.stopAtMeetings(input(), manifolds, joints.records, graph);
-    this->table.boxes.outdate();
+    pass.stopAtImpacts(input(), manifolds, joints.records, graph);
+    this->table.boxes.markAllStale();
   }
   double x(std::size_t body) const { return double(this->table.bodies.pose[body].p[0]); }
   double work(WorkCount what) { return double(this->profiler.frame().work[what]); }
@@ -67,12 +67,12 @@ TYPED_TEST(ContinuousPassTest, NothingIsStoppedWithoutContinuousCollision) {
   constexpr int D = TypeParam::D;
   for (const char* name : {"cast", "none", "speculative"}) {
     Flight<D> f(name);
-    f.settings.features.continuous = name != std::string("cast");
+    f.settings.model.continuous = name != std::string("cast");
     f.wall(10);
     const std::size_t fast = f.fly(0, 40);
     f.table.sync(false);
-    f.pass.lookAhead(f.input());
-    EXPECT_EQ(f.pass.ahead().size(), name == std::string("speculative") ? 1u : 0u);
+    f.pass.findSpeculativePairs(f.input());
+    EXPECT_EQ(f.pass.speculativePairs().size(), name == std::string("speculative") ? 1u : 0u);
     f.run();
     EXPECT_NEAR(f.x(fast), 40, 1e-4);
   }
@@ -89,7 +89,7 @@ TYPED_TEST(ContinuousPassTest, VetoedAndJointedPairsPassThroughEachOther) {
       m.ignored = 1;
     } else {
       f.joints.add(pivot<D>(f.handle(wall), f.handle(fast), at<D>(5, 0)), f.table);
-      f.unpaired.read(std::span<const JointRecord<D>>(f.joints.records));
+      f.nonColliding.read(std::span<const JointRecord<D>>(f.joints.records));
     }
     f.run();
     EXPECT_NEAR(f.x(fast), 40, 1e-4);
@@ -117,7 +117,7 @@ TYPED_TEST(ContinuousPassTest, JointedBodiesStopTogether) {
   const std::size_t fast = f.fly(0, 40), held = f.ball(at<D>(0, 20)), alone = f.ball(at<D>(0, 30));
   for (const std::size_t i : {held, alone}) f.table.bodies.motion[i].v = at<D>(40, 0);
   f.joints.add(pivot<D>(f.handle(fast), f.handle(held), at<D>(0, 10)), f.table);
-  f.unpaired.read(std::span<const JointRecord<D>>(f.joints.records));
+  f.nonColliding.read(std::span<const JointRecord<D>>(f.joints.records));
   f.run();
   EXPECT_NEAR(f.x(fast), 9, kClose);
   EXPECT_NEAR(f.x(held), 9, kClose);
@@ -132,7 +132,7 @@ TYPED_TEST(ContinuousPassTest, ImpactsAreRecomputedAfterAStop) {
   f.table.bodies.motion[mate].v = at<D>(-40, 0);
   f.ball(at<D>(25, 20), BodyType::fixed);
   f.joints.add(pivot<D>(f.handle(second), f.handle(mate), at<D>(30, 10)), f.table);
-  f.unpaired.read(std::span<const JointRecord<D>>(f.joints.records));
+  f.nonColliding.read(std::span<const JointRecord<D>>(f.joints.records));
   f.run();
   EXPECT_NEAR(f.x(mate), 27, kClose);
   EXPECT_NEAR(f.x(second), 27, kClose);
@@ -145,16 +145,16 @@ TYPED_TEST(ContinuousPassTest, MarginsAheadCoverTheMotionOfBoth) {
   f.wall(10);
   f.fly(0, 40), f.fly(18, -8);
   f.table.sync(false);
-  f.pass.lookAhead(f.input());
-  const auto ahead = f.pass.ahead();
-  ASSERT_EQ(ahead.size(), 3u);
-  EXPECT_EQ(ahead[0].shapes, (ShapePair{0, 1}));
-  EXPECT_NEAR(ahead[0].margin, f.settings.margin + 40, 1e-3);
-  EXPECT_EQ(ahead[2].shapes, (ShapePair{1, 2}));
-  EXPECT_NEAR(ahead[2].margin, f.settings.margin + 48, 1e-3);
-  f.settings.features.continuous = false;
-  f.pass.lookAhead(f.input());
-  EXPECT_TRUE(f.pass.ahead().empty());
+  f.pass.findSpeculativePairs(f.input());
+  const auto speculative = f.pass.speculativePairs();
+  ASSERT_EQ(speculative.size(), 3u);
+  EXPECT_EQ(speculative[0].shapes, (ShapePair{0, 1}));
+  EXPECT_NEAR(speculative[0].margin, f.settings.margin + 40, 1e-3);
+  EXPECT_EQ(speculative[2].shapes, (ShapePair{1, 2}));
+  EXPECT_NEAR(speculative[2].margin, f.settings.margin + 48, 1e-3);
+  f.settings.model.continuous = false;
+  f.pass.findSpeculativePairs(f.input());
+  EXPECT_TRUE(f.pass.speculativePairs().empty());
 }
 
 // A large ball takes the slot of a small one; the same motion is short for it.
@@ -164,14 +164,14 @@ TYPED_TEST(ContinuousPassTest, AForgottenShapeIsMeasuredAgain) {
   f.wall(20);
   const std::size_t small = f.fly(10, 4);
   f.table.sync(false);
-  f.pass.lookAhead(f.input());  // measures it; its path ends short of the static body
+  f.pass.findSpeculativePairs(f.input());  // measures it; its path ends short of the static body
   f.table.remove(small);
   const std::size_t large = f.add(body<D>(Shape<D>::sphere(10), at<D>(10, 0)));
   f.table.bodies.motion[large].v = at<D>(4, 0);
   f.pass.forget(static_cast<std::size_t>(f.table.shapesOf(large)[0]));
   f.table.sync(false);
-  f.pass.lookAhead(f.input());
-  EXPECT_EQ(f.pass.ahead().size(), 0u);
+  f.pass.findSpeculativePairs(f.input());
+  EXPECT_EQ(f.pass.speculativePairs().size(), 0u);
 }
 
 }}}}}  // namespace lpc::LPC_PRECISION::test::continuous_pass_test

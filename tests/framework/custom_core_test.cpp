@@ -125,7 +125,7 @@ void restsAsABall() {
     World<D> world(pipeline);
     world.add(body<D>(Shape<D>::plane(), Vec<D>::Zero(), BodyType::fixed));
     const Shape<D> shape = own ? Shape<D>::curved(ShapeKind::custom, kRadius) : Shape<D>::sphere(kRadius[0]);
-    const Handle ball = world.add(body<D>(shape, at<D>(0, Real(0.6))));
+    const BodyHandle ball = world.add(body<D>(shape, at<D>(0, Real(0.6))));
     for (int i = 0; i < 60; ++i) world.step(Real(1) / 60);
     std::istringstream file(saved(world));
     World<D> loaded(pipeline);

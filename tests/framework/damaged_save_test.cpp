@@ -155,7 +155,7 @@ struct Damaged : SavedState<D> {
 
   std::string refusal() const {
     try {
-      requireSound<D>(*this, *createStage<ContactGenerator<D>>(Spec{contacts, {}}));
+      requireValidState<D>(*this, *createStage<ContactGenerator<D>>(Spec{contacts, {}}));
     } catch (const UserError& e) {
       return e.what();
     }
@@ -235,7 +235,7 @@ std::vector<Damage<D>> damages() {
       {"a contact refers to an invalid shape",
        [](P p) { p.manifolds[0].shapeB = static_cast<std::int32_t>(p.shapes.size()); }},
       {"a contact refers to an invalid shape", [](P p) { p.manifolds[0].shapeB = p.manifolds[0].shapeA; }},
-      {"a contact has a negative part number", [](P p) { p.manifolds[0].childA = -1; }},
+      {"a contact has a negative part number", [](P p) { p.manifolds[0].partA = -1; }},
       {"number of points", [](P p) { p.manifolds[0].count = kManifoldPoints<D> + 1; }},
       {"number of points", [](P p) { p.manifolds[0].count = 0; }},
       {"a contact's flag", [](P p) { p.manifolds[0].ignored = 2; }},
@@ -243,7 +243,7 @@ std::vector<Damage<D>> damages() {
       {"a record refers to an invalid body", [](P p) { p.records[0].bodyB = p.bodies.size(); }},
       {"a record refers to an invalid body", [](P p) { std::swap(p.records[0].bodyA, p.records[0].bodyB); }},
       {"a record refers to an invalid shape", [](P p) { p.records[0].shapeA = -1; }},
-      {"a record has a negative part number", [](P p) { p.records[0].childB = -1; }},
+      {"a record has a negative part number", [](P p) { p.records[0].partB = -1; }},
       {"pair records out of order", [](P p) { std::swap(p.records[0], p.records[1]); }},
       {"pair records out of order", [](P p) { p.records[1] = p.records[0]; }},
       {"of unknown kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(6); }},

@@ -17,7 +17,7 @@ struct Momenta {
 };
 template <int D>
 Momenta<D> momentaOf(const BodyDef<D>& def) {
-  const MassProperties<D> m = transformed(weigh(def).mass, def.X_WB);
+  const MassProperties<D> m = transformed(checkBody(def).mass, def.X_WB);
   const Vec<D> p = m.mass * def.velocity;
   return {m.mass, p, Ang<D>(m.inertia * def.angularVelocity) + cross(m.center, p)};
 }
@@ -34,7 +34,7 @@ TYPED_TEST(DefinitionsTest, TheWeightIsThatOfAllShapes) {
   constexpr int D = TypeParam::D;
   BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(1)), at<D>(0, 0));
   def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(1)), .X_BS = {at<D>(2, 0), {}}, .density = 3});
-  const Weighed<D> w = weigh(def);
+  const CheckedBody<D> w = checkBody(def);
   const Real one = D == 2 ? 4 : 8;
   EXPECT_NEAR(w.mass.mass, 4 * one, 1e-5);
   EXPECT_NEAR(w.mass.center[0], 1.5, 1e-6);
@@ -43,7 +43,7 @@ TYPED_TEST(DefinitionsTest, TheWeightIsThatOfAllShapes) {
   const Inertia<D> unit = w.invInertia * w.mass.inertia;
   EXPECT_NEAR((unit - Inertia<D>::Identity()).norm(), 0, 1e-5);
   def.rotatable = false;
-  EXPECT_EQ(weigh(def).invInertia, Inertia<D>(Inertia<D>::Zero()));
+  EXPECT_EQ(checkBody(def).invInertia, Inertia<D>(Inertia<D>::Zero()));
 }
 
 TYPED_TEST(DefinitionsTest, InvalidBodiesAreRefusedByName) {
@@ -52,7 +52,7 @@ TYPED_TEST(DefinitionsTest, InvalidBodiesAreRefusedByName) {
     BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
     def.name = "it";
     spoil(def);
-    const std::string message = refusalOf([&] { weigh(def); });
+    const std::string message = refusalOf([&] { checkBody(def); });
     EXPECT_TRUE(message.starts_with("body 'it'")) << message;
     return message;
   };
@@ -85,14 +85,14 @@ TYPED_TEST(DefinitionsTest, SplitPartsKeepTheMotionOfTheirPoints) {
   constexpr int D = TypeParam::D;
   BodyDef<D> whole = turning<D>(Shape<D>::sphere(1), at<D>(0, 0), at<D>(1, 0), 2);
   whole.shapes.push_back({.shape = Shape<D>::sphere(1), .X_BS = {at<D>(4, 0), {}}});
-  whole.mass = weigh(whole).mass;
-  const std::vector<BodyDef<D>> parts = takenApart<D>(whole, weigh(whole).mass.center);
+  whole.mass = checkBody(whole).mass;
+  const std::vector<BodyDef<D>> parts = splitDefinition<D>(whole, checkBody(whole).mass.center);
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_FALSE(parts[0].mass || parts[1].mass);
   EXPECT_EQ(parts[0].velocity, whole.velocity);  // a change of the body keeps its motion about the new centre
   EXPECT_NEAR(parts[1].velocity[1], 2 * 2, 1e-5);
   whole.pinned = true;
-  EXPECT_EQ(takenApart<D>(whole, at<D>(2, 0))[1].velocity, at<D>(0, 0));
+  EXPECT_EQ(splitDefinition<D>(whole, at<D>(2, 0))[1].velocity, at<D>(0, 0));
 }
 
 }}}}}  // namespace lpc::LPC_PRECISION::test::definitions_test

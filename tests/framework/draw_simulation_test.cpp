@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The drawing of a simulation equals its content. Each check returns whether it holds, so that drawings with a bug
-// (tests/planted_bugs/draw_twins.h) can be shown to fail.
+// (tests/planted_bugs/draw_bugs.h) can be shown to fail.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/draw_twins.h"
+#include "tests/planted_bugs/draw_bugs.h"
 #include "tests/small_worlds.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace draw_simulation_test { namespace {
@@ -185,7 +185,7 @@ bool islandsHaveOneColour(const Drawing<D>& drawing) {
   for (const double x : {-3, 3}) {
     for (const double y : {0.5, 1.5}) world.add(body<D>(cube<D>(), at<D>(x, y)));
   }
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(6, 5)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(6, 5)));
   world.add(pivot<D>(world.handle(4), ball, at<D>(3, 5)));
   world.step(kDt);
   DrawLayers layers = only(&DrawLayers::shapes);
@@ -204,7 +204,7 @@ bool boxesAreTheBroadphases(const Drawing<D>& drawing) {
   world.add(body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::fixed));
   world.add(body<D>(Shape<D>::sphere(1), at<D>(3, 4)));
   world.add(body<D>(cube<D>(), at<D>(-3, 4)));
-  const Handle gone = world.add(body<D>(cube<D>(), at<D>(-9, 4)));
+  const BodyHandle gone = world.add(body<D>(cube<D>(), at<D>(-9, 4)));
   world.step(kDt);
   world.remove(gone);
   const HeardDrawing<D> all = heard<D>(drawing, world, only(&DrawLayers::boxes));
@@ -244,7 +244,7 @@ bool pairsAreTheSteps(const Drawing<D>& drawing) {
 template <int D>
 bool jointsAndTheirErrorsAreSeen(const Drawing<D>& drawing) {
   World<D> world;
-  const Handle a = world.add(body<D>(cube<D>(), at<D>(0, 0))), b = world.add(body<D>(cube<D>(), at<D>(2, 0)));
+  const BodyHandle a = world.add(body<D>(cube<D>(), at<D>(0, 0))), b = world.add(body<D>(cube<D>(), at<D>(2, 0)));
   world.add(pivot<D>(a, b, at<D>(1, 0)));
   if (!heard<D>(drawing, world, only(&DrawLayers::jointErrors)).words.empty()) return false;
   world.setPose(b, {at<D>(2, 0.3), {}});
@@ -261,7 +261,7 @@ bool jointsAndTheirErrorsAreSeen(const Drawing<D>& drawing) {
 template <int D>
 bool turnsAreSeen(const Drawing<D>& drawing) {
   World<D> world;
-  const Handle a = world.add(body<D>(cube<D>(), at<D>(0, 0))), b = world.add(body<D>(cube<D>(), at<D>(2, 0)));
+  const BodyHandle a = world.add(body<D>(cube<D>(), at<D>(0, 0))), b = world.add(body<D>(cube<D>(), at<D>(2, 0)));
   JointDef<D> weld = pivot<D>(a, b, at<D>(2, 0));
   weld.kind = "weld";
   world.add(weld);
@@ -379,7 +379,7 @@ void betweenSteps() {
   EXPECT_LE(heard<D>(drawSimulation<D>, world, only(&DrawLayers::pairs)).size(), before);
   for (int i = 0; i < 3; ++i) world.add(body<D>(cube<D>(), at<D>(0, 20 + i)));
   heard<D>(drawSimulation<D>, world, allLayers());
-  world.exchange(Pipeline::parse("broadphase=naive"));
+  world.setPipeline(Pipeline::parse("broadphase=naive"));
   heard<D>(drawSimulation<D>, world, allLayers());
   // A body with NaN is omitted; the others are drawn.
   const Real nan = std::numeric_limits<Real>::quiet_NaN();

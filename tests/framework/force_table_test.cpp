@@ -10,7 +10,7 @@ struct ForceTableTest : testing::Test {};
 TYPED_TEST_SUITE(ForceTableTest, BothDimensions);
 
 template <int D>
-ForceDef<D> spring(Handle a, Handle b) {
+ForceDef<D> spring(BodyHandle a, BodyHandle b) {
   return {.kind = springKind(10), .bodyA = a, .bodyB = b};
 }
 
@@ -91,10 +91,10 @@ TYPED_TEST(ForceTableTest, EndsStayWhereTheyAreWhenBodiesChange) {
   forces.moveCenter(1, by, in.table.visits);
   EXPECT_NEAR((end(0) - first).norm(), 0, 1e-6);
   EXPECT_NEAR((end(1) - second).norm(), 0, 1e-6);
-  forces.handOver(1, 2, in.table.bodies);
+  forces.reassign(1, 2, in.table.bodies);
   EXPECT_EQ(forces.records[0].bodyB, 2);
   EXPECT_NEAR((end(0) - first).norm(), 0, 1e-6);
-  forces.handOver(0, 2, in.table.bodies);  // between the two: removed with the body
+  forces.reassign(0, 2, in.table.bodies);  // between the two: removed with the body
   EXPECT_EQ(forces.records[0].bodyA, 0);
 }
 

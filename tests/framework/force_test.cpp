@@ -4,7 +4,7 @@
 
 #include "tests/check_property.h"
 #include "tests/draw.h"
-#include "tests/planted_bugs/force_twins.h"
+#include "tests/planted_bugs/force_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace force_test { namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/world/joint_table.h"
 
-#include "framework/world/unpaired_bodies.h"
+#include "framework/world/non_colliding_pairs.h"
 #include "tests/world_parts.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_table_test { namespace {
@@ -59,8 +59,8 @@ TYPED_TEST(JointTableTest, AJointNeedsTwoBodiesOfWhichOneMoves) {
   constexpr int D = TypeParam::D;
   Inhabitants<D> in;
   JointTable<D> joints;
-  const Handle fixed = in.handle(in.ball(at<D>(0, 0), BodyType::fixed)),
-               other = in.handle(in.ball(at<D>(3, 0), BodyType::fixed));
+  const BodyHandle fixed = in.handle(in.ball(at<D>(0, 0), BodyType::fixed)),
+                   other = in.handle(in.ball(at<D>(3, 0), BodyType::fixed));
   EXPECT_NE(refusalOf([&] { joints.add(pivot<D>(fixed, other, at<D>(0, 0)), in.table); }), "");
   EXPECT_NE(refusalOf([&] { joints.add(pivot<D>(fixed, fixed, at<D>(0, 0)), in.table); }), "");
   EXPECT_NE(refusalOf([&] { joints.add(pivot<D>({}, fixed, at<D>(0, 0)), in.table); }), "");
@@ -127,7 +127,7 @@ TYPED_TEST(JointTableTest, AnchorsStayWhereTheyAreWhenBodiesChange) {
   EXPECT_NEAR((c.anchors(0)[0] - first[0]).norm(), 0, 1e-6);
   // The joints move to the last body; the joint between the two stays and will be removed with the body.
   const auto before = c.anchors(0);
-  c.joints.handOver(c.bodies[1], c.bodies[2], c.table);
+  c.joints.reassign(c.bodies[1], c.bodies[2], c.table);
   EXPECT_EQ(c.joints.records[0].bodyB, static_cast<std::int32_t>(c.bodies[2]));
   EXPECT_EQ(c.joints.records[1].bodyA, static_cast<std::int32_t>(c.bodies[1]));
   EXPECT_NEAR((c.anchors(0)[1] - before[1]).norm(), 0, 1e-6);
@@ -139,17 +139,17 @@ TYPED_TEST(JointTableTest, AnchorsStayWhereTheyAreWhenBodiesChange) {
 TYPED_TEST(JointTableTest, JointedBodiesAreUnpairedUnlessTheyShallCollide) {
   constexpr int D = TypeParam::D;
   Chain<D> c;
-  UnpairedBodies unpaired;
+  NonCollidingPairs nonColliding;
   const auto contains = [&](std::size_t a, std::size_t b) {
-    return unpaired.contains(static_cast<std::int32_t>(c.bodies[a]), static_cast<std::int32_t>(c.bodies[b]));
+    return nonColliding.contains(static_cast<std::int32_t>(c.bodies[a]), static_cast<std::int32_t>(c.bodies[b]));
   };
   const std::span<const JointRecord<D>> joints = c.joints.records;
-  unpaired.read(joints);
+  nonColliding.read(joints);
   EXPECT_TRUE(contains(0, 1) && contains(1, 2));
   EXPECT_FALSE(contains(0, 2));
   c.joints.records[0].collide = 1;
   c.joints.breakJoint(1, c.table.events);
-  unpaired.read(joints);
+  nonColliding.read(joints);
   EXPECT_FALSE(contains(0, 1) || contains(1, 2));
 }
 

@@ -15,10 +15,10 @@ struct Listener final : ContactListener<D> {
   bool vetoes = false;
   PairMaterial came, to{Real(0.1), Real(0.2)};
   void mix(const World<D>&, const Manifold<D>&, PairMaterial& m) override { came = m, m = to; }
-  bool begin(const World<D>&, const Manifold<D>& m) override { return tell('b', m), !vetoes; }
-  bool persist(const World<D>&, const Manifold<D>& m) override { return tell('p', m), !vetoes; }
-  void end(const World<D>&, const Manifold<D>& m) override { tell('e', m); }
-  void tell(char what, const Manifold<D>& m) {
+  bool begin(const World<D>&, const Manifold<D>& m) override { return notify('b', m), !vetoes; }
+  bool persist(const World<D>&, const Manifold<D>& m) override { return notify('p', m), !vetoes; }
+  void end(const World<D>&, const Manifold<D>& m) override { notify('e', m); }
+  void notify(char what, const Manifold<D>& m) {
     heard += what + std::to_string(m.bodyA) + std::to_string(m.bodyB) + ' ';
   }
   std::string told() { return std::exchange(heard, ""); }
@@ -34,13 +34,13 @@ struct Room : Inhabitants<D> {
     for (int i = 0; i < 3; ++i) this->ball(at<D>(1.5 * i, 0));
     this->table.sync(false);
   }
-  void touch(std::int32_t a, std::int32_t b, std::int32_t child = 0, Real separation = 0) {
+  void touch(std::int32_t a, std::int32_t b, std::int32_t part = 0, Real separation = 0) {
     Manifold<D>& m = now.emplace_back();
-    m.bodyA = m.shapeA = a, m.bodyB = m.shapeB = b, m.childB = child;
+    m.bodyA = m.shapeA = a, m.bodyB = m.shapeB = b, m.partB = part;
     m.count = 1, m.friction = 9, m.normal[0] = 1, m.points[0].separation = separation;
   }
-  void tell(bool again = false, Real lastDt = Real(0.5)) {
-    listeners.tell(token, this->table, {now, before, lastDt, again});
+  void notify(bool again = false, Real lastDt = Real(0.5)) {
+    listeners.notify(token, this->table, {now, before, lastDt, again});
   }
   void next() { before = std::exchange(now, {}), this->table.events.clear(); }
 };
@@ -57,13 +57,13 @@ TYPED_TEST(ListenerTableTest, EachListenerReceivesAContactOnce) {
   EXPECT_TRUE(r.listeners.isOf(0, &both));
   EXPECT_FALSE(r.listeners.isOf(0, &last) || r.listeners.isOf(7, &last) || r.listeners.isOf(-1, &last));
   r.touch(0, 1), r.touch(1, 2);
-  r.tell();
+  r.notify();
   EXPECT_EQ(all.told(), "b01 b12 ");
   EXPECT_EQ(first.told(), "b01 ");
   EXPECT_EQ(last.told(), "b12 ");
   EXPECT_EQ(both.told(), "b01 b12 ");
   r.listeners.remove(&all), r.listeners.forget(0);
-  r.next(), r.touch(0, 1), r.tell();
+  r.next(), r.touch(0, 1), r.notify();
   EXPECT_EQ(all.told(), "");
   EXPECT_EQ(first.told(), "");
   EXPECT_EQ(both.told(), "p01 e12 ");
@@ -78,7 +78,7 @@ TYPED_TEST(ListenerTableTest, PairsBeginPersistAndEndWithAllTheirParts) {
   r.listeners.add(&l);
   l.vetoes = true;
   r.touch(0, 1, 0), r.touch(0, 1, 1), r.touch(1, 2);
-  r.tell();
+  r.notify();
   EXPECT_EQ(l.told(), "b01 b12 ");
   EXPECT_EQ(l.came.friction, 9);
   for (const Manifold<D>& m : r.now) {
@@ -88,12 +88,12 @@ TYPED_TEST(ListenerTableTest, PairsBeginPersistAndEndWithAllTheirParts) {
   }
   l.vetoes = false;
   r.next(), r.touch(0, 1, 0), r.touch(0, 1, 1), r.touch(0, 2);
-  r.tell();
+  r.notify();
   EXPECT_EQ(l.told(), "p01 b02 e12 ");
   EXPECT_FALSE(r.now[0].begun || r.now[1].begun || r.now[0].ignored || r.now[1].ignored);
   EXPECT_TRUE(r.now[2].begun);
   l.to.friction = -1;
-  EXPECT_NE(refusalOf([&] { r.tell(); }), "");
+  EXPECT_NE(refusalOf([&] { r.notify(); }), "");
 }
 
 // Contacts that are generated again within a step, or again for sleeping bodies: listeners are not called again.
@@ -105,17 +105,17 @@ TYPED_TEST(ListenerTableTest, AnswersStayWithinAStepAndForSleepers) {
     l.vetoes = true;
     r.listeners.add(&l);
     r.touch(0, 1);
-    r.tell();
+    r.notify();
     l.told();
     if (!again) r.table.bodies.awake[0] = r.table.bodies.awake[1] = 0;
     r.next(), r.touch(0, 1), r.touch(1, 2);
-    r.tell(again);
+    r.notify(again);
     EXPECT_EQ(l.told(), "b12 ");
     EXPECT_TRUE(r.now[0].ignored);
     EXPECT_EQ(r.now[0].friction, l.to.friction);
-    r.table.bodies.awake.assign(3, 0), r.table.boxes.outdate(), r.table.sync(false);
+    r.table.bodies.awake.assign(3, 0), r.table.boxes.markAllStale(), r.table.sync(false);
     r.next(), r.touch(0, 1);
-    r.tell();  // no events for sleeping shapes
+    r.notify();  // no events for sleeping shapes
     EXPECT_EQ(l.told(), "e12 ");
     EXPECT_FALSE(r.now[0].ignored);
   }
@@ -136,18 +136,18 @@ TYPED_TEST(ListenerTableTest, SleepersGetEvents) {
   };
   using Told = std::vector<std::pair<int, double>>;
   r.touch(0, 1);
-  r.tell();
+  r.notify();
   EXPECT_EQ(events(), (Told{{SleepEvent::contactBegun, 3}}));
-  r.next(), r.touch(0, 1, 0, Real(0.25)), r.tell();
+  r.next(), r.touch(0, 1, 0, Real(0.25)), r.notify();
   EXPECT_EQ(events(), (Told{{SleepEvent::separationGrown, 0.5}}));
-  r.next(), r.touch(0, 1, 0, Real(0.25)), r.tell();
+  r.next(), r.touch(0, 1, 0, Real(0.25)), r.notify();
   EXPECT_EQ(events(), Told{});
   Listener<D> l;
   l.vetoes = true;
   r.listeners.add(&l);
-  r.next(), r.touch(0, 1, 0, Real(0.25)), r.tell();
+  r.next(), r.touch(0, 1, 0, Real(0.25)), r.notify();
   EXPECT_EQ(events(), (Told{{SleepEvent::contactLost, 0}}));
-  r.next(), r.tell();
+  r.next(), r.notify();
   EXPECT_EQ(events(), (Told{{SleepEvent::contactLost, 0}}));
 }
 

@@ -135,8 +135,8 @@ TEST(Ray, InfiniteRaysMissAsFiniteOnes) { missedForEver<2>(), missedForEver<3>()
 
 // Three balls in a row along x, of categories 1, 2 and 4. The last is rotated, so its frame differs from the world's.
 template <int D>
-std::array<Handle, 3> threeBalls(World<D>& world) {
-  std::array<Handle, 3> out;
+std::array<BodyHandle, 3> threeBalls(World<D>& world) {
+  std::array<BodyHandle, 3> out;
   for (std::size_t i = 0; i < 3; ++i) {
     BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(4.0 * static_cast<double>(i), 0));
     def.userData = 100 + i, def.shapes[0].userData = 200 + i, def.shapes[0].category = 1u << i;
@@ -175,10 +175,10 @@ void worldRays() {
   EXPECT_EQ(metBy<D>(world, {}), (Met{200, 201, 202})) << "as a shape of category 1 that collides with all";
   EXPECT_EQ(metBy<D>(world, {.mask = 4u | 1u}), (Met{200, 202}));
   EXPECT_EQ(metBy<D>(world, {.mask = 0}), Met{});
-  const auto notMyself = [&](Handle h, const ShapeRecord<D>&) { return h != balls[0]; };
+  const auto notMyself = [&](BodyHandle h, const ShapeRecord<D>&) { return h != balls[0]; };
   EXPECT_EQ(metBy<D>(world, {.accepts = notMyself}), (Met{201, 202}));
   EXPECT_EQ(metBy<D>(world, {.mask = 3, .accepts = notMyself}), Met{201});
-  const auto byData = [](Handle, const ShapeRecord<D>& s) { return s.userData == 202; };
+  const auto byData = [](BodyHandle, const ShapeRecord<D>& s) { return s.userData == 202; };
   const auto first = world.ray(at<D>(-5, 0), at<D>(1, 0), 100, true, {.accepts = byData});
   ASSERT_EQ(first.size(), 1u) << "the first of those who are meant";
   EXPECT_EQ(first[0].body, balls[2]);

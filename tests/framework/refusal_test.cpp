@@ -120,11 +120,11 @@ std::vector<Refusal<D>> refusals() {
   list.push_back({"cannot move", [](W x) { x.add(JointDef<D>{.bodyB = x.handle(0)}); }});
   list.push_back(
       {"breaks", [](W x) { x.add(JointDef<D>{.bodyA = x.handle(1), .bodyB = x.handle(2), .breakTorque = 0}); }});
-  list.push_back({"no body", [](W x) { x.remove(Handle{77, 0}); }});
+  list.push_back({"no body", [](W x) { x.remove(BodyHandle{77, 0}); }});
   list.push_back({"no joint", [](W x) { x.remove(JointHandle{77, 0}); }});
   const auto force = [&](const char* says, const std::string& kind, int a, int b, std::optional<Vec<D>> anchor = {}) {
     list.push_back({says, [=](W x) {
-                      const auto of = [&](int slot) { return slot < 0 ? Handle{} : x.handle(slot); };
+                      const auto of = [&](int slot) { return slot < 0 ? BodyHandle{} : x.handle(slot); };
                       x.add(ForceDef<D>{.kind = kind, .bodyA = of(a), .bodyB = of(b), .anchorB = anchor});
                     }});
   };

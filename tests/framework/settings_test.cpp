@@ -16,7 +16,7 @@ using test::expectCaught;
 template <int D>
 bool alike(const WorldSettings<D>& a, const WorldSettings<D>& b) {
   return a.gravity == b.gravity && a.restitutionThreshold == b.restitutionThreshold && a.margin == b.margin &&
-         a.features == b.features && a.mixing == b.mixing && a.sleepingContacts == b.sleepingContacts;
+         a.model == b.model && a.mixing == b.mixing && a.sleepingContacts == b.sleepingContacts;
 }
 template <int D>
 bool alike(const ShapeDef<D>& a, const ShapeDef<D>& b) {
@@ -80,13 +80,13 @@ TEST(Settings, SwitchAlgorithms) {
   EXPECT_EQ(s.pipeline()[StageKind::contacts].name, "deepest_point");
   EXPECT_EQ(s.pipeline()[StageKind::cache].name, "none");
   EXPECT_EQ(s.pipeline()[StageKind::sleep].name, "none");
-  EXPECT_FALSE(s.world<2>().features.restitution);
+  EXPECT_FALSE(s.world<2>().model.restitution);
   s.sleeping = true, s.linearSleepSpeed = Real(0.25), s.angularSleepSpeed = Real(0.5), s.sleepBias = Real(0.75);
   EXPECT_EQ(s.pipeline()[StageKind::sleep].text(), "split_average{linear=0.25,angular=0.5,bias=0.75}");
 }
 
 template <int D>
-Handle addBox(World<D>& world, const Settings& s) {
+BodyHandle addBox(World<D>& world, const Settings& s) {
   BodyDef<D> box;
   box.X_WB.p = 5 * Vec<D>::Unit(1);
   box.shapes.push_back(s.shape<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5)))));
@@ -99,12 +99,12 @@ void afterwards() {
   Settings s;
   s.gravity = -8;
   World<D> before(s.pipeline(), s.world<D>());
-  const Handle light = addBox<D>(before, s);
+  const BodyHandle light = addBox<D>(before, s);
   s.gravity = -2, s.density = 3, s.friction = Real(0.1);
   World<D> after(s.pipeline(), s.world<D>());
-  const Handle heavy = addBox<D>(after, s), late = addBox<D>(before, s);
+  const BodyHandle heavy = addBox<D>(after, s), late = addBox<D>(before, s);
   for (int i = 0; i < 64; ++i) before.step(Real(1) / 64), after.step(Real(1) / 64);
-  const auto falls = [](const World<D>& world, Handle body, Real speed) {
+  const auto falls = [](const World<D>& world, BodyHandle body, Real speed) {
     return std::abs(world.motion(body).v[1] + speed) < Real(1e-3);
   };
   EXPECT_TRUE(falls(before, light, 8));
@@ -125,7 +125,7 @@ TEST(Settings, AirSlows) {
   s.gravity = 0, s.airResistance = true, s.linearDrag = Real(0.5), s.quadraticDrag = 0;
   World<2> world(s.pipeline(), s.world<2>());
   world.add(s.air<2>().value());
-  const Handle box = addBox<2>(world, s);
+  const BodyHandle box = addBox<2>(world, s);
   world.setMotion(box, {.v = Vec<2>(4, 0)});
   for (int i = 0; i < 64; ++i) world.step(Real(1) / 64);
   EXPECT_NEAR(world.motion(box).v[0], 4 * 0.60653, 0.02);
@@ -142,7 +142,7 @@ void rests() {
   half[1] = 1;
   ground.shapes.push_back(s.shape<D>(Shape<D>::box(half)));
   world.add(ground);
-  const Handle box = addBox<D>(world, s);
+  const BodyHandle box = addBox<D>(world, s);
   Real lowest = 5, highest = 0;  // after the first bounce
   for (int i = 0; i < 300; ++i) {
     world.step(s.dt);
@@ -159,7 +159,7 @@ TEST(Settings, OfTheReportDropABox) { rests<2>(), rests<3>(); }
 Real depthAfter(const Settings& s) {
   World<2> world(s.pipeline(), s.world<2>());
   world.add(BodyDef<2>::fixed(s.shape<2>(Shape<2>::box({10, 1})), {{0, -1}}));
-  const Handle box = addBox<2>(world, s);
+  const BodyHandle box = addBox<2>(world, s);
   world.setPose(box, {{0, Real(0.482)}, {}});
   for (int i = 0; i < 120; ++i) world.step(s.dt);
   return Real(0.5) - world.pose(box).p[1];

@@ -24,7 +24,7 @@ SavedState<D> someState() {
   s.bodies = in.table.bodies, s.shapes = in.table.shapes, s.userForces = in.table.userForces;
   s.events = in.table.events, s.joints = joints.records;
   s.manifolds.resize(1), s.records.resize(2), s.forces.resize(1);
-  s.manifolds[0].normal = at<D>(0, 1), s.records[1].childA = 5;
+  s.manifolds[0].normal = at<D>(0, 1), s.records[1].partA = 5;
   s.time = Real(1.5), s.lastDt = Real(0.5), s.steps = 3;
   return s;
 }
@@ -56,7 +56,7 @@ TYPED_TEST(StateArchiveTest, BytesRoundTrip) {
   EXPECT_TRUE(is.joints[0].kind);
   EXPECT_FALSE(is.forces[0].kind);
   EXPECT_EQ(is.manifolds[0].normal, s.manifolds[0].normal);
-  EXPECT_EQ(is.records[1].childA, 5);
+  EXPECT_EQ(is.records[1].partA, 5);
   EXPECT_EQ(is.events.size(), s.events.size());
   EXPECT_EQ(is.steps, 3);
   std::istringstream in(bytes);

@@ -29,7 +29,7 @@ using Data = std::vector<std::uint64_t>;
 template <int D>
 void livesAsItsBodyDoes() {
   World<D> world;
-  const Handle a = world.add(marked<D>(0, 3, 10)), b = world.add(marked<D>(5, 3, kLarge - 2));
+  const BodyHandle a = world.add(marked<D>(0, 3, 10)), b = world.add(marked<D>(5, 3, kLarge - 2));
   EXPECT_EQ(dataOf(world), (Data{10, kLarge - 2, 11, 12, kLarge - 1, kLarge}));
   const std::uint64_t hash = world.hash();
   world.setUserData(a, 20);
@@ -77,8 +77,8 @@ class Names final : public ContactListener<D> {
 template <int D>
 void eventsLeadToIt() {
   World<D> world(Pipeline{}, {.gravity = Vec<D>::Zero()});
-  const Handle a = world.add(marked<D>(0, 0, 10));
-  const Handle b = world.add(marked<D>(0.99, 0, 20));
+  const BodyHandle a = world.add(marked<D>(0, 0, 10));
+  const BodyHandle b = world.add(marked<D>(0.99, 0, 20));
   Names<D> names;
   world.addListener(&names);
   world.step(0);

@@ -39,12 +39,12 @@ TYPED_TEST_SUITE(WorldTest, Dims);
 TYPED_TEST(WorldTest, HandlesOfRemovedBodiesAreInvalidAndSlotsAreReused) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
-  const Handle b = world.add(body<D>(Shape<D>::sphere(1), at<D>(5, 0)));
+  const BodyHandle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
+  const BodyHandle b = world.add(body<D>(Shape<D>::sphere(1), at<D>(5, 0)));
   world.remove(a);
   EXPECT_FALSE(world.valid(a));
   EXPECT_TRUE(world.valid(b));
-  const Handle c = world.add(body<D>(Shape<D>::sphere(1), at<D>(9, 0)));
+  const BodyHandle c = world.add(body<D>(Shape<D>::sphere(1), at<D>(9, 0)));
   EXPECT_EQ(c.slot, a.slot);
   EXPECT_NE(c, a);
   EXPECT_NE(messageOf([&] { world.pose(a); }), "");
@@ -85,7 +85,7 @@ TYPED_TEST(WorldTest, PoseIsOfTheBodyFrameAndMassFollowsFromShapes) {
   def.X_WB.p = at<D>(1, 2);
   def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(Real(0.5))), .density = 2});
   def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(Real(0.5))), .X_BS = {at<D>(1, 0)}, .density = 6});
-  const Handle h = world.add(def);
+  const BodyHandle h = world.add(def);
   EXPECT_NEAR(world.mass(h), 8, 1e-5);
   EXPECT_NEAR(world.pose(h).p[0], 1, 1e-6);
   EXPECT_NEAR(world.bodies().pose[0].p[0], 1.75, 1e-6);  // 6 of 8 kg are 1 m away
@@ -94,7 +94,7 @@ TYPED_TEST(WorldTest, PoseIsOfTheBodyFrameAndMassFollowsFromShapes) {
 TYPED_TEST(WorldTest, QueriesSeeShapesNotBoxesAndPresentPoses) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
   EXPECT_EQ(world.at(at<D>(0.5, 0.5)).size(), 1u);
   EXPECT_TRUE(world.at(at<D>(0.9, 0.9)).empty());  // in the bounding box, not in the ball
   EXPECT_EQ(world.overlap({at<D>(0.6, 0.6, -1), at<D>(2, 2, 1)}).size(), 1u);
@@ -146,7 +146,7 @@ TYPED_TEST(WorldTest, VetoLetsBodiesPass) {
   constexpr int D = TypeParam::D;
   World<D> world;
   addGround(world);
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.6)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.6)));
   Diary<D> diary;
   diary.solve = false;
   world.addListener(&diary);
@@ -158,7 +158,7 @@ TYPED_TEST(WorldTest, VetoLetsBodiesPass) {
 TYPED_TEST(WorldTest, RemovingASupportEndsTheContact) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle ground = addGround(world);
+  const BodyHandle ground = addGround(world);
   world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
   Diary<D> diary;
   world.addListener(&diary);
@@ -172,7 +172,7 @@ TYPED_TEST(WorldTest, RemovingASupportEndsTheContact) {
 TYPED_TEST(WorldTest, SpringHangsAtItsRestLengthPlusSag) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, -2)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, -2)));
   const double m = double(world.mass(ball));
   const std::string stiffness = std::to_string(100 * m), damping = std::to_string(10 * m);
   world.add(
@@ -186,7 +186,7 @@ TYPED_TEST(WorldTest, UserForceActsForOneStep) {
   WorldSettings<D> settings;
   settings.gravity = Vec<D>::Zero();
   World<D> world({}, settings);
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0)));
   world.applyForce(ball, at<D>(double(world.mass(ball)), 0), at<D>(0, 0));
   world.step(kDt);
   EXPECT_NEAR(world.motion(ball).v[0], kDt, 1e-6);
@@ -199,10 +199,10 @@ TYPED_TEST(WorldTest, UserForcesCostLinearTime) {
   constexpr int D = TypeParam::D;
   for (const int n : {1000, 10'000}) {
     World<D> world(Pipeline::parse("sleep=split_average"));
-    const std::vector<Handle> row = addRow(world, n);
+    const std::vector<BodyHandle> row = addRow(world, n);
     world.step(kDt);
     ASSERT_EQ(world.manifolds().size(), static_cast<std::size_t>(n));
-    for (const Handle& h : row) world.applyForce(h, at<D>(1, 0), world.pose(h).p);
+    for (const BodyHandle& h : row) world.applyForce(h, at<D>(1, 0), world.pose(h).p);
     world.step(kDt);
     EXPECT_EQ(world.profiler().frame().work[WorkCount::eventVisits], static_cast<std::uint64_t>(3 * n));
   }
@@ -211,7 +211,7 @@ TYPED_TEST(WorldTest, UserForcesCostLinearTime) {
 TYPED_TEST(WorldTest, FreeSlotsAreNotSearchedFor) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  std::vector<Handle> row = addRow(world, 1000);
+  std::vector<BodyHandle> row = addRow(world, 1000);
   for (std::size_t i = 1; i < row.size(); i += 2) world.remove(row[i]);
   world.step(kDt);
   for (std::size_t i = 1; i < row.size(); i += 2) {
@@ -232,7 +232,7 @@ TYPED_TEST(WorldTest, PinnedTurnsNonRotatableSlidesKinematicObeys) {
   stiff.rotatable = false;
   auto lift = body<D>(Shape<D>::box(Vec<D>::Constant(1)), at<D>(10, 0), BodyType::kinematic);
   lift.velocity = at<D>(0, 2);
-  const Handle p = world.add(pinned), s = world.add(stiff), k = world.add(lift);
+  const BodyHandle p = world.add(pinned), s = world.add(stiff), k = world.add(lift);
   world.applyTorque(s, Ang<D>::Constant(1000));
   for (int i = 0; i < 30; ++i) world.step(kDt);
   EXPECT_EQ(world.pose(p).p, at<D>(0, 0));
@@ -246,8 +246,8 @@ TYPED_TEST(WorldTest, JointedBodiesCollideOnlyWhenAsked) {
   constexpr int D = TypeParam::D;
   for (bool collide : {false, true}) {
     World<D> world;
-    const Handle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0), BodyType::fixed));
-    const Handle b = world.add(body<D>(Shape<D>::sphere(1), at<D>(1, 0)));
+    const BodyHandle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0), BodyType::fixed));
+    const BodyHandle b = world.add(body<D>(Shape<D>::sphere(1), at<D>(1, 0)));
     world.add(JointDef<D>{.bodyA = a, .bodyB = b, .X_WJ = {at<D>(0.5, 0), {}}, .collide = collide});
     world.step(kDt);
     EXPECT_EQ(world.manifolds().size(), collide ? 1u : 0u);
@@ -290,8 +290,8 @@ TYPED_TEST(WorldTest, RecordingReadsBackAndDropsATornFrame) {
   std::istringstream in(out.str());
   const Recording<D> r = Recording<D>::read(in);
   ASSERT_EQ(r.frames.size(), 5u);
-  EXPECT_EQ(r.frames[0].arrivals.size(), 7u);
-  EXPECT_EQ(r.frames[4].arrivals.size(), 0u);
+  EXPECT_EQ(r.frames[0].newBodies.size(), 7u);
+  EXPECT_EQ(r.frames[4].newBodies.size(), 0u);
   EXPECT_EQ(r.frames[4].bodies.size(), 7u);
   EXPECT_EQ(r.frames[4].bodies[3].X_WC.p, world.bodies().pose[3].p);
   std::istringstream torn(out.str().substr(0, out.str().size() - 3));
@@ -321,8 +321,8 @@ TYPED_TEST(WorldTest, ADamagedRecordingIsToldOrHarmless) {
     const std::string message = messageOf([&] {
       for (const auto& frame : Recording<D>::read(in).frames) {
         EXPECT_TRUE(std::isfinite(frame.time)) << i;
-        for (const auto& arrival : frame.arrivals) {
-          for (const auto& part : arrival.parts) {
+        for (const auto& newBody : frame.newBodies) {
+          for (const auto& part : newBody.parts) {
             ASSERT_LT(static_cast<int>(part.kind), kShapeKinds) << i;
             ASSERT_TRUE(part.X_CS.p.allFinite()) << i;
           }

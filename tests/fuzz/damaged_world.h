@@ -27,7 +27,7 @@ inline std::string sealed(std::string bytes) {
 template <int D>
 void addEverything(World<D>& world) {
   world.add(body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::fixed));
-  const Handle gone = world.add(body<D>(Shape<D>::sphere(1), at<D>(50, 50)));
+  const BodyHandle gone = world.add(body<D>(Shape<D>::sphere(1), at<D>(50, 50)));
   std::vector<Vec<D>> corners;
   for (int bits = 0; bits < 1 << D; ++bits) {
     Vec<D> v;
@@ -35,7 +35,7 @@ void addEverything(World<D>& world) {
     corners.push_back(v);
   }
   world.add(body<D>(Shape<D>::polytope(corners, Real(0.01)), at<D>(0, 0.41)));
-  const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.3))), at<D>(0.1, 1.12)));
+  const BodyHandle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.3))), at<D>(0.1, 1.12)));
   std::vector<Real> sizes(static_cast<std::size_t>(D), Real(0.3));
   world.add(body<D>(Shape<D>::curved(ShapeKind::ellipsoid, sizes), at<D>(1.5, 0.3)));
   if constexpr (D == 3) {
@@ -45,7 +45,7 @@ void addEverything(World<D>& world) {
   const Shape<D> ball = Shape<D>::sphere(Real(0.2)), hull = Shape<D>::polytope(corners);
   const std::vector<ShapePart<D>> parts = {{ball, {at<D>(0.4, 0), {}}}, {hull, {}}};
   world.add(body<D>(Shape<D>::compound(parts), at<D>(4, 0.4)));
-  const Handle bob = world.add(body<D>(Shape<D>::capsule(Real(0.2), Real(0.1)), at<D>(1, 2)));
+  const BodyHandle bob = world.add(body<D>(Shape<D>::capsule(Real(0.2), Real(0.1)), at<D>(1, 2)));
   world.add(pivot<D>(box, bob, at<D>(0.5, 1.5)));
   const ForceHandle off = world.add(ForceDef<D>{.kind = "drag"});
   world.add(ForceDef<D>{.kind = "spring{rest_length=1}", .bodyA = box, .bodyB = bob, .anchorA = at<D>(0.1, 0.1)});

@@ -20,7 +20,7 @@ void rollingStop() {
     BodyDef<D> def = body<D>(Shape<D>::sphere(Real(r)), at<D>(0, r));
     def.velocity = at<D>(v, 0), def.shapes[0].friction = 1;
     def.angularVelocity = Ang<D>::Unit(kAngDim<D> - 1) * Real(-v / r);
-    const Handle ball = world.add(def);
+    const BodyHandle ball = world.add(def);
     world.add(ForceDef<D>{.kind = forceKind("rolling_resistance", {{"coefficient", c}})});
     const auto roll = [&](double seconds) {
       for (const double until = double(world.time()) + seconds - 0.5 * double(kDt); double(world.time()) < until;) {
@@ -44,10 +44,10 @@ TEST_F(KnownAnswer, two_body_circle) {
     const double density = 1 / (kPi * 0.01);
     BodyDef<2> def = body<2>(Shape<2>::sphere(Real(0.1)), at<2>(d * heavy / (m + heavy), 0));
     def.shapes[0].density = Real(density), def.velocity = at<2>(0, w * d * heavy / (m + heavy));
-    const Handle light = world.add(def);
+    const BodyHandle light = world.add(def);
     def.X_WB.p = at<2>(-d * m / (m + heavy), 0), def.velocity = at<2>(0, -w * d * m / (m + heavy));
     def.shapes[0].density = Real(heavy * density);
-    const Handle other = world.add(def);
+    const BodyHandle other = world.add(def);
     world.add(ForceDef<2>{.kind = forceKind("attraction", {{"strength", strength}}), .bodyA = light, .bodyB = other});
     const Invariants<2> from = invariants(world);
     double previous = 1, period = 0;
@@ -72,10 +72,10 @@ void motorSpeed() {
   for (const char* solver : kSolvers) {
     World<D> world = worldOf<D>(solver, Vec<D>::Zero());
     const Shape<D> box = Shape<D>::box(Vec<D>::Constant(Real(0.5)));  // 1 kg, I = 1/6
-    const Handle a = world.add(body<D>(box, at<D>(0, 0))), b = world.add(body<D>(box, at<D>(3, 0)));
+    const BodyHandle a = world.add(body<D>(box, at<D>(0, 0))), b = world.add(body<D>(box, at<D>(3, 0)));
     const std::string kind = "torque{mode=speed,torque=0.5,speed=6}";
     world.add(ForceDef<D>{.kind = kind, .bodyA = a, .bodyB = b});
-    const auto spin = [&](Handle h) { return double(world.motion(h).w[kAngDim<D> - 1]); };
+    const auto spin = [&](BodyHandle h) { return double(world.motion(h).w[kAngDim<D> - 1]); };
     for (int i = 0; i < 30; ++i) world.step(kDt);
     known(in<D>("speed after 0.5 s, rad/s"), solver, torque * 6 * 0.5, spin(b));
     for (int i = 0; i < 90; ++i) world.step(kDt);
@@ -90,7 +90,7 @@ TEST_F(KnownAnswer, wind_speed) {
   const double a = 2, wind = 5;
   for (const char* solver : kSolvers) {
     World<2> world = worldOf<2>(solver);
-    const Handle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0)));
+    const BodyHandle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0)));
     world.add(ForceDef<2>{.kind = forceKind("wind", {{"x", wind}, {"linear", a}}), .bodyB = box});
     for (int i = 0; i < 30; ++i) world.step(kDt);
     known("along after 0.5 s, m/s", solver, wind * (1 - std::exp(-a * 0.5)), double(world.motion(box).v[0]));

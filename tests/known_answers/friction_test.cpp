@@ -18,7 +18,7 @@ const char* const kTwo[] = {"split_solver", "soft_step"};
 template <int D>
 struct Slide {
   World<D> world;
-  Handle body;
+  BodyHandle body;
 
   Slide(const std::string& solver, double degrees, double heading, double mu, const Shape<D>& shape, double height)
       : Slide(solver, degrees, heading, mu, test::body<D>(shape, at<D>(0, height))) {}
@@ -357,7 +357,7 @@ TEST_F(KnownAnswer, euler_disk) {
     def.X_WB.q = Rot<3>::vector({0, 0, Real(kPi / 2 - alpha)});  // its axis is its x; its lowest point is towards +x
     def.angularVelocity = at<3>(turn * (c - half / radius * s), -turn * (s + half / radius * c));
     world.add(table);
-    const Handle disk = world.add(def);
+    const BodyHandle disk = world.add(def);
     double turned = 0, last = 0;
     Vec<3> axis;
     for (int i = 0; i < steps; ++i) {

@@ -15,7 +15,7 @@ template <int D>
 Velocities row(const std::string& solver, const std::vector<double>& restitution, int arriving, double gap, Real dt,
                double time) {
   World<D> world = worldOf<D>(solver, Vec<D>::Zero());
-  std::vector<Handle> balls;
+  std::vector<BodyHandle> balls;
   for (std::size_t i = 0; i < restitution.size(); ++i) {
     BodyDef<D> ball = body<D>(Shape<D>::sphere(Real(0.5)), at<D>((1 + gap) * double(i), 0));
     ball.velocity[0] = static_cast<int>(i) < arriving ? Real(1) : Real(0);
@@ -24,7 +24,7 @@ Velocities row(const std::string& solver, const std::vector<double>& restitution
   }
   for (int i = 0; i < static_cast<int>(time / double(dt)); ++i) world.step(dt);
   Velocities out;
-  for (const Handle h : balls) out.push_back(double(world.motion(h).v[0]));
+  for (const BodyHandle h : balls) out.push_back(double(world.motion(h).v[0]));
   return out;
 }
 double distance(const Velocities& a, const Velocities& b) {
@@ -151,7 +151,7 @@ Blow measured(const std::string& solver) {
   def.shapes[0].density = 1 / massProperties(kaneRod<D>(), Real(1)).mass;
   for (BodyDef<D>* b : {&ground, &def}) b->shapes[0].friction = Real(kMu), b->shapes[0].restitution = 1;
   world.add(ground);
-  const Handle rod = world.add(def);
+  const BodyHandle rod = world.add(def);
   world.step(kDt / 1000);
   const Motion<D> after = world.motion(rod);
   const double w = double(after.w[kAngDim<D> - 1]), before = (kFall * kFall + kSlide * kSlide) / 2;

@@ -29,7 +29,7 @@ std::array<double, 2> headOn(const std::string& solver) {
     b.shapes[0].density = 3;
     a.velocity = at<D>(2, 0), b.velocity = at<D>(-1, 0);
     a.shapes[0].restitution = b.shapes[0].restitution = Real(e);
-    const Handle first = world.add(a), second = world.add(b);
+    const BodyHandle first = world.add(a), second = world.add(b);
     for (int i = 0; i < 60; ++i) world.step(Real(1) / 60);
     const double u1 = double(world.motion(first).v[0]), u2 = double(world.motion(second).v[0]);
     worst[0] = std::max({worst[0], std::abs(u1 - v1), std::abs(u2 - v2)});
@@ -64,7 +64,7 @@ TEST_F(KnownAnswer, collide_offcentre_rod) {
       ball.velocity = {0, -3};
       rod.shapes[0].restitution = ball.shapes[0].restitution = 1;
       rod.shapes[0].friction = ball.shapes[0].friction = 0;
-      const Handle r = world.add(rod), b = world.add(ball);
+      const BodyHandle r = world.add(rod), b = world.add(ball);
       for (int k = 0; k < 12; ++k) world.step(Real(1) / 60);
       impulse = worse(double(world.motion(b).v[1]) + 3, impulse, j);
       omega = worse(double(world.motion(r).w[0]), omega, turn);
@@ -81,7 +81,7 @@ TEST_F(KnownAnswer, newton_cradle_5) {
       double worst = 0;
       for (const std::string& solver : methods.solvers) {
         World<2> world = worldOf<2>(solver, {0, 0});
-        std::vector<Handle> balls;
+        std::vector<BodyHandle> balls;
         for (int i = 0; i < 5; ++i) {
           // Gaps wider than the motion of a step plus the margin: one impact at a time.
           BodyDef<2> ball = body<2>(Shape<2>::sphere(Real(0.5)), at<2>(1.1 * i - (i < arriving ? 0.5 : 0), 0));
@@ -105,7 +105,7 @@ TEST_F(KnownAnswer, newton_cradle_5) {
 template <int D>
 struct Drop {
   World<D> world;
-  Handle ball;
+  BodyHandle ball;
   // From a gap of 1 m.
   Drop(const std::string& solver, double e, const WorldSettings<D>& settings = {})
       : world(Pipeline::parse("solver=" + solver), settings) {

@@ -38,7 +38,7 @@ TEST_F(KnownAnswer, ballistic_integrators) {
   const double error[] = {-1, 1, 0, 0};
   for (std::size_t i = 0; i < 4; ++i) {
     World<3> world = worldOf<3>(splitWith(kIntegrators[i]));
-    const Handle b = world.add(body<3>(Shape<3>::sphere(1), {0, 0, 0}));
+    const BodyHandle b = world.add(body<3>(Shape<3>::sphere(1), {0, 0, 0}));
     for (int k = 0; k < 120; ++k) world.step(Real(1) / 60);
     known("height, m", kIntegrators[i], -19.62 + error[i] * kG * 2 / 120, double(world.pose(b).p[1]));
   }
@@ -47,7 +47,7 @@ TEST_F(KnownAnswer, ballistic_integrators) {
 // A mass on a spring of 1 Hz with a long rest length, extended by x.
 struct Oscillator {
   World<2> world;
-  Handle body;
+  BodyHandle body;
   Oscillator(const std::string& solver, double x, double zeta)
       : world(Pipeline::parse("solver=" + solver), floating()) {
     body = world.add(test::body<2>(Shape<2>::sphere(Real(0.1)), at<2>(10 + x, 0)));
@@ -127,7 +127,7 @@ TEST_F(KnownAnswer, dzhanibekov) {
         body<3>(Shape<3>::box({Real(std::sqrt(a2) / 2), Real(std::sqrt(b2) / 2), Real(std::sqrt(c2) / 2)}), {0, 0, 0});
     def.shapes[0].density = Real(mass / std::sqrt(a2 * b2 * c2));
     def.angularVelocity = {Real(0.01), 1, Real(0.01)};
-    const Handle h = world.add(def);
+    const BodyHandle h = world.add(def);
     const double i1 = b2 + c2, i2 = a2 + c2, i3 = a2 + b2, e = (i1 * 1e-4 + i2 + i3 * 1e-4) / 2;
     const double l2 = i1 * i1 * 1e-4 + i2 * i2 + i3 * i3 * 1e-4;
     ASSERT_GT(l2, 2 * e * i2);
@@ -218,7 +218,7 @@ double dominoSpeed(const std::string& solver, double scale) {
   World<2> world(Pipeline::parse("solver=" + solver), settings);
   world.add(body<2>(Shape<2>::box(at<2>(100, 1)), {0, -1}, BodyType::fixed));
   const int n = 24;
-  std::vector<Handle> row;
+  std::vector<BodyHandle> row;
   for (int i = 0; i < n; ++i) {
     row.push_back(
         world.add(body<2>(Shape<2>::box(at<2>(0.1 * scale, 0.5 * scale)), at<2>(0.6 * i * scale, 0.5 * scale))));
@@ -251,7 +251,7 @@ std::vector<Vec<2>> fall(const std::string& solver, double s) {
   BodyDef<2> box = body<2>(Shape<2>::box(at<2>(0.5 * s, 0.3 * s)), at<2>(0, 2 * s));
   box.X_WB.q = Rot<2>::angle(0.3);
   box.shapes[0].restitution = Real(0.3);
-  const Handle h = world.add(box);
+  const BodyHandle h = world.add(box);
   std::vector<Vec<2>> path;
   for (int i = 0; i < 300; ++i) {
     world.step(static_cast<Real>(std::sqrt(s) / 60));
@@ -279,9 +279,9 @@ void momenta() {
     World<D> world = worldOf<D>(solver, Vec<D>::Zero());
     BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.3))), at<D>(0, 0));
     def.velocity = at<D>(1, 0.5, -0.2), def.angularVelocity = Ang<D>::Constant(Real(0.4));
-    const Handle a = world.add(def);
+    const BodyHandle a = world.add(def);
     def.X_WB.p = at<D>(2, 0.3), def.velocity = at<D>(-1, 0.2, 0.3), def.shapes[0].density = 2;
-    const Handle b = world.add(def);
+    const BodyHandle b = world.add(def);
     def.X_WB.p = at<D>(2, 1.3), def.velocity = at<D>(0, 0);
     world.add(pivot<D>(b, world.add(def), at<D>(2, 0.8)));
     world.add(ForceDef<D>{.kind = springKind(20, 1.5, 0.2),

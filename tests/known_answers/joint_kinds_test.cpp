@@ -32,7 +32,7 @@ TEST_F(KnownAnswer, hinged_gate) {
     BodyDef<3> def = rod<3>();
     const Rot<3> q = aboutX(lean) * aboutZ(amplitude);
     def.X_WB = {q * def.X_WB.p, q};
-    const Handle gate = world.add(def);
+    const BodyHandle gate = world.add(def);
     world.add(JointDef<3>{.kind = "hinge", .bodyB = gate, .X_WJ = {Vec<3>::Zero(), aboutX(lean)}});
     double first = 0, found = 0, previous = 1, off = 0;
     while (world.time() < 10 && found == 0) {
@@ -60,11 +60,11 @@ void cantilever(double seconds) {
   const double side = 0.2, weight = n * kG, moment = weight * n * side / 2;
   for (const char* solver : {"split_solver{velocity=catto{iterations=200}}", "soft_step{substeps=100}"}) {
     World<D> world = worldOf<D>(solver);
-    Handle last{};
+    BodyHandle last{};
     for (int i = 0; i < n; ++i) {
       BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(side / 2))), at<D>((i + 0.5) * side, 0));
       def.shapes[0].density = Real(1 / std::pow(side, D));
-      const Handle next = world.add(def);
+      const BodyHandle next = world.add(def);
       world.add(JointDef<D>{.kind = "weld", .bodyA = last, .bodyB = next, .X_WJ = {at<D>(i * side, 0), {}}});
       last = next;
     }
@@ -92,7 +92,7 @@ void stalledMotor() {
   }
   for (const char* solver : kSolvers) {
     World<D> world = worldOf<D>(solver);
-    const Handle arm = world.add(rod<D>());
+    const BodyHandle arm = world.add(rod<D>());
     world.add(JointDef<D>{.kind = "hinge{motor_speed=1000,motor_torque=" + std::to_string(torque) + "}", .bodyB = arm});
     double highest = 0;
     while (world.time() < 2) {
@@ -112,7 +112,7 @@ template <int D>
 void hangingSpring() {
   for (const char* solver : kSolvers) {
     World<D> world = worldOf<D>(solver);
-    const Handle bob = world.add(rod<D>());
+    const BodyHandle bob = world.add(rod<D>());
     world.add(JointDef<D>{.kind = "distance{mode=spring,length=1,stiffness=50,damping=5}",
                           .bodyB = bob,
                           .X_WJ = {at<D>(0, 1), {}},
@@ -157,7 +157,7 @@ void railSlider() {
   for (const char* solver : kBoth) {
     World<D> world = worldOf<D>(solver);
     const Rot<D> q = turned<D>(-lean);
-    const Handle car = world.add(cube<D>(q * at<D>(0.5, 0)));
+    const BodyHandle car = world.add(cube<D>(q * at<D>(0.5, 0)));
     world.add(JointDef<D>{.kind = "prismatic", .bodyB = car, .X_WJ = {Vec<D>::Zero(), q}});
     while (world.stepCount() < 120) world.step(Real(1) / 60);
     const Vec<D> p = q.inverse() * world.pose(car).p, v = q.inverse() * world.motion(car).v;
@@ -174,7 +174,7 @@ template <int D>
 void lift() {
   for (const char* solver : kBoth) {
     World<D> world = worldOf<D>(solver);
-    const Handle car = world.add(cube<D>(at<D>(0, 0)));
+    const BodyHandle car = world.add(cube<D>(at<D>(0, 0)));
     world.add(JointDef<D>{.kind = "prismatic{upper=3,motor_speed=1000,motor_force=" + std::to_string(1.5 * kG) + "}",
                           .bodyB = car,
                           .X_WJ = {Vec<D>::Zero(), turned<D>(kPi / 2)}});
@@ -194,7 +194,7 @@ void suspension() {
     World<D> world = worldOf<D>(solver);
     BodyDef<D> def = cube<D>(at<D>(0, 0));
     def.angularVelocity[kAngDim<D> - 1] = 3;
-    const Handle wheel = world.add(def);
+    const BodyHandle wheel = world.add(def);
     world.add(JointDef<D>{
         .kind = "wheel{stiffness=50,damping=0}", .bodyB = wheel, .X_WJ = {Vec<D>::Zero(), turned<D>(kPi / 2)}});
     double first = 0, last = 0, previous = 1, lowest = 0;
@@ -225,7 +225,7 @@ void drives() {
     World<D> world = worldOf<D>(solver, Vec<D>::Zero());
     BodyDef<D> def = cube<D>(at<D>(0, 0));
     def.velocity = at<D>(speed, 0);
-    const Handle car = world.add(def);
+    const BodyHandle car = world.add(def);
     world.add(JointDef<D>{.kind = kind, .bodyB = car});
     while (world.stepCount() < steps) world.step(Real(1) / 480);
     return std::pair(double(world.pose(car).p[0]), double(turnOf(world.pose(car).q)[kAngDim<D> - 1]));
@@ -254,7 +254,7 @@ void softBeam() {
     World<D> world = worldOf<D>(solver);
     BodyDef<D> def = rod<D>();
     def.X_WB = {at<D>(0.5, 0), turned<D>(kPi / 2)};
-    const Handle beam = world.add(def);
+    const BodyHandle beam = world.add(def);
     world.add(
         JointDef<D>{.kind = "spring{stiffness=100,damping=10,angular_stiffness=20,angular_damping=5}", .bodyB = beam});
     while (world.stepCount() < 1200) world.step(Real(1) / 60);
@@ -274,15 +274,15 @@ void gearPair() {
     World<D> world = worldOf<D>(solver);
     const auto wheel = [&](double x, double side, const std::string& kind) {
       BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(side / 2))), at<D>(x, 0));
-      const Handle h = world.add(def);
+      const BodyHandle h = world.add(def);
       world.add(JointDef<D>{.kind = kind, .bodyB = h, .X_WJ = {at<D>(x, 0), {}}});
       return h;
     };
-    const Handle a = wheel(0, 1, "hinge{motor_speed=1000,motor_torque=" + std::to_string(torque) + "}");
-    const Handle b = wheel(2, 0.5, "hinge");
+    const BodyHandle a = wheel(0, 1, "hinge{motor_speed=1000,motor_torque=" + std::to_string(torque) + "}");
+    const BodyHandle b = wheel(2, 0.5, "hinge");
     world.add(JointDef<D>{.kind = "gear{ratio=" + std::to_string(ratio) + "}", .bodyA = a, .bodyB = b});
     while (world.stepCount() < 60) world.step(Real(1) / 60);
-    const auto spin = [&](Handle h) { return double(world.motion(h).w[kAngDim<D> - 1]); };
+    const auto spin = [&](BodyHandle h) { return double(world.motion(h).w[kAngDim<D> - 1]); };
     const double inertia = 1.0 / 6, small = std::pow(0.5, D) * 0.25 / 6;
     known(in<D>("speed of A after 1 s, rad/s"), solver, torque / (inertia + small / (ratio * ratio)), spin(a));
     known(in<D>("speed of A over that of B"), solver, -ratio, spin(a) / spin(b));
@@ -303,14 +303,14 @@ void mouseHold() {
       World<D> world = worldOf<D>(solver);
       BodyDef<D> def = cube<D>(at<D>(0, 0));
       def.shapes[0].density *= Real(mass);
-      const Handle held = world.add(def);
+      const BodyHandle held = world.add(def);
       world.add(JointDef<D>{.kind = "mouse{hertz=1,damping_ratio=0.7,max_force=1e6}", .bodyB = held});
       while (world.stepCount() < 600) world.step(Real(1) / 60);
       known(in<D>(mass > 1 ? "1000 kg hang below, m" : "1 kg hangs below, m"), solver, hang,
             -double(world.pose(held).p[1]));
     }
     World<D> world = worldOf<D>(solver);
-    const Handle held = world.add(cube<D>(at<D>(0, 0)));
+    const BodyHandle held = world.add(cube<D>(at<D>(0, 0)));
     world.add(JointDef<D>{.kind = "mouse{max_force=" + std::to_string(kG / 2) + "}", .bodyB = held});
     while (world.stepCount() < 60) world.step(Real(1) / 60);
     known(in<D>("speed of a fall at half the weight, m/s"), solver, kG / 2, -double(world.motion(held).v[1]));
@@ -326,7 +326,7 @@ void coneRim(double seconds) {
     World<D> world = worldOf<D>(solver);
     BodyDef<D> def = rod<D>();
     def.X_WB = {at<D>(0.5, 0), turned<D>(kPi / 2)};
-    const Handle arm = world.add(def);
+    const BodyHandle arm = world.add(def);
     world.add(JointDef<D>{.kind = "cone_twist{swing=0.5235987755982988}", .bodyB = arm});
     while (world.time() < Real(seconds)) world.step(Real(1) / 60);
     known(in<D>("swing, degrees"), solver, 30, between<D>(turned<D>(kPi / 2), world.pose(arm).q) / kDegree);
@@ -339,7 +339,7 @@ TEST_F(KnownAnswer, cone_rim) {
   coneRim<2>(5), coneRim<3>(5);
   for (const char* solver : kBoth) {
     World<3> world = worldOf<3>(solver);
-    const Handle arm = world.add(cube<3>({0, 0, Real(0.5)}));
+    const BodyHandle arm = world.add(cube<3>({0, 0, Real(0.5)}));
     world.add(JointDef<3>{.kind = "cone_twist{swing=0.1,twist=0.25}", .bodyB = arm});
     while (world.time() < 5) world.step(Real(1) / 60);
     known("twist, rad", solver, 0.25, double(turnOf(world.pose(arm).q)[0]));

@@ -22,7 +22,7 @@ TEST(Pendulum, EllipticIntegralIsRight) {  // 4 sqrt(l/g) K: the figures of a po
 }
 
 template <int D>
-Handle addPost(World<D>& world, const Vec<D>& p) {
+BodyHandle addPost(World<D>& world, const Vec<D>& p) {
   return world.add(body<D>(Shape<D>::sphere(Real(0.01)), p, BodyType::fixed));
 }
 
@@ -41,7 +41,7 @@ Vec<D> pointImpulse(const JointRecord<D>& joint) {
 template <int D>
 Swing swing(const std::string& solver, const BodyDef<D>& def, Real dt) {
   World<D> world = worldOf<D>(solver);
-  const Handle post = addPost<D>(world, at<D>(0, 5)), bob = world.add(def);
+  const BodyHandle post = addPost<D>(world, at<D>(0, 5)), bob = world.add(def);
   world.add(pivot<D>(post, bob, at<D>(0, 5)));
   Swing s;
   double first = 0, previous = 1;
@@ -84,7 +84,7 @@ void swingsLong(double degrees) {
   const double period = 4 * std::sqrt(length / kG) * ellipticK(std::pow(std::sin(angle / 2), 2));
   for (const char* solver : {"split_solver", "split_solver{position=baumgarte}", "soft_step"}) {
     World<2> world = worldOf<2>(solver);
-    const Handle bob = world.add(body<2>(Shape<2>::sphere(Real(0.1)), at<2>(std::sin(angle), 5 - std::cos(angle))));
+    const BodyHandle bob = world.add(body<2>(Shape<2>::sphere(Real(0.1)), at<2>(std::sin(angle), 5 - std::cos(angle))));
     world.add(pivot<2>(addPost<2>(world, at<2>(0, 5)), bob, at<2>(0, 5)));
     const double weight = double(world.mass(bob)) * kG;
     const auto energy = [&] {
@@ -141,12 +141,12 @@ TEST_F(KnownAnswer, double_pendulum) {
   for (const char* solver : {"split_solver", "split_solver{integrator=rk4}", "soft_step"}) {
     World<2> world = worldOf<2>(solver);
     const double radius = 0.001;  // the ball's own inertia is 5e-7 of that of its arm
-    const Handle post = addPost<2>(world, at<2>(0, 5));
+    const BodyHandle post = addPost<2>(world, at<2>(0, 5));
     BodyDef<2> def = body<2>(Shape<2>::sphere(Real(radius)), at<2>(1, 5));
     def.shapes[0].density = Real(1 / (kPi * radius * radius));
-    const Handle inner = world.add(def);
+    const BodyHandle inner = world.add(def);
     def.X_WB.p = at<2>(2, 5);
-    const Handle outer = world.add(def);
+    const BodyHandle outer = world.add(def);
     world.add(pivot<2>(post, inner, at<2>(0, 5)));
     world.add(pivot<2>(inner, outer, at<2>(1, 5)));
     for (const auto& [until, theta1, theta2] : times) {
@@ -156,7 +156,7 @@ TEST_F(KnownAnswer, double_pendulum) {
       known("inner angle" + when, solver, theta1, std::atan2(double(p[0]), -double(p[1])));
       known("outer angle" + when, solver, theta2, std::atan2(double(q[0]), -double(q[1])));
       double energy = 0;  // 0 at the start, about the pivot
-      for (Handle h : {inner, outer}) {
+      for (BodyHandle h : {inner, outer}) {
         energy += double(world.motion(h).v.squaredNorm()) / 2 + kG * (double(world.pose(h).p[1]) - 5);
       }
       known("energy" + when + ", J", solver, 0, energy);
@@ -202,7 +202,7 @@ TEST_F(KnownAnswer, catenary) {
       World<2> world = worldOf<2>(solver);
       // Motion halves in 1.4 s; the drag is small enough to be stable for rotations.
       world.add(ForceDef<2>{.kind = dragKind(0.5 * width * 2 * half, 0)});
-      Handle last = addPost<2>(world, at<2>(-4, 0)), middle;
+      BodyHandle last = addPost<2>(world, at<2>(-4, 0)), middle;
       Vec<2> end = at<2>(-4, 0);
       // Starts as a V, near the end state.
       const double tilt = std::acos(0.8);
@@ -212,7 +212,7 @@ TEST_F(KnownAnswer, catenary) {
         BodyDef<2> link = body<2>(Shape<2>::box({Real(half), Real(width / 2)}), end + along / 2);
         link.X_WB.q = Rot<2>::angle(side * tilt);
         link.shapes[0].mask = 0;
-        const Handle next = world.add(link);
+        const BodyHandle next = world.add(link);
         world.add(pivot<2>(last, next, end));
         last = next, end += along;
         if (i == n / 2 - 1) middle = next;
@@ -251,7 +251,7 @@ void goesRound(bool fast) {
     const double along = spin - rate * std::cos(tilt);
     def.angularVelocity = Real(along) * axis + Real(rate) * up;
     def.velocity = cross(def.angularVelocity, Vec<3>(Real(arm) * axis));
-    const Handle top = world.add(def);
+    const BodyHandle top = world.add(def);
     world.add(pivot<3>(addPost<3>(world, tip), top, tip));
     const double turns = fast ? 20 : 10;
     const auto energy = [&] {

@@ -32,7 +32,7 @@ template <int D>
 void spinsUp() {
   for (const auto& [r, name] : {std::pair(1e-3, "1 mm"), std::pair(1.0, "1 m"), std::pair(1e3, "1 km")}) {
     World<D> world = worldOf<D>("split_solver", Vec<D>::Zero());
-    const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(r)), at<D>(0, 0)));
+    const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(r)), at<D>(0, 0)));
     const double inertia = D == 2 ? kPi * std::pow(r, 4) / 2 : 8 * kPi * std::pow(r, 5) / 15;
     for (int i = 0; i < 240; ++i) {
       world.applyTorque(ball, Real(inertia) * Ang<D>::Unit(kAngDim<D> - 1));
@@ -55,7 +55,7 @@ void rides() {
     world.add(belt);
     Vec<D> half = Vec<D>::Constant(Real(0.5));
     half[1] = Real(0.1);
-    const Handle box = world.add(rubbing(body<D>(Shape<D>::box(half), at<D>(0, 0.1)), mu));
+    const BodyHandle box = world.add(rubbing(body<D>(Shape<D>::box(half), at<D>(0, 0.1)), mu));
     steps(world, 1);
     known(in<D>("slips back by, m"), solver, v * v / (2 * mu * kG), v - double(world.pose(box).p[0]));
     known(in<D>("speed at last, m/s"), solver, v, double(world.motion(box).v[0]));
@@ -73,7 +73,7 @@ TEST_F(KnownAnswer, sliding_wedge) {
     const std::array<Vec<2>, 3> corners = {at<2>(0, 0), at<2>(length, 0), at<2>(0, height)};
     BodyDef<2> wedge = rubbing(body<2>(Shape<2>::polytope(corners), at<2>(0, 0)), 0);
     wedge.shapes[0].density = Real(3 / (length * height / 2));
-    const Handle under = world.add(wedge);
+    const BodyHandle under = world.add(wedge);
     BodyDef<2> block = rubbing(
         body<2>(Shape<2>::box({Real(0.2), Real(0.1)}), at<2>(length / 3 + 0.1 * s, height * 2 / 3 + 0.1 * c)), 0);
     block.X_WB.q = Rot<2>::angle(Real(-angle));
@@ -94,10 +94,10 @@ TEST_F(KnownAnswer, block_on_block) {
       world.add(floorOf<2>(0));
       BodyDef<2> def = rubbing(body<2>(Shape<2>::box({2, Real(0.1)}), at<2>(0, 0.1)), mu);
       def.shapes[0].density = Real(2 / 0.8);
-      const Handle lower = world.add(def);
+      const BodyHandle lower = world.add(def);
       def = rubbing(body<2>(Shape<2>::box({Real(0.5), Real(0.1)}), at<2>(0, 0.3)), mu);
       def.shapes[0].density = Real(1 / 0.2);
-      const Handle upper = world.add(def);
+      const BodyHandle upper = world.add(def);
       const double force = limit * (slips ? 1.5 : 0.9);
       for (int i = 0; i < 120; ++i) {
         world.applyForce(lower, at<2>(force, 0), world.pose(lower).p);
@@ -119,8 +119,8 @@ TEST_F(KnownAnswer, falling_rod) {
     BodyDef<2> rod =
         body<2>(Shape<2>::box({Real(width / 2), Real(half)}), at<2>(half * std::sin(angle), half * std::cos(angle)));
     rod.X_WB.q = Rot<2>::angle(Real(-angle));
-    const Handle h = world.add(rod);
-    world.add(pivot<2>(Handle{}, h, at<2>(0, 0)));
+    const BodyHandle h = world.add(rod);
+    world.add(pivot<2>(BodyHandle{}, h, at<2>(0, 0)));
     double before = 0, speed = 0;
     for (double lean = angle; lean < kPi / 2 && world.stepCount() < 2000;) {
       before = lean, world.step(kDt), lean = -double(world.pose(h).q.radians());
@@ -140,7 +140,7 @@ Vec<D> skipped(const std::string& solver, double mu, double gap) {
   BodyDef<D> floor = floorOf<D>(mu), ball = rubbing(body<D>(Shape<D>::sphere(Real(0.25)), at<D>(0, 0.25 + gap)), mu);
   floor.shapes[0].restitution = ball.shapes[0].restitution = Real(0.8), ball.velocity = at<D>(3, -2);
   world.add(floor);
-  const Handle h = world.add(ball);
+  const BodyHandle h = world.add(ball);
   steps(world, 0.5);
   return world.motion(h).v;
 }
@@ -176,9 +176,9 @@ TEST_F(KnownAnswer, galilean_cannon) {
     ball.velocity = at<2>(0, -1), floor.shapes[0].restitution = ball.shapes[0].restitution = 1;
     ball.shapes[0].density = 3;
     world.add(floor);
-    const Handle heavy = world.add(ball);
+    const BodyHandle heavy = world.add(ball);
     ball.X_WB.p = at<2>(0, 1.7), ball.shapes[0].density = 1;
-    const Handle light = world.add(ball);
+    const BodyHandle light = world.add(ball);
     steps(world, 1.5);
     known("light, m/s", solver, 2, double(world.motion(light).v[1]));
     known("heavy, m/s", solver, 0, double(world.motion(heavy).v[1]));
@@ -192,8 +192,8 @@ TEST_F(KnownAnswer, conical_pendulum) {
     World<3> world = worldOf<3>(solver);
     BodyDef<3> def = body<3>(Shape<3>::sphere(Real(0.1)), at<3>(std::sin(angle), -std::cos(angle)));
     def.angularVelocity = at<3>(0, rate), def.velocity = at<3>(0, 0, -rate * std::sin(angle));
-    const Handle ball = world.add(def);
-    world.add(pivot<3>(Handle{}, ball, at<3>(0, 0)));
+    const BodyHandle ball = world.add(def);
+    world.add(pivot<3>(BodyHandle{}, ball, at<3>(0, 0)));
     double turned = 0, last = 0, low = angle, high = angle;
     for (int i = 0; i < 480; ++i) {
       world.step(kDt);
@@ -214,9 +214,9 @@ TEST_F(KnownAnswer, two_on_a_spring) {
   for (const char* solver : kSolvers) {
     World<2> world = worldOf<2>(solver, {0, 0});
     BodyDef<2> def = body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(-2, 0));
-    const Handle light = world.add(def);
+    const BodyHandle light = world.add(def);
     def.X_WB.p = at<2>(2, 0), def.shapes[0].density = 3;
-    const Handle heavy = world.add(def);
+    const BodyHandle heavy = world.add(def);
     world.add(JointDef<2>{.kind = "distance{mode=spring,length=3.5,stiffness=50,damping=0}",
                           .bodyA = light,
                           .bodyB = heavy,
@@ -243,7 +243,7 @@ TEST_F(KnownAnswer, terminal_velocity) {
   for (const char* solver : kSolvers) {
     World<2> world = worldOf<2>(solver);
     world.add(ForceDef<2>{.kind = dragKind(a, b)});
-    const Handle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0)));
+    const BodyHandle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0)));
     steps(world, 10);
     known("speed, m/s", solver, v, -double(world.motion(box).v[1]));
   }
@@ -263,7 +263,7 @@ TEST_F(KnownAnswer, kepler_orbit) {
     World<2> world = worldOf<2>(solver, {0, 0});
     BodyDef<2> def = body<2>(Shape<2>::sphere(Real(0.1)), at<2>(1.5, 0));
     def.velocity = at<2>(0, std::sqrt(1 / 3.0));
-    const Handle planet = world.add(def);
+    const BodyHandle planet = world.add(def);
     world.add(std::make_shared<const Sun<2>>());
     double previous = 1, period = 0;
     while (period == 0 && world.stepCount() < 3000) {
@@ -287,7 +287,7 @@ TEST_F(KnownAnswer, ball_on_turntable) {
     world.add(table);
     BodyDef<3> def = rubbing(body<3>(Shape<3>::sphere(Real(r)), at<3>(0, r)), 1);
     def.velocity = at<3>(v, 0), def.angularVelocity = at<3>(0, 0, -v / r);
-    const Handle ball = world.add(def);
+    const BodyHandle ball = world.add(def);
     steps(world, 3);
     const Vec<3> now = world.motion(ball).v;
     known("turned by, rad", solver, 2.0 / 7 * rate * 3, std::atan2(-double(now[2]), double(now[0])));

@@ -31,7 +31,7 @@ double loadOf(const Manifold<D>& m, Load load) {
 template <int D>
 struct Roll {
   World<D> world;
-  Handle ball;
+  BodyHandle ball;
 
   explicit Roll(const std::string& solver) : world(worldOf<D>(solver)) {
     BodyDef<D> floor = body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::fixed);
@@ -50,7 +50,7 @@ struct Roll {
 template <int D>
 class Resistance final : public ForceGenerator<D> {
  public:
-  Resistance(Handle ball, Load load) : m_ball(static_cast<std::size_t>(ball.slot)), m_load(load) {}
+  Resistance(BodyHandle ball, Load load) : m_ball(static_cast<std::size_t>(ball.slot)), m_load(load) {}
   void apply(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
     if (!(state.contactDt > 0)) return;
     const Ang<D>& w = state.motion[m_ball].w;

@@ -53,7 +53,7 @@ void releases() {
       box.velocity = cross(box.angularVelocity, box.X_WB.p);
       ground.shapes[0].friction = box.shapes[0].friction = 1;
       world.add(ground);
-      const Handle b = world.add(box);
+      const BodyHandle b = world.add(box);
       for (int i = 0; i < 360; ++i) world.step(kDt);
       return double(world.pose(b).q.matrix()(1, 1)) > 0.8;
     };
@@ -115,7 +115,7 @@ TEST_F(KnownAnswer, card_house) {
       const auto stands = [&](double mu) {
         World<2> world = worldOf<2>(solver);
         world.add(floorOf(mu * mu));  // cards have mu = 1; a pair has the geometric mean
-        std::array<Handle, 2> cards;
+        std::array<BodyHandle, 2> cards;
         for (int i = 0; i < 2; ++i) {
           const double side = i == 0 ? -1 : 1;
           BodyDef<2> card = body<2>(Shape<2>::capsule(Real(half), Real(radius)),
@@ -179,7 +179,7 @@ TEST_F(KnownAnswer, couplet_arch) {
         world.add(floorOf(1));
         const double step = kPi / n;
         std::array<Vec<2>, 4> corners;
-        Handle crown;
+        BodyHandle crown;
         for (int i = 0; i < n; ++i) {
           const double middle = (i + 0.5) * step;
           for (std::size_t k = 0; k < 4; ++k) {
@@ -189,7 +189,7 @@ TEST_F(KnownAnswer, couplet_arch) {
           }
           BodyDef<2> stone = body<2>(Shape<2>::polytope(corners), at<2>(10 * std::cos(middle), 10 * std::sin(middle)));
           setFriction(stone, 1);
-          const Handle h = world.add(stone);
+          const BodyHandle h = world.add(stone);
           if (i == n / 2) crown = h;
         }
         const double from = double(world.pose(crown).p[1]);
@@ -217,7 +217,7 @@ TEST_F(KnownAnswer, painleve_rod) {
       rod.X_WB.q = Rot<2>::angle(kPi - phi);  // the lower end is ahead
       rod.velocity = at<2>(3, 0);
       setFriction(rod, mu);
-      const Handle h = world.add(rod);
+      const BodyHandle h = world.add(rod);
       const double m = double(world.mass(h)), inertia = m * (4 * half * half + 1e-4) / 12;
       const auto energy = [&] {
         const Motion<2> motion = world.motion(h);
@@ -236,11 +236,11 @@ TEST_F(KnownAnswer, painleve_rod) {
 }
 
 // The largest speed of settled bodies a kilometre above the origin, where f32 rounds a position to 0.06 mm.
-double trembles(World<2>& world, const std::vector<Handle>& bodies) {
+double trembles(World<2>& world, const std::vector<BodyHandle>& bodies) {
   double most = 0;
   for (int i = 0; i < 600; ++i) {
     world.step(kDt);
-    for (const Handle& body : bodies) most = i < 450 ? 0 : std::max(most, double(world.motion(body).v.norm()));
+    for (const BodyHandle& body : bodies) most = i < 450 ? 0 : std::max(most, double(world.motion(body).v.norm()));
   }
   return most;
 }
@@ -249,7 +249,7 @@ double stackTrembles(int substeps) {
   BodyDef<2> ground = floorOf(0.6);
   ground.X_WB.p[1] += 1000;
   world.add(ground);
-  std::vector<Handle> boxes;
+  std::vector<BodyHandle> boxes;
   for (int i = 0; i < 5; ++i) {
     BodyDef<2> box = body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 1000.5 + i));
     setFriction(box, 0.6);
@@ -259,7 +259,7 @@ double stackTrembles(int substeps) {
 }
 double chainTrembles(const std::string& solver) {
   World<2> world = worldOf<2>(solver);
-  std::vector<Handle> links;
+  std::vector<BodyHandle> links;
   for (int i = 0; i < 5; ++i) {
     const Shape<2> box = Shape<2>::box({Real(0.2), Real(0.5)});
     links.push_back(world.add(body<2>(box, at<2>(0, 1000 - i), i == 0 ? BodyType::fixed : BodyType::dynamic)));

@@ -67,7 +67,7 @@ void pressedPair() {
     WorldSettings<D> settings;
     settings.gravity.setZero();
     World<D> world(Pipeline::parse("cache=recycling solver=" + solver), settings);
-    std::array<Handle, 2> boxes;
+    std::array<BodyHandle, 2> boxes;
     for (int i = 0; i < 2; ++i) {
       BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, i - 0.5));
       def.shapes[0].friction = 1;
@@ -102,7 +102,7 @@ TEST_F(KnownAnswer, mass_ratio_stack) {
         "split_solver{velocity=proximal_newton}", "soft_step", "tgs_ngs", "avbd"}) {
     World<2> world = worldOf<2>(solver);
     addGround(world);
-    std::vector<Handle> boxes;
+    std::vector<BodyHandle> boxes;
     double y = 0.5;
     for (double mass : {1.0, 10.0, 100.0, 1000.0}) {
       BodyDef<2> box = body<2>(Shape<2>::box(Vec<2>::Constant(Real(0.5))), at<2>(0, y));

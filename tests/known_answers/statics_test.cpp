@@ -18,13 +18,13 @@ BodyDef<D> rubbing(BodyDef<D> def, double mu) {
 template <int D>
 std::array<double, 2> force(const Manifold<D>& m) {
   double push = 0;
-  RealMatrix<D - 1, 1> rub = RealMatrix<D - 1, 1>::Zero();
+  RealMatrix<D - 1, 1> friction = RealMatrix<D - 1, 1>::Zero();
   for (int k = 0; k < m.count; ++k) {
     const auto& impulse = m.points[static_cast<std::size_t>(k)].impulse;
     push += double(impulse[0]);
-    for (int d = 0; d < D - 1; ++d) rub[d] += impulse[static_cast<std::size_t>(d) + 1];
+    for (int d = 0; d < D - 1; ++d) friction[d] += impulse[static_cast<std::size_t>(d) + 1];
   }
-  return {push / double(kDt), double(rub.norm()) / double(kDt)};
+  return {push / double(kDt), double(friction.norm()) / double(kDt)};
 }
 
 // A table of 20 kg on four legs without friction, with 10 kg at 0.3 m to the right. Only the sum of the legs' forces
@@ -79,7 +79,7 @@ TEST_F(KnownAnswer, ball_in_a_groove) {
     }
     // The distance r to both planes.
     const double s = std::sin(30 * kDegree), c = std::cos(30 * kDegree), r = 0.5;
-    const Handle ball = world.add(rubbing(body<2>(Shape<2>::sphere(Real(r)), at<2>(r * (s - c), r * (c + s))), 0));
+    const BodyHandle ball = world.add(rubbing(body<2>(Shape<2>::sphere(Real(r)), at<2>(r * (s - c), r * (c + s))), 0));
     for (int i = 0; i < 300; ++i) world.step(kDt);
     double left = 0, right = 0;
     for (const Manifold<2>& m : world.manifolds()) (m.bodyA == 0 ? left : right) += force(m)[0];
@@ -99,13 +99,13 @@ void rests() {
     Vec<D> half = Vec<D>::Constant(5), low = Vec<D>::Constant(Real(0.5));
     half[1] = 1, low[1] = Real(0.2);
     world.add(rubbing(body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed), 0.7));
-    const Handle box = world.add(rubbing(body<D>(Shape<D>::box(low), at<D>(0, 0.2)), 0.7));
+    const BodyHandle box = world.add(rubbing(body<D>(Shape<D>::box(low), at<D>(0, 0.2)), 0.7));
     for (int i = 0; i < 300; ++i) world.step(kDt);
     ASSERT_EQ(world.manifolds().size(), 1u) << solver;
-    const auto [push, rub] = force(world.manifolds()[0]);
+    const auto [push, friction] = force(world.manifolds()[0]);
     const double weight = double(world.mass(box)) * kG;
     known(in<D>("across, of the weight"), solver, std::cos(30 * kDegree), push / weight);
-    known(in<D>("along, of the weight"), solver, 0.5, rub / weight);
+    known(in<D>("along, of the weight"), solver, 0.5, friction / weight);
   }
 }
 TEST_F(KnownAnswer, slope_forces) { rests<2>(), rests<3>(); }
@@ -126,7 +126,7 @@ TEST_F(KnownAnswer, ladder) {
                                          at<2>(half * std::cos(angle) + radius, half * std::sin(angle) + radius)),
                                  1);
         def.X_WB.q = Rot<2>::angle(Real(-angle));
-        const Handle rod = world.add(def);
+        const BodyHandle rod = world.add(def);
         for (int i = 0; i < 300; ++i) world.step(kDt);
         return double(world.pose(rod).p[1]) > half * std::sin(angle) - 0.1;
       };
@@ -143,7 +143,7 @@ TEST_F(KnownAnswer, ten_cubes) {
   for (const char* solver : {"split_solver", "soft_step", "avbd"}) {
     World<3> world = worldOf<3>(solver);
     addGround(world);
-    Handle top;
+    BodyHandle top;
     for (int i = 0; i < 10; ++i) {
       top = world.add(body<3>(Shape<3>::box(Vec<3>::Constant(Real(0.5))), at<3>(0, 0.5 + i)));
     }
@@ -167,8 +167,8 @@ TEST_F(KnownAnswer, sleeping_top) {
       BodyDef<3> def = body<3>(Shape<3>::sphere(Real(radius)), Real(arm) * axis);
       def.shapes[0].density = Real(1 / (4.0 / 3 * kPi * radius * radius * radius));
       def.angularVelocity = Real(spin) * axis;
-      const Handle top = world.add(def);
-      world.add(pivot<3>(Handle{}, top, at<3>(0, 0)));
+      const BodyHandle top = world.add(def);
+      world.add(pivot<3>(BodyHandle{}, top, at<3>(0, 0)));
       for (int i = 0; i < 4000; ++i) {
         world.step(Real(1) / 2000);
         const Vec<3> p = world.pose(top).p;

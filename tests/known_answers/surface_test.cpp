@@ -41,7 +41,7 @@ template <int D>
 Slide slide(const std::string& contacts, const BodyDef<D>& ground, const Shape<D>& mover, Real height) {
   World<D> world = worldWith<D>(contacts);
   world.add(ground);
-  const Handle body = world.add(slippery<D>(mover, at<D>(0, double(height), -1)));
+  const BodyHandle body = world.add(slippery<D>(mover, at<D>(0, double(height), -1)));
   for (int i = 0; i < 60; ++i) world.step(kDt);
   const Vec<D> start = world.pose(body).p;
   Motion<D> motion;
@@ -144,7 +144,7 @@ void rollsOverARidge(const std::string& contacts) {
   const double radius = 0.5;
   BodyDef<D> def = body<D>(Shape<D>::sphere(Real(radius)), at<D>(5, heightOver(5, radius, true), 0.1));
   def.velocity = at<D>(3, 0.9);
-  const Handle ball = world.add(def);
+  const BodyHandle ball = world.add(def);
   double least = 1, farthest = 0;
   while (world.pose(ball).p[0] < 6.6 && world.stepCount() < 120) {
     world.step(kDt);
@@ -161,7 +161,7 @@ void liesInAValley(const std::string& contacts) {
   World<D> world = worldWith<D>(contacts);
   world.add(body<D>(twoSlopes<D>(false), Vec<D>::Zero(), BodyType::fixed));
   const double radius = 0.5;
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(radius)), at<D>(5.7, 1, 0.1)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(radius)), at<D>(5.7, 1, 0.1)));
   for (int i = 0; i < 600; ++i) world.step(kDt);
   EXPECT_NEAR(world.pose(ball).p[0], 6, 0.03) << contacts;
   EXPECT_NEAR(world.pose(ball).p[1], heightOver(6, radius, false), 2 * double(kLinearSlop)) << contacts;
@@ -198,7 +198,7 @@ template <int D>
 Pose<D> restOn(const Shape<D>& ground, const Shape<D>& shape, const Vec<D>& from, const std::string& contacts) {
   World<D> world = worldWith<D>(contacts);
   world.add(body<D>(ground, Vec<D>::Zero(), BodyType::fixed));
-  const Handle dropped = world.add(body<D>(shape, from));
+  const BodyHandle dropped = world.add(body<D>(shape, from));
   for (int i = 0; i < 240; ++i) world.step(kDt);
   return world.pose(dropped);
 }
@@ -250,7 +250,7 @@ TEST(Surface, CurvedBodiesRestOnAFineMesh) {
     world.add(body<3>(finePlain(), Vec<3>::Zero(), BodyType::fixed));
     BodyDef<3> def = body<3>(shape, at<3>(0.7, height, -0.9));
     def.X_WB.q = turn, def.canSleep = false;
-    const Handle handle = world.add(def);
+    const BodyHandle handle = world.add(def);
     const Vec<3> axis = turn * at<3>(1, 0, 0);
     for (int i = 0; i < 300; ++i) world.step(kDt);
     const Pose<3> X = world.pose(handle);
@@ -282,7 +282,7 @@ template <int D>
 void pushesOutwards() {
   World<D> world = worldWith<D>("sat_clip");
   world.add(slippery<D>(boxSurface<D>(at<D>(1, 1, 1)), Vec<D>::Zero(), BodyType::fixed));
-  std::vector<Handle> balls;
+  std::vector<BodyHandle> balls;
   for (const double side : {-1.0, 1.0}) {
     BodyDef<D> def = slippery<D>(Shape<D>::sphere(Real(0.25)), at<D>(side * 1.5, 0.1, 0.2));
     def.velocity = at<D>(-side, 0);
@@ -295,7 +295,7 @@ void pushesOutwards() {
       EXPECT_GT(away.dot(m.normal), 0);
     }
   }
-  for (const Handle ball : balls) EXPECT_GT(std::abs(world.pose(ball).p[0]), 1.25 - 2 * kLinearSlop);
+  for (const BodyHandle ball : balls) EXPECT_GT(std::abs(world.pose(ball).p[0]), 1.25 - 2 * kLinearSlop);
 }
 TEST(Surface, PushesOutwards) {
   pushesOutwards<2>();

@@ -47,7 +47,7 @@ struct MatchesByShape final : ContactCache<D> {
       for (const Manifold<D>& o : in.old) {
         if (o.shapeKey() != m.shapeKey()) continue;
         Manifold<D> renamed = o;
-        renamed.childA = m.childA, renamed.childB = m.childB;
+        renamed.partA = m.partA, renamed.partB = m.partB;
         std::vector<Manifold<D>> one = {m};
         CacheInput<D> single = in;
         single.old = {&renamed, 1};

@@ -216,10 +216,10 @@ LPC_REGISTER(ContactGenerator, PlantedContacts, 2, 3);
 
 /// No bug: distributes the points of each manifold over several children, as shapes with several parts do.
 template <int D>
-class PlantedChildren final : public ContactGenerator<D> {
+class PlantedParts final : public ContactGenerator<D> {
  public:
   using Params = NoParams;
-  explicit PlantedChildren(const Params&) : m_right(createStage<ContactGenerator<D>>({"sat_clip", {}})) {}
+  explicit PlantedParts(const Params&) : m_right(createStage<ContactGenerator<D>>({"sat_clip", {}})) {}
   static AlgorithmInfo info() { return planted("children"); }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
@@ -230,7 +230,7 @@ class PlantedChildren final : public ContactGenerator<D> {
       for (int i = 0; i < whole.count; ++i) {
         Manifold<D> m = whole;
         m.count = 1, m.points = {whole.points[static_cast<std::size_t>(i)]};
-        m.childA = i / 2, m.childB = i % 2;
+        m.partA = i / 2, m.partB = i % 2;
         fresh.push_back(m);
       }
     }
@@ -240,7 +240,7 @@ class PlantedChildren final : public ContactGenerator<D> {
   std::unique_ptr<ContactGenerator<D>> m_right;
   std::vector<Manifold<D>> m_whole;
 };
-LPC_REGISTER(ContactGenerator, PlantedChildren, 2, 3);
+LPC_REGISTER(ContactGenerator, PlantedParts, 2, 3);
 
 /// persistent_manifold with points of its own instead of the world's: they are not saved.
 template <int D>

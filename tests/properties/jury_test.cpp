@@ -9,7 +9,7 @@
 #include "oracles/witnesses/witness.h"
 #include "tests/check_property.h"
 #include "tests/pair_query_properties.h"
-#include "tests/planted_bugs/pair_query_twins.h"
+#include "tests/planted_bugs/pair_query_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace jury_test { namespace {
 

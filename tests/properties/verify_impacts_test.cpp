@@ -5,7 +5,7 @@
 
 #include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/time_of_impact_twins.h"
+#include "tests/planted_bugs/time_of_impact_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace verify_impacts_test { namespace {
 

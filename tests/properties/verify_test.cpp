@@ -16,7 +16,7 @@
 #include "tests/check_property.h"
 #include "tests/planted_bugs/broadphase.h"
 #include "tests/planted_bugs/contact_bugs.h"
-#include "tests/planted_bugs/pair_query_twins.h"
+#include "tests/planted_bugs/pair_query_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace verify_test { namespace {
 

@@ -123,7 +123,7 @@ TEST(WitnessProcess, BatchesAreAnswered) {
   const std::vector<PairView<3>> pairs = pairsInARow(1024);
   std::vector<PairAnswer<3>> answers(pairs.size());
   WorkDone work;
-  witness.query(pairs, QueryNeed::witnesses, answers, {}, work);
+  witness.query(pairs, QueryNeed::closestPoints, answers, {}, work);
   EXPECT_EQ(work[WorkCount::pairQueries], 1024u);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const bool planted = i == 3 || i == 1023;

@@ -208,7 +208,7 @@ Measured measure(const Entry<D>& e, ShapeKind a, ShapeKind b) {
   std::vector<PairAnswer<D>> answers(pairs.size());
   for (const Pair<D>& p : pairs) views.push_back({p.a.view(), p.b.view(), p.X_AB});
   WorkDone work;
-  e.query->query(views, QueryNeed::witnesses, answers, {}, work);
+  e.query->query(views, QueryNeed::closestPoints, answers, {}, work);
   for (int i = 0; i < kPairs; ++i) {
     const Pair<D>& p = pairs[static_cast<std::size_t>(i)];
     const PairAnswer<D>& answer = answers[static_cast<std::size_t>(i)];

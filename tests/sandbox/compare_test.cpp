@@ -2,12 +2,12 @@
 // Several competitors on one scene, without a window: corresponding bodies, and cost.
 #include <gtest/gtest.h>
 
+#include "experiments/sandbox/competitor_label.h"
 #include "experiments/sandbox/equal_cost.h"
-#include "experiments/sandbox/lane_label.h"
 #include "experiments/sandbox/session.h"
 #include "framework/math/check.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/engine_twins.h"
+#include "tests/planted_bugs/engine_bugs.h"
 #include "tests/sandbox/box_at.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace compare_test { namespace {
@@ -16,7 +16,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace comp
 template <int D>
 SceneSpec<D> pile() {
   SceneSpec<D> scene;
-  scene.settings.features.friction = scene.settings.features.rotation = scene.settings.features.cache = true;
+  scene.settings.model.friction = scene.settings.model.rotation = scene.settings.model.cache = true;
   scene.spawns.push_back({.step = 0, .body = BodyDef<D>::fixed({.shape = Shape<D>::plane()})});
   for (const auto& [x, y] : {std::pair(-0.6, 0.5), std::pair(0.6, 0.5), std::pair(0.0, 1.6)}) {
     scene.spawns.push_back({.step = 0, .body = boxAt<D>(Real(x), Real(y))});
@@ -58,10 +58,10 @@ void steps(Session<D>& session, int n) {
 template <int D>
 bool allCorrespond(const Session<D>& session) {
   for (int body = 0; body < session.bodies(); ++body) {
-    const Handle first = session.handle(body);
-    for (std::size_t lane = 1; lane < session.lanes().size(); ++lane) {
-      const Handle h = session.handle(body, lane);
-      if (h.slot != first.slot || session.world(lane).valid(h) != session.world().valid(first)) return false;
+    const BodyHandle first = session.handle(body);
+    for (std::size_t competitor = 1; competitor < session.competitors().size(); ++competitor) {
+      const BodyHandle h = session.handle(body, competitor);
+      if (h.slot != first.slot || session.world(competitor).valid(h) != session.world().valid(first)) return false;
     }
   }
   return true;
@@ -78,11 +78,11 @@ void bodiesComeAndGoInAll() {
   session.perform(RemoveBody{4});
   steps(session, 30);
   EXPECT_TRUE(allCorrespond(session));
-  EXPECT_EQ(session.lanes()[1].partedAt, -1);
-  EXPECT_EQ(session.lanes()[3].partedAt, -1) << "an engine that plays as the first does";
-  for (const Sample& s : session.lanes()[1].samples) EXPECT_EQ(s.error, 0);
+  EXPECT_EQ(session.competitors()[1].partedAt, -1);
+  EXPECT_EQ(session.competitors()[3].partedAt, -1) << "an engine that plays as the first does";
+  for (const Sample& s : session.competitors()[1].samples) EXPECT_EQ(s.error, 0);
   EXPECT_EQ(session.world(1).hash(), session.world().hash());
-  EXPECT_GT(session.lanes()[2].samples.back().error, 0);
+  EXPECT_GT(session.competitors()[2].samples.back().error, 0);
 
   // A displacement of 1.5 mm in one competitor is reported at the step at which it happened, and only for that
   // competitor.
@@ -90,8 +90,8 @@ void bodiesComeAndGoInAll() {
   X.p[0] += Real(1.5e-3);
   session.world(1).setPose(session.handle(1, 1), X);
   session.step();
-  EXPECT_EQ(session.lanes()[1].partedAt, session.steps());
-  EXPECT_EQ(session.lanes()[3].partedAt, -1);
+  EXPECT_EQ(session.competitors()[1].partedAt, session.steps());
+  EXPECT_EQ(session.competitors()[3].partedAt, -1);
   session.world(1).remove(session.handle(3, 1));
   expectCaught("a body that goes in one alone", allCorrespond(session));
 }
@@ -103,17 +103,17 @@ TEST(Compare, OneFailureDoesNotStopTheOthers) {
   steps(session, 10), steps(whole, 30);
   session.world(1).applyImpulse(session.handle(3, 1), {Vec<2>(1.7e308, 0), {}});
   steps(session, 20);
-  const auto& lanes = session.lanes();
-  EXPECT_TRUE(lanes[1].fallen.starts_with("diverged at step 1")) << lanes[1].fallen;
-  EXPECT_LT(lanes[1].samples.size(), 13u);
+  const auto& competitors = session.competitors();
+  EXPECT_TRUE(competitors[1].fallen.starts_with("diverged at step 1")) << competitors[1].fallen;
+  EXPECT_LT(competitors[1].samples.size(), 13u);
   EXPECT_FALSE(session.fallen());
-  EXPECT_EQ(lanes[2].samples.size(), 30u);
+  EXPECT_EQ(competitors[2].samples.size(), 30u);
   EXPECT_EQ(session.world().hash(), whole.world().hash());
   EXPECT_EQ(session.world(2).hash(), whole.world(2).hash());
-  EXPECT_EQ(lanes[2].samples.back().error, whole.lanes()[2].samples.back().error);
-  EXPECT_EQ(laneState(session, 1), lanes[1].fallen);
+  EXPECT_EQ(competitors[2].samples.back().error, whole.competitors()[2].samples.back().error);
+  EXPECT_EQ(competitorState(session, 1), competitors[1].fallen);
   while (session.steps() > 9) ASSERT_TRUE(session.back());
-  EXPECT_EQ(lanes[1].fallen, "");  // before the failure it runs again
+  EXPECT_EQ(competitors[1].fallen, "");  // before the failure it runs again
   steps(session, 21);
   EXPECT_EQ(session.world(1).hash(), whole.world(1).hash());
 }
@@ -133,8 +133,8 @@ void enginesBeginAnew() {
   }
   double last = 0;
   int asked = 0;
-  const auto patient = [&](std::size_t lane, double part) {
-    EXPECT_TRUE(lane == 0 || lane == 2);
+  const auto patient = [&](std::size_t competitor, double part) {
+    EXPECT_TRUE(competitor == 0 || competitor == 2);
     EXPECT_TRUE(part >= 0 && part < 1);
     last = part, ++asked;
     return true;
@@ -155,17 +155,17 @@ TEST(Compare, AnEngineThatTakesTooLongIsGivenUp) {
   const std::uint64_t before = session.world().hash();
   session.step();
   int asked = 0;
-  ASSERT_TRUE(session.back([&](std::size_t lane, double part) {
-    EXPECT_EQ(lane, 1u);
+  ASSERT_TRUE(session.back([&](std::size_t competitor, double part) {
+    EXPECT_EQ(competitor, 1u);
     return ++asked < 3 && part < 1;
   }));
   EXPECT_EQ(asked, 3);
-  EXPECT_TRUE(session.lanes()[1].fallen.starts_with("step back cancelled")) << session.lanes()[1].fallen;
+  EXPECT_TRUE(session.competitors()[1].fallen.starts_with("step back cancelled")) << session.competitors()[1].fallen;
   EXPECT_LT(session.world(1).stepCount(), 50);
   EXPECT_EQ(session.world().hash(), before);
   ASSERT_TRUE(session.back([&](std::size_t, double) { return ++asked < 3; }));  // it is not tried again
   EXPECT_EQ(asked, 3);
-  EXPECT_FALSE(session.lanes()[1].fallen.empty());
+  EXPECT_FALSE(session.competitors()[1].fallen.empty());
   steps(session, 5);
   EXPECT_EQ(session.steps(), 104);
 }
@@ -177,16 +177,16 @@ TEST(Compare, AnUnsupportedActionFailsOneCompetitorOnly) {
     Session<2> session(pile<2>(), {"", "engine=stand_in", "solver=soft_step"});
     steps(session, before);
     session.perform(ChangeBody{.body = 2, .friction = Real(0.1)});
-    EXPECT_NE(session.lanes()[1].fallen.find("an engine cannot change a body"), std::string::npos);
+    EXPECT_NE(session.competitors()[1].fallen.find("an engine cannot change a body"), std::string::npos);
     steps(session, 3);
-    EXPECT_EQ(session.lanes()[2].fallen, "");
+    EXPECT_EQ(session.competitors()[2].fallen, "");
     const std::uint64_t hash = session.world().hash();
     session.step();
     ASSERT_TRUE(session.back());
     EXPECT_EQ(session.steps(), before + 3);
     EXPECT_EQ(session.world().hash(), hash);
-    EXPECT_NE(session.lanes()[1].fallen.find("an engine cannot change a body"), std::string::npos);
-    EXPECT_EQ(session.lanes()[2].samples.size(), static_cast<std::size_t>(before) + 3);
+    EXPECT_NE(session.competitors()[1].fallen.find("an engine cannot change a body"), std::string::npos);
+    EXPECT_EQ(session.competitors()[2].samples.size(), static_cast<std::size_t>(before) + 3);
   }
 }
 
@@ -198,8 +198,8 @@ double byWork(Simulation<2>& world, Real dt) {
   return 1e-7 * static_cast<double>(1 + world.profiler().frame().work[WorkCount::multiplyAdds]);
 }
 
-double costOf(const Session<2>& session, std::size_t lane) {
-  return medianTime(session.lanes()[lane].samples) / medianTime(session.lanes()[0].samples);
+double costOf(const Session<2>& session, std::size_t competitor) {
+  return medianTime(session.competitors()[competitor].samples) / medianTime(session.competitors()[0].samples);
 }
 
 // Calls `equalise` after each step, as the window does.
@@ -214,32 +214,33 @@ Session<2> playedAtOneCost(int rounds, const Equalise& equalise) {
   return session;
 }
 
-int exchanges(const Session<2>& session) {
+int pipelineChanges(const Session<2>& session) {
   int n = 0;
-  for (const Deed<2>& deed : session.deeds()) n += std::holds_alternative<ExchangeStages>(deed.what);
+  for (const Action<2>& action : session.actions()) n += std::holds_alternative<SetPipeline>(action.what);
   return n;
 }
 
 TEST(Compare, CostsComeTogether) {
   Session<2> session = playedAtOneCost(8, [](Session<2>& s) { equaliseCost(s); });
-  for (const std::size_t lane : {1u, 2u}) {
-    EXPECT_NEAR(costOf(session, lane), 1, kSameCost) << session.lanes()[lane].pipeline;
-    EXPECT_EQ(whyCostStays(session, lane), "");
+  for (const std::size_t competitor : {1u, 2u}) {
+    EXPECT_NEAR(costOf(session, competitor), 1, kSameCost) << session.competitors()[competitor].pipeline;
+    EXPECT_EQ(whyCostStays(session, competitor), "");
   }
-  EXPECT_EQ(laneLabel(session.lanes()[1].pipeline, 2), laneLabel("solver=split_solver{position=none}", 2));
-  EXPECT_EQ(session.lanes()[3].since, 0);
+  EXPECT_EQ(competitorLabel(session.competitors()[1].pipeline, 2),
+            competitorLabel("solver=split_solver{position=none}", 2));
+  EXPECT_EQ(session.competitors()[3].since, 0);
   EXPECT_EQ(whyCostStays(session, 3), "its solver has no iterations");
-  EXPECT_EQ(session.lanes()[4].since, 0);
+  EXPECT_EQ(session.competitors()[4].since, 0);
   // A competitor's time is only used once all its timed steps were made with the new iterations.
-  EXPECT_LE(exchanges(session), 2 * 8);
+  EXPECT_LE(pipelineChanges(session), 2 * 8);
   const Session<2> hasty = playedAtOneCost(1, [](Session<2>& s) {
-    for (std::size_t lane = 1; lane < 3; ++lane) {
-      const double factor = 1 / costOf(s, lane);
-      const auto other = withMoreIterations(s.lanes()[lane].pipeline, std::clamp(factor, 0.25, 4.0), 2);
-      if (std::abs(factor - 1) >= kSameCost && other) s.perform(ExchangeStages{int(lane), *other});
+    for (std::size_t competitor = 1; competitor < 3; ++competitor) {
+      const double factor = 1 / costOf(s, competitor);
+      const auto other = withMoreIterations(s.competitors()[competitor].pipeline, std::clamp(factor, 0.25, 4.0), 2);
+      if (std::abs(factor - 1) >= kSameCost && other) s.perform(SetPipeline{int(competitor), *other});
     }
   });
-  expectCaught("times of other iterations are taken for those of the present", exchanges(hasty) <= 2);
+  expectCaught("times of other iterations are taken for those of the present", pipelineChanges(hasty) <= 2);
 }
 
 // Stepping forward again replays the change of iterations once.
@@ -249,14 +250,14 @@ TEST(Compare, CostsAreNotChangedTwiceByAStepBack) {
     for (int i = 0; i < n; ++i) session.step(), equaliseCost(session);
   };
   go(kTimedSteps + 2);
-  const std::string changed = session.lanes()[1].pipeline;
+  const std::string changed = session.competitors()[1].pipeline;
   EXPECT_NE(changed.find("iterations=2"), std::string::npos) << changed;  // at most a factor of 4 at a time: 22 or 23
-  ASSERT_EQ(exchanges(session), 1);
+  ASSERT_EQ(pipelineChanges(session), 1);
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(session.back());
-  EXPECT_NE(session.lanes()[1].pipeline, changed);
+  EXPECT_NE(session.competitors()[1].pipeline, changed);
   go(5);
-  EXPECT_EQ(session.lanes()[1].pipeline, changed);
-  EXPECT_EQ(exchanges(session), 1);
+  EXPECT_EQ(session.competitors()[1].pipeline, changed);
+  EXPECT_EQ(pipelineChanges(session), 1);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "tests/check_property.h"
 #include "tests/draw.h"
-#include "tests/planted_bugs/view_twins.h"
+#include "tests/planted_bugs/view_bugs.h"
 #include "tests/sandbox/shown.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace gl_canvas_test { namespace {

@@ -13,7 +13,7 @@ template <int D>
 struct Table {
   static SceneSpec<D> empty() {
     SceneSpec<D> scene;
-    scene.settings.features.joints = true;
+    scene.settings.model.joints = true;
     return scene;
   }
   Session<D> session{empty(), {""}};
@@ -112,7 +112,7 @@ void draws() {
   t.drag(t.pixel(3, 3), t.pixel(4, 4)), t.drag(t.pixel(4, 3), t.pixel(5, Real(3.5)));
   t.hand.finish();
   ASSERT_EQ(t.session.bodies(), 5);
-  const Handle h = t.session.handle(4);
+  const BodyHandle h = t.session.handle(4);
   int shapes = 0;
   for (const auto& s : t.session.world().shapes()) shapes += s.body == h.slot;
   EXPECT_EQ(shapes, 2);
@@ -138,7 +138,7 @@ void carries() {
   t.drag(grip, t.camera.toPixel(held + Table<D>::at(2, 1)));
   const Vec<2> moved = t.camera.toPixel(t.place(a)) - t.camera.toPixel(Vec<D>::Zero());
   EXPECT_GT(moved.norm(), 20);
-  EXPECT_EQ(t.session.deeds().size(), 3u);  // gravity, the body, and one move
+  EXPECT_EQ(t.session.actions().size(), 3u);  // gravity, the body, and one move
   t.hand.setPaused(false);
   const Vec<D> from = t.place(a);
   const Vec<2> at = t.camera.toPixel(from);
@@ -167,7 +167,7 @@ TEST(SandboxHand, ARectangleSelectsAndKeysActOnAll) {
   }
   t.hand.pin(), t.hand.merge();
   EXPECT_EQ(t.session.world().bodyCount(), 1);
-  t.hand.takeApart();
+  t.hand.splitByShape();
   EXPECT_EQ(t.session.world().bodyCount(), 3);
   t.hand.makeStatic();
   t.hand.removeSelected();
@@ -299,13 +299,13 @@ void carriesAll() {
   t.hand.move(t.camera.toPixel(to)), t.hand.move(t.camera.toPixel(to));
   EXPECT_GT((t.place(a) - from).norm(), 1);
   EXPECT_NEAR((t.place(b) - t.place(a) - apart).norm(), 0, 1e-12);
-  EXPECT_EQ(t.session.deeds().size(), 6u);  // gravity, three bodies, and a place for two
+  EXPECT_EQ(t.session.actions().size(), 6u);  // gravity, three bodies, and a place for two
   t.hand.turn(Real(0.5));
   const Vec<D> turned = turnedBy(t.camera, Real(0.5)) * apart;
   EXPECT_NEAR((t.place(b) - t.place(a) - turned).norm(), 0, 1e-12);
   t.hand.move(t.camera.toPixel(held)), t.hand.release(t.camera.toPixel(held));
   EXPECT_NEAR((t.place(b) - t.place(a) - turned).norm(), 0, 1e-12);
-  EXPECT_EQ(t.session.deeds().size(), 6u);
+  EXPECT_EQ(t.session.actions().size(), 6u);
   EXPECT_EQ(t.place(other), Table<D>::at(-3, -3));
 }
 TEST(SandboxHand, CarriesTheSelection) { carriesAll<2>(), carriesAll<3>(); }

@@ -15,7 +15,7 @@ Shape<3> roundOne(const Shape<3>&) { return Shape<3>::curved(ShapeKind::cylinder
 template <int D>
 struct Pair {
   World<D> world{Pipeline::parse("contacts=query_clip"), WorldSettings<D>{}};
-  Handle a, b;
+  BodyHandle a, b;
   PairLook<D> look;
 
   Pair() {

@@ -6,8 +6,8 @@
 
 #include <sstream>
 
+#include "experiments/sandbox/competitor_label.h"
 #include "experiments/sandbox/equal_cost.h"
-#include "experiments/sandbox/lane_label.h"
 #include "framework/math/check.h"
 #include "framework/world/invariants.h"
 #include "tests/check_property.h"
@@ -29,7 +29,7 @@ template <int D>
 SceneSpec<D> heap() {
   SceneSpec<D> scene;
   scene.name = "heap";
-  scene.settings.features.friction = scene.settings.features.rotation = scene.settings.features.cache = true;
+  scene.settings.model.friction = scene.settings.model.rotation = scene.settings.model.cache = true;
   BodyDef<D> floor = BodyDef<D>::fixed({.shape = Shape<D>::plane()});
   scene.spawns.push_back({.step = 0, .body = floor});
   for (int i = 0; i < 6; ++i) {
@@ -40,7 +40,7 @@ SceneSpec<D> heap() {
 
 // Performs a drawn user action. Returns false if it was rejected, which must change nothing.
 template <class S, int D>
-bool drawDeed(Draw& draw, S& session) {
+bool drawAction(Draw& draw, S& session) {
   const int body = draw.below(session.bodies() + 1);
   const auto any = [&] { return draw.real(-3, 3); };
   Vec<D> v = Vec<D>::Zero();
@@ -69,7 +69,7 @@ bool drawDeed(Draw& draw, S& session) {
         session.perform(MergeBodies{body, body + 1});
         break;
       case 7:
-        session.perform(TakeApart{body, 1 + draw.below(2)});
+        session.perform(SplitByShape{body, 1 + draw.below(2)});
         break;
       case 8:
         session.perform(SetGravity<D>{v});
@@ -91,7 +91,7 @@ struct Careful : Session<D> {
 template <int D>
 struct Forgetful : Session<D> {
   using Session<D>::Session;
-  void perform(typename Deed<D>::What what) {
+  void perform(typename Action<D>::What what) {
     if (const auto* push = std::get_if<PushBody<D>>(&what)) {
       this->world().applyImpulse(this->handle(push->body), {push->impulse, push->angular});
     } else {
@@ -113,7 +113,7 @@ void backIsWhereItWas() {
       RC_ASSERT(session.back());
       RC_ASSERT(session.world().hash() == seen[step - 1]);
     } else if (what == 1) {
-      if (drawDeed<S<D>, D>(draw, session)) seen.resize(step + 1);  // later steps differ now
+      if (drawAction<S<D>, D>(draw, session)) seen.resize(step + 1);  // later steps differ now
       seen[step] = session.world().hash();
     } else {
       session.step();
@@ -137,14 +137,14 @@ TEST(Sandbox, EqualCompetitorsNeverDivergeAndOthersAreMeasured) {
   Session<2> equal(heap<2>(), {"", "sleep=none"});
   Session<2> others(heap<2>(), {"", "solver=soft_step"});
   for (int i = 0; i < 120; ++i) equal.step(), others.step();
-  EXPECT_EQ(equal.lanes()[1].partedAt, -1);
-  EXPECT_EQ(equal.lanes()[1].samples.back().error, 0);
-  const auto& lane = others.lanes()[1];
-  ASSERT_GT(lane.partedAt, 0);
-  const auto at = static_cast<std::size_t>(lane.partedAt);
-  EXPECT_GT(lane.samples[at - 1].error, Session<2>::kParted);
-  for (std::size_t i = 0; i + 1 < at; ++i) EXPECT_LE(lane.samples[i].error, Session<2>::kParted);
-  expectCaught("lanes that part are not told apart", lane.samples.back().error == 0);
+  EXPECT_EQ(equal.competitors()[1].partedAt, -1);
+  EXPECT_EQ(equal.competitors()[1].samples.back().error, 0);
+  const auto& competitor = others.competitors()[1];
+  ASSERT_GT(competitor.partedAt, 0);
+  const auto at = static_cast<std::size_t>(competitor.partedAt);
+  EXPECT_GT(competitor.samples[at - 1].error, Session<2>::kParted);
+  for (std::size_t i = 0; i + 1 < at; ++i) EXPECT_LE(competitor.samples[i].error, Session<2>::kParted);
+  expectCaught("lanes that part are not told apart", competitor.samples.back().error == 0);
 }
 
 // Values that no view shows are not computed.
@@ -153,9 +153,9 @@ TEST(Sandbox, EnergyAndPenetrationAreComputedOnlyWhenShown) {
   for (int i = 0; i < 90; ++i) {
     session.measure(i >= 60);
     session.step();
-    for (std::size_t lane = 0; lane < 2; ++lane) {
-      const Sample& sample = session.lanes()[lane].samples.back();
-      const Invariants<2> seen = invariants(session.world(lane));
+    for (std::size_t competitor = 0; competitor < 2; ++competitor) {
+      const Sample& sample = session.competitors()[competitor].samples.back();
+      const Invariants<2> seen = invariants(session.world(competitor));
       EXPECT_EQ(std::isnan(sample.energy), i < 60);
       EXPECT_EQ(std::isnan(sample.penetration), i < 60);
       if (i < 60) continue;
@@ -173,7 +173,8 @@ TEST(Sandbox, AFailedCompetitorCanBeSteppedBack) {
   session.perform(PushBody<2>{1, Vec<2>::Constant(1.7e308)});
   session.step(), session.step();
   ASSERT_TRUE(session.fallen());
-  EXPECT_NE(session.lanes()[0].fallen.find("diverged at step"), std::string::npos) << session.lanes()[0].fallen;
+  EXPECT_NE(session.competitors()[0].fallen.find("diverged at step"), std::string::npos)
+      << session.competitors()[0].fallen;
   EXPECT_THROW(session.perform(RemoveBody{1}), UserError);
   while (session.fallen()) ASSERT_TRUE(session.back());
   while (session.steps() > 1) ASSERT_TRUE(session.back());
@@ -189,13 +190,13 @@ TEST(Sandbox, ACompetitorThatCannotFollowStaysBehind) {
   BodyDef<3> def = ball<3>(1, 2);
   def.shapes[0].shape = Shape<3>::curved(ShapeKind::cylinder, std::vector<Real>{Real(0.5), Real(0.5)});
   session.perform(AddBody<3>{def});
-  const std::string why = session.lanes()[1].fallen;
+  const std::string why = session.competitors()[1].fallen;
   ASSERT_FALSE(why.empty());
   for (int i = 0; i < 3; ++i) session.step();
   ASSERT_TRUE(session.back());
   EXPECT_EQ(session.steps(), 2);
   EXPECT_FALSE(session.fallen());
-  EXPECT_EQ(session.lanes()[1].fallen, why);
+  EXPECT_EQ(session.competitors()[1].fallen, why);
 }
 
 TEST(Sandbox, InvalidActionsAreRefusedAndChangeNothing) {
@@ -203,9 +204,9 @@ TEST(Sandbox, InvalidActionsAreRefusedAndChangeNothing) {
   const std::uint64_t before = session.world().hash();
   EXPECT_THROW(session.perform(RemoveBody{99}), UserError);
   EXPECT_THROW(session.perform(MergeBodies{0, 1}), UserError);
-  EXPECT_THROW(session.perform(ExchangeStages{0, "solver=nobody"}), UserError);
+  EXPECT_THROW(session.perform(SetPipeline{0, "solver=nobody"}), UserError);
   EXPECT_EQ(session.world().hash(), before);
-  EXPECT_TRUE(session.deeds().empty());
+  EXPECT_TRUE(session.actions().empty());
   EXPECT_FALSE(session.back());
 }
 
@@ -218,29 +219,29 @@ TEST(Sandbox, ASavedWorldOfOtherFeaturesIsRefused) {
   SceneSpec<2> scene;
   scene.settings = session.scene().settings, scene.saved = out.str();
   EXPECT_EQ(Session<2>(scene, {""}).world().hash(), session.world().hash());
-  scene.settings.features.friction = false;
+  scene.settings.model.friction = false;
   EXPECT_THROW(Session<2>(scene, {""}), UserError);
 }
 
 TEST(Sandbox, StagesChangeInOneCompetitorOnly) {
   Session<2> session(heap<2>(), {"", ""});
-  session.perform(ExchangeStages{1, "solver=soft_step"});
-  EXPECT_EQ(session.lanes()[0].pipeline, "");
-  EXPECT_EQ(session.lanes()[1].pipeline, "solver=soft_step");
+  session.perform(SetPipeline{1, "solver=soft_step"});
+  EXPECT_EQ(session.competitors()[0].pipeline, "");
+  EXPECT_EQ(session.competitors()[1].pipeline, "solver=soft_step");
   for (int i = 0; i < 40; ++i) session.step();
   const std::uint64_t hash = session.world(1).hash();
   session.step();
   ASSERT_TRUE(session.back());
   EXPECT_EQ(session.world(1).hash(), hash);
-  EXPECT_EQ(session.lanes()[1].pipeline, "solver=soft_step");
+  EXPECT_EQ(session.competitors()[1].pipeline, "solver=soft_step");
 }
 
 TEST(Sandbox, LabelsShowWhatIsNotTheDefault) {
-  EXPECT_EQ(laneLabel("", 2), "the default stages");
-  EXPECT_EQ(laneLabel("solver=soft_step sleep=none", 3), "solver=soft_step");
-  EXPECT_EQ(laneLabel("solver=split_solver{velocity=catto{iterations=20},order=stored} broadphase=naive", 2),
+  EXPECT_EQ(competitorLabel("", 2), "the default stages");
+  EXPECT_EQ(competitorLabel("solver=soft_step sleep=none", 3), "solver=soft_step");
+  EXPECT_EQ(competitorLabel("solver=split_solver{velocity=catto{iterations=20},order=stored} broadphase=naive", 2),
             "broadphase=naive solver=split_solver{velocity=catto{iterations=20}}");
-  EXPECT_EQ(laneLabel("engine=bullet{iterations=10}", 3), "engine=bullet{iterations=10}");
+  EXPECT_EQ(competitorLabel("engine=bullet{iterations=10}", 3), "engine=bullet{iterations=10}");
 }
 
 TEST(Sandbox, CostFollowsIterations) {

@@ -10,7 +10,7 @@
 #include "framework/shape/support_map.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
-#include "tests/planted_bugs/view_twins.h"
+#include "tests/planted_bugs/view_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace shape_mesh_test { namespace {
 

@@ -15,13 +15,13 @@ constexpr Real kDt = Real(1) / 60;
 template <int D>
 std::uint64_t visitsOfChanging(int n, bool jointed) {
   World<D> world(Pipeline::parse("sleep=split_average"));
-  const std::vector<Handle> row = addRow(world, n);
-  for (const Handle& h : row) {
-    if (jointed) world.add(pivot<D>(Handle{}, h, world.pose(h).p));
+  const std::vector<BodyHandle> row = addRow(world, n);
+  for (const BodyHandle& h : row) {
+    if (jointed) world.add(pivot<D>(BodyHandle{}, h, world.pose(h).p));
   }
   world.step(kDt);
   EXPECT_EQ(world.manifolds().size(), static_cast<std::size_t>(n));
-  for (const Handle& h : row) {
+  for (const BodyHandle& h : row) {
     BodyDef<D> def = world.definition(h);
     def.shapes[0].friction = Real(0.1), def.velocity = at<D>(1, 0);
     world.change(h, def);
@@ -49,7 +49,7 @@ std::uint64_t visitsOfRemovingTheHub(int n, const Remove& remove) {
   settings.gravity.setZero();
   World<D> world({}, settings);
   const BodyDef<D> ball = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0));
-  const Handle hub = world.add(ball);
+  const BodyHandle hub = world.add(ball);
   for (int i = 0; i < n; ++i) {
     BodyDef<D> spoke = ball;
     spoke.X_WB.p = at<D>(0, 2 * (i + 1));
@@ -69,8 +69,9 @@ bool isLinear(const Remove& remove) {
 }
 template <int D>
 void hubs() {
-  EXPECT_TRUE(isLinear<D>([](World<D>& world, Handle hub) { world.remove(hub); }));
-  expectCaught("a hub's joints are taken from the front of their list", isLinear<D>([](World<D>& world, Handle hub) {
+  EXPECT_TRUE(isLinear<D>([](World<D>& world, BodyHandle hub) { world.remove(hub); }));
+  expectCaught("a hub's joints are taken from the front of their list",
+               isLinear<D>([](World<D>& world, BodyHandle hub) {
                  for (std::size_t j = 0; j < world.joints().size(); ++j) {
                    world.remove(JointHandle{static_cast<std::int32_t>(j), world.joints()[j].generation});
                  }
@@ -120,7 +121,7 @@ template <int D>
 void lives() {
   Random random(17);
   World<D> world;
-  std::vector<Handle> bodies;
+  std::vector<BodyHandle> bodies;
   const auto below = [&](std::size_t n) { return static_cast<int>(random.below(n)); };
   const auto any = [&] { return static_cast<std::size_t>(random.below(bodies.size())); };
   const auto drawn = [&] {
@@ -144,7 +145,7 @@ void lives() {
       bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(k));
     } else if (what == 3) {
       BodyDef<D> def = world.definition(bodies[any()]);
-      const Handle h = bodies[any()];
+      const BodyHandle h = bodies[any()];
       if (below(2)) def.shapes.push_back(drawn().shapes[0]);
       world.change(h, def);
     } else if (what == 4) {
@@ -153,7 +154,7 @@ void lives() {
       world.merge(bodies[a], bodies[b]);
       bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(b));
     } else if (what == 5) {
-      const std::vector<Handle> parts = world.takeApart(bodies[any()]);
+      const std::vector<BodyHandle> parts = world.splitByShape(bodies[any()]);
       bodies.insert(bodies.end(), parts.begin() + 1, parts.end());
     } else if (what == 6) {
       const std::size_t a = any(), b = any();

@@ -56,7 +56,7 @@ BodyDef<D> drawBody(Draw& draw) {
 }
 
 template <int D>
-using Change = std::function<void(World<D>&, Handle, const BodyDef<D>&)>;
+using Change = std::function<void(World<D>&, BodyHandle, const BodyDef<D>&)>;
 
 // A changed body behaves as if it had been added in its new form.
 template <int D>
@@ -64,7 +64,7 @@ void isAsIfAddedSo(Draw& draw, const Change<D>& change) {
   World<D> changed, added;
   const BodyDef<D> first = drawBody<D>(draw), then = drawBody<D>(draw);
   for (World<D>* w : {&changed, &added}) addHeap<D>(*w, 3, 1);
-  const Handle body = changed.add(first);
+  const BodyHandle body = changed.add(first);
   added.add(then);
   change(changed, body, then);
   for (int i = 0; i < 20; ++i) changed.step(kDt), added.step(kDt);
@@ -76,12 +76,12 @@ void isAsIfAddedSo(Draw& draw, const Change<D>& change) {
 
 TYPED_TEST(ChangeTest, AChangedBodyEqualsOneAddedInThatForm) {
   constexpr int D = TypeParam::D;
-  const Change<D> right = [](World<D>& w, Handle b, const BodyDef<D>& def) { w.change(b, def); };
+  const Change<D> right = [](World<D>& w, BodyHandle b, const BodyDef<D>& def) { w.change(b, def); };
   check("a changed body lives as if it had been added so", [&] {
     RapidCheckDraw draw;
     isAsIfAddedSo<D>(draw, right);
   });
-  const Change<D> keepsItsWeight = [](World<D>& w, Handle b, BodyDef<D> def) {
+  const Change<D> keepsItsWeight = [](World<D>& w, BodyHandle b, BodyDef<D> def) {
     const auto i = static_cast<std::size_t>(b.slot);
     const MassProperties<D> was{.mass = w.bodies().mass[i], .center = w.bodies().center[i]};
     if (was.mass > 0) def.mass = was;
@@ -91,7 +91,7 @@ TYPED_TEST(ChangeTest, AChangedBodyEqualsOneAddedInThatForm) {
     RapidCheckDraw draw;
     isAsIfAddedSo<D>(draw, keepsItsWeight);
   });
-  const Change<D> forgetsGravity = [](World<D>& w, Handle b, BodyDef<D> def) {
+  const Change<D> forgetsGravity = [](World<D>& w, BodyHandle b, BodyDef<D> def) {
     def.gravityScale = w.definition(b).gravityScale;
     w.change(b, def);
   };
@@ -116,7 +116,7 @@ bool keepsWhatIsLeft(const Change<D>& change) {
   BodyDef<D> def;
   def.X_WB.p = at<D>(0, 0.5);
   for (const double x : {-1, 1}) def.shapes.push_back({.shape = Shape<D>::sphere(Real(0.5)), .X_BS = {at<D>(x, 0)}});
-  const Handle body = world.add(def), load = world.add(test::body<D>(Shape<D>::sphere(Real(0.2)), at<D>(0, 3)));
+  const BodyHandle body = world.add(def), load = world.add(test::body<D>(Shape<D>::sphere(Real(0.2)), at<D>(0, 3)));
   world.add(pivot<D>(body, load, at<D>(0, 2)));
   Ends<D> heard;
   world.addListener(body, &heard);
@@ -132,9 +132,9 @@ bool keepsWhatIsLeft(const Change<D>& change) {
 
 TYPED_TEST(ChangeTest, AShapeGoesAndTheRestStays) {
   constexpr int D = TypeParam::D;
-  EXPECT_TRUE(keepsWhatIsLeft<D>([](World<D>& w, Handle b, const BodyDef<D>& def) { w.change(b, def); }));
+  EXPECT_TRUE(keepsWhatIsLeft<D>([](World<D>& w, BodyHandle b, const BodyDef<D>& def) { w.change(b, def); }));
   expectCaught("a body is changed by removing it and adding another",
-               keepsWhatIsLeft<D>([](World<D>& w, Handle b, const BodyDef<D>& def) { w.remove(b), w.add(def); }));
+               keepsWhatIsLeft<D>([](World<D>& w, BodyHandle b, const BodyDef<D>& def) { w.remove(b), w.add(def); }));
 }
 
 TYPED_TEST(ChangeTest, AnUnchangedDefinitionOnlyWakes) {
@@ -158,7 +158,7 @@ TYPED_TEST(ChangeTest, ANewCentreKeepsTheMotion) {
   World<D> world({}, weightless<D>());
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(2, 1));
   def.velocity = at<D>(1, 2), def.angularVelocity = Ang<D>::Constant(3);
-  const Handle b = world.add(def);
+  const BodyHandle b = world.add(def);
   const Vec<D> place = at<D>(5, 1), was = def.velocity + cross(def.angularVelocity, Vec<D>(place - def.X_WB.p));
   def = world.definition(b);
   def.shapes.push_back({.shape = Shape<D>::sphere(1), .X_BS = {at<D>(6, 0)}});
@@ -169,13 +169,13 @@ TYPED_TEST(ChangeTest, ANewCentreKeepsTheMotion) {
 }
 
 template <int D>
-using Merge = std::function<void(World<D>&, Handle, Handle)>;
+using Merge = std::function<void(World<D>&, BodyHandle, BodyHandle)>;
 
 template <int D>
 void keepsMomenta(Draw& draw, const Merge<D>& merge) {
   World<D> world({}, weightless<D>());
-  std::array<Handle, 2> bodies;
-  for (Handle& b : bodies) {
+  std::array<BodyHandle, 2> bodies;
+  for (BodyHandle& b : bodies) {
     BodyDef<D> def = drawBody<D>(draw);
     def.type = BodyType::dynamic, def.pinned = false, def.rotatable = true;
     b = world.add(def);
@@ -195,11 +195,11 @@ TYPED_TEST(ChangeTest, MergedKeepsMomenta) {
   constexpr int D = TypeParam::D;
   check("two bodies that are merged keep both momenta", [] {
     RapidCheckDraw draw;
-    keepsMomenta<D>(draw, [](World<D>& w, Handle a, Handle b) { w.merge(a, b); });
+    keepsMomenta<D>(draw, [](World<D>& w, BodyHandle a, BodyHandle b) { w.merge(a, b); });
   });
   expectFalsified("merged bodies that go on as the first did", [] {
     RapidCheckDraw draw;
-    keepsMomenta<D>(draw, [](World<D>& w, Handle a, Handle b) {
+    keepsMomenta<D>(draw, [](World<D>& w, BodyHandle a, BodyHandle b) {
       const BodyDef<D> first = w.definition(a);
       w.merge(a, b);
       w.setMotion(a, {first.velocity, first.angularVelocity});
@@ -216,9 +216,9 @@ TYPED_TEST(ChangeTest, SplitPartsKeepMoving) {
   for (const double x : {-1, 0, 2}) {
     def.shapes.push_back({.shape = Shape<D>::sphere(Real(0.4)), .X_BS = {at<D>(x, 0)}, .density = Real(1 + x * x)});
   }
-  const Handle whole = world.add(def);
+  const BodyHandle whole = world.add(def);
   const StateInvariants<D> before = stateInvariants(world);
-  const std::vector<Handle> parts = world.takeApart(whole);
+  const std::vector<BodyHandle> parts = world.splitByShape(whole);
   const StateInvariants<D> after = stateInvariants(world);
   ASSERT_EQ(parts.size(), 3u);
   EXPECT_EQ(parts[0], whole);
@@ -234,8 +234,8 @@ TYPED_TEST(ChangeTest, SplitPartsKeepMoving) {
 TYPED_TEST(ChangeTest, JointsFollow) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
-  const Handle b = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(2, 0)));
+  const BodyHandle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
+  const BodyHandle b = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(2, 0)));
   world.add(JointDef<D>{.kind = "hinge{lower=-0.4,upper=0.4}", .bodyB = b, .X_WJ = {at<D>(3, 0), {}}});
   world.add(pivot<D>(a, b, at<D>(1, 0)));
   for (int i = 0; i < 20; ++i) world.step(kDt);
@@ -256,7 +256,7 @@ TYPED_TEST(ChangeTest, ANewMaterialAppliesToExistingContacts) {
     if (!competes(*cache)) continue;
     World<D> world(Pipeline::parse("cache=" + cache->info.name));
     addGround(world);
-    const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
+    const BodyHandle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
     for (int i = 0; i < 30; ++i) world.step(kDt);
     BodyDef<D> def = world.definition(box);
     def.shapes[0].friction = 0, def.velocity = at<D>(3, 0);
@@ -270,7 +270,7 @@ TYPED_TEST(ChangeTest, ABodyMadeStaticLosesStaticContacts) {
   constexpr int D = TypeParam::D;
   World<D> world;
   addGround(world);
-  const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
+  const BodyHandle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
   Ends<D> heard;
   world.addListener(&heard);
   for (int i = 0; i < 10; ++i) world.step(kDt);
@@ -289,7 +289,7 @@ TYPED_TEST(ChangeTest, AMouseJointUsesTheChangedMass) {
     World<D> world({}, weightless<D>());
     BodyDef<D> light = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0)), heavy = light;
     heavy.shapes[0].density = 100;
-    const Handle ball = world.add(later ? light : heavy);
+    const BodyHandle ball = world.add(later ? light : heavy);
     world.add(JointDef<D>{.kind = "mouse{hertz=2,max_force=1e9}",
                           .bodyB = ball,
                           .X_WJ = {at<D>(1, 0), {}},
@@ -304,8 +304,8 @@ TYPED_TEST(ChangeTest, AMouseJointUsesTheChangedMass) {
 TYPED_TEST(ChangeTest, AForceOnAMergedBodyMovesTheWhole) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
-  const Handle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
-  const Handle b = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(2, 0)));
+  const BodyHandle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
+  const BodyHandle b = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(2, 0)));
   world.applyForce(b, at<D>(0, 60), world.pose(b).p);
   world.merge(a, b);
   world.step(kDt);
@@ -319,11 +319,11 @@ TYPED_TEST(ChangeTest, RollingResistanceUsesTheBallsOwnLoad) {
   std::array<Real, 2> speed{};
   for (const int others : {0, 60}) {
     World<D> world;
-    const Handle ground = addGround(world);
+    const BodyHandle ground = addGround(world);
     BodyDef<D> wide = world.definition(ground);
     wide.shapes[0].shape = Shape<D>::box(D == 2 ? at<D>(500, 1) : at<D>(500, 1, 5));
     world.change(ground, wide);
-    const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
+    const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
     for (int i = 0; i < others; ++i) world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(50 + 2 * i, 0.5)));
     world.add(ForceDef<D>{.kind = "rolling_resistance{coefficient=0.02}"});
     Ang<D> spin = Ang<D>::Zero();
@@ -340,8 +340,8 @@ TYPED_TEST(ChangeTest, RollingResistanceUsesTheBallsOwnLoad) {
 TYPED_TEST(ChangeTest, ForcesFollow) {
   constexpr int D = TypeParam::D;
   World<D> world({}, weightless<D>());
-  const Handle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
-  const Handle b = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(2, 0)));
+  const BodyHandle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
+  const BodyHandle b = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(2, 0)));
   world.add(ForceDef<D>{.kind = "spring{stiffness=10}", .bodyB = b, .anchorA = at<D>(2, 3), .anchorB = at<D>(0, 1)});
   world.add(ForceDef<D>{.kind = "spring{stiffness=10}", .bodyA = a, .bodyB = b});
   world.merge(a, b);
@@ -355,8 +355,8 @@ TYPED_TEST(ChangeTest, ForcesFollow) {
 TYPED_TEST(ChangeTest, InvalidChangesAreRefusedAndChangeNothing) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
-  const Handle post = world.add(body<D>(Shape<D>::sphere(1), at<D>(5, 0), BodyType::fixed));
+  const BodyHandle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
+  const BodyHandle post = world.add(body<D>(Shape<D>::sphere(1), at<D>(5, 0), BodyType::fixed));
   world.add(pivot<D>(post, a, at<D>(3, 0)));
   const std::string before = saved(world);
   const auto refused = [&](const auto& act) {
@@ -379,14 +379,14 @@ TYPED_TEST(ChangeTest, InvalidChangesAreRefusedAndChangeNothing) {
   });
   refused([&] { world.merge(a, a); });
   refused([&] { world.merge(a, post); });
-  refused([&] { world.exchange(Pipeline::parse("contacts=rounded_polgon")); });
+  refused([&] { world.setPipeline(Pipeline::parse("contacts=rounded_polgon")); });
   refused([&] { world.setGravity(Vec<D>::Constant(std::numeric_limits<Real>::infinity())); });
 }
 
 TYPED_TEST(ChangeTest, GravityOfABodyAndOfTheWorld) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  std::vector<Handle> bodies;
+  std::vector<BodyHandle> bodies;
   for (const double scale : {1., 0., -1., 0.5}) {
     BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(10 * scale, 0));
     def.gravityScale = static_cast<Real>(scale);
@@ -408,10 +408,10 @@ TYPED_TEST(ChangeTest, MassSetByTheUserIsUsed) {
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
   def.mass = MassProperties<D>{.mass = 4, .center = at<D>(1, 0)};
   def.mass->inertia.setIdentity();
-  const Handle b = world.add(def);
+  const BodyHandle b = world.add(def);
   BodyDef<D> bare;  // a point mass
   bare.X_WB.p = at<D>(9, 0), bare.mass = MassProperties<D>{.mass = 2};
-  const Handle p = world.add(bare);
+  const BodyHandle p = world.add(bare);
   EXPECT_EQ(world.mass(b), 4);
   world.applyImpulse(b, at<D>(0, 8), at<D>(1, 0));  // at the centre of mass: no rotation
   world.applyImpulse(p, at<D>(0, 8), at<D>(0, 0));
@@ -432,12 +432,12 @@ TYPED_TEST(ChangeTest, ImpulsesMoveDynamicBodies) {
   World<D> world({}, weightless<D>());
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
   def.pinned = true;
-  const Handle pinned = world.add(def);
+  const BodyHandle pinned = world.add(def);
   def.pinned = false, def.rotatable = false, def.X_WB.p = at<D>(9, 0);
-  const Handle stiff = world.add(def);
-  const Handle wall = world.add(ShapeDef<D>{.shape = Shape<D>::sphere(1), .X_BS = {at<D>(20, 0)}});
+  const BodyHandle stiff = world.add(def);
+  const BodyHandle wall = world.add(ShapeDef<D>{.shape = Shape<D>::sphere(1), .X_BS = {at<D>(20, 0)}});
   EXPECT_EQ(world.bodies().type[static_cast<std::size_t>(wall.slot)], BodyType::fixed);
-  for (const Handle h : {pinned, stiff, wall}) {
+  for (const BodyHandle h : {pinned, stiff, wall}) {
     world.applyImpulse(h, at<D>(1, 1), world.pose(h).p + at<D>(1, 0));
     world.applyAngularImpulse(h, Ang<D>::Constant(1));
   }
@@ -460,7 +460,7 @@ TYPED_TEST(ChangeTest, StagesAreExchangedAtRunTime) {
       Pipeline other = world.pipeline();
       other[kind] = Spec::parse(r->info.name);
       try {
-        world.exchange(other);
+        world.setPipeline(other);
       } catch (const UserError&) {
         continue;  // it does not support these shapes
       }
@@ -479,7 +479,7 @@ TYPED_TEST(ChangeTest, TheSameStagesAgainChangeNothing) {
     addHeap<D>(*w, 5, 4);
     for (int i = 0; i < 60; ++i) w->step(kDt);
   }
-  exchanged.exchange(exchanged.pipeline()), left.wakeAll();
+  exchanged.setPipeline(exchanged.pipeline()), left.wakeAll();
   for (int i = 0; i < 60; ++i) exchanged.step(kDt), left.step(kDt);
   EXPECT_EQ(exchanged.hash(), left.hash());
 }
@@ -487,7 +487,7 @@ TYPED_TEST(ChangeTest, TheSameStagesAgainChangeNothing) {
 TYPED_TEST(ChangeTest, QueriesOfOneBody) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(3, 0)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(3, 0)));
   EXPECT_TRUE(world.contains(ball, at<D>(3.5, 0.5)));
   EXPECT_FALSE(world.contains(ball, at<D>(3.9, 0.9)));
   EXPECT_TRUE(world.intersects(ball, {at<D>(3.6, 0.6, -1), at<D>(5, 5, 1)}));

@@ -138,7 +138,7 @@ TEST(ClearTest, ClearingReportsTheSameEndsAsRemoving) { ends<2>(), ends<3>(); }
 template <int D>
 bool handlesAreNobodys(const Clear<D>& clear) {
   World<D> world;
-  std::vector<Handle> bodies;
+  std::vector<BodyHandle> bodies;
   JointHandle joint;
   ForceHandle force;
   const auto add = [&] {
@@ -175,8 +175,8 @@ TEST(ClearTest, OldHandlesStayInvalid) { handles<2>(), handles<3>(); }
 template <int D>
 std::uint64_t visitsOfClearing(int n, const Clear<D>& clear) {
   World<D> world;
-  for (const Handle& h : addRow(world, n)) {
-    world.add(pivot<D>(Handle{}, h, world.pose(h).p));
+  for (const BodyHandle& h : addRow(world, n)) {
+    world.add(pivot<D>(BodyHandle{}, h, world.pose(h).p));
     world.add(ForceDef<D>{.kind = dragKind(1, 1), .bodyB = h});
   }
   world.step(kDt);

@@ -146,9 +146,9 @@ Answered ask(bool all) {
       owner.push_back(i);
     }
   }
-  const auto owners = [&](const std::vector<Handle>& found, bool parts) {
+  const auto owners = [&](const std::vector<BodyHandle>& found, bool parts) {
     std::set<std::int32_t> out;
-    for (const Handle& h : found) out.insert(parts ? owner[static_cast<std::size_t>(h.slot)] : h.slot);
+    for (const BodyHandle& h : found) out.insert(parts ? owner[static_cast<std::size_t>(h.slot)] : h.slot);
     return out;
   };
   // The first hit of each body, by body slot.
@@ -197,7 +197,7 @@ void hollowStaysHollow() {
     BodyDef<D> def = bodyOf<D>(parts, true, Pose<D>{});
     def.type = BodyType::fixed;
     world.add(def);
-    const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.35)), at<D>(0, 1.5)));
+    const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.35)), at<D>(0, 1.5)));
     for (int i = 0; i < 240; ++i) world.step(kDt);
     return std::abs(world.pose(ball).p[1] - Real(0.15)) <= kLinearSlop;  // the bottom is at -0.2
   };
@@ -217,12 +217,12 @@ void restsTenSeconds() {
     } else {
       addGround(world);
     }
-    const Handle bodies[] = {world.add(bodyOf<D>(letterL<D>(), true, turned<D>(at<D>(-3, 0.4), 0))),
-                             world.add(bodyOf<D>(letterU<D>(), true, turned<D>(at<D>(0, 0.6), 0))),
-                             world.add(bodyOf<D>(gear<D>(6), true, turned<D>(at<D>(3, 0.51), 0)))};  // on two teeth
+    const BodyHandle bodies[] = {world.add(bodyOf<D>(letterL<D>(), true, turned<D>(at<D>(-3, 0.4), 0))),
+                                 world.add(bodyOf<D>(letterU<D>(), true, turned<D>(at<D>(0, 0.6), 0))),
+                                 world.add(bodyOf<D>(gear<D>(6), true, turned<D>(at<D>(3, 0.51), 0)))};  // on two teeth
     std::vector<Pose<D>> before;
     for (int i = 0; i < 60; ++i) world.step(kDt);
-    for (const Handle& h : bodies) before.push_back(world.pose(h));
+    for (const BodyHandle& h : bodies) before.push_back(world.pose(h));
     for (int i = 0; i < 600; ++i) world.step(kDt);
     for (std::size_t i = 0; i < 3; ++i) {
       const Pose<D> now = world.pose(bodies[i]);
@@ -245,10 +245,10 @@ TEST(Compound, GearsMesh) {
     World<2> world;
     BodyDef<2> def = bodyOf<2>(parts, true, Pose<2>{});
     def.type = BodyType::kinematic;
-    const Handle driver = world.add(def);
+    const BodyHandle driver = world.add(def);
     def = bodyOf<2>(parts, true, turned<2>(at<2>(1.94, 0), step / 2));
     def.pinned = true;
-    const Handle follower = world.add(def);
+    const BodyHandle follower = world.add(def);
     Real angle = 0, driven = 0, most = 0;
     for (int i = 0; i < 1200; ++i) {
       const Real speed = i / 300 % 2 == 0 ? 1 : -1;  // both directions: a gear that coasts fails

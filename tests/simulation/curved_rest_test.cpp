@@ -41,7 +41,7 @@ Moved restsOn(const std::string& contacts, bool plane, bool standing) {
   if (standing) X.q = Rot<3>::vector({0, 0, kQuarterTurn});
   BodyDef<3> def = test::body<3>(Shape<3>::curved(ShapeKind::cylinder, sizes), X.p);
   def.X_WB.q = X.q;
-  const Handle body = world.add(def);
+  const BodyHandle body = world.add(def);
   for (int i = 0; i < 600; ++i) world.step(kDt);
   const Pose<3> now = world.pose(body);
   const Vec<3> axis(1, 0, 0);
@@ -68,7 +68,7 @@ void ellipsoidsRest() {
     addFloor(world, true);
     std::vector<Real> sizes(static_cast<std::size_t>(D), Real(0.5));
     sizes[1] = Real(0.25);
-    const Handle body = world.add(test::body<D>(Shape<D>::curved(ShapeKind::ellipsoid, sizes), at<D>(0, 0.25)));
+    const BodyHandle body = world.add(test::body<D>(Shape<D>::curved(ShapeKind::ellipsoid, sizes), at<D>(0, 0.25)));
     for (int i = 0; i < 600; ++i) world.step(kDt);
     EXPECT_NEAR(world.pose(body).p[1], 0.25, kLinearSlop);
     EXPECT_NEAR(world.pose(body).p[0], 0, 1e-3);
@@ -83,8 +83,8 @@ void planeCarries() {
     if (r->info.role != AlgorithmRole::competitor || r->info.name.starts_with("planted")) continue;
     World<D> world(Pipeline::parse("contacts=" + r->info.name));
     addFloor(world, true);
-    const Handle box = world.add(test::body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(3, 0.6)));
-    const Handle ball = world.add(test::body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 0.6)));
+    const BodyHandle box = world.add(test::body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(3, 0.6)));
+    const BodyHandle ball = world.add(test::body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 0.6)));
     for (int i = 0; i < 240; ++i) world.step(kDt);
     EXPECT_NEAR(world.pose(ball).p[1], 0.5, kLinearSlop) << r->info.name;
     if (r->info.name != "deepest_point") {

@@ -55,7 +55,7 @@ std::string story(const std::string& pipeline, const std::vector<int>& choices, 
   Audit<D> audit;
   world.addListener(&audit);
   addGround(world);
-  std::vector<Handle> bodies;
+  std::vector<BodyHandle> bodies;
   std::size_t next = 0;
   const auto choose = [&](int n) { return choices[next++ % choices.size()] % n; };
   const auto place = [&] { return at<D>(choose(5) - 2, 0.5 + choose(3)); };
@@ -84,7 +84,7 @@ std::string story(const std::string& pipeline, const std::vector<int>& choices, 
       }
     }
   }
-  for (const Handle& b : bodies) world.remove(b);
+  for (const BodyHandle& b : bodies) world.remove(b);
   if (audit.wrong.empty() && !audit.live.empty()) audit.wrong = "never ends";
   wrong = audit.wrong;
   return audit.story;

@@ -37,7 +37,7 @@ bool survivesStep(const std::string& solver, double dt) {
   World<D> world(Pipeline::parse("solver=" + solver));
   addGround(world);
   for (int i = 0; i < 3; ++i) world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5 + i)));
-  const Handle bob = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(5, 5)));
+  const BodyHandle bob = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(5, 5)));
   world.add(pivot<D>(world.handle(0), bob, at<D>(4, 5)));
   return staysFinite(world, static_cast<Real>(dt), 20);
 }
@@ -57,7 +57,7 @@ bool survivesStiffness(const std::string& solver, bool stiff) {
     }
     if (spec.fields.empty()) continue;
     const double x = 3 * n++;
-    const Handle b = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(x, 5)));
+    const BodyHandle b = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(x, 5)));
     JointDef<D> joint{.kind = spec.text(), .bodyA = world.handle(0), .bodyB = b};
     joint.X_WJ.p = at<D>(x, 5.5), joint.X_WJb = Pose<D>{at<D>(x + 1, 5), {}};
     world.add(joint);

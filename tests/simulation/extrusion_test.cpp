@@ -22,7 +22,7 @@ constexpr int kSteps = 60, kSweeps = 50;
 template <int D>
 struct Prisms {
   World<D> world;
-  std::vector<Handle> boxes;
+  std::vector<BodyHandle> boxes;
   bool spoiled;  // a fiftieth of each mass sits at the ends of its box: wrong inertia
 
   explicit Prisms(const Spec& solver, bool spoil = false) : world(pipelineOf(solver)), spoiled(spoil) {}
@@ -46,12 +46,12 @@ struct Prisms {
     def.shapes[0].friction = Real(friction);
     return def;
   }
-  Handle ground(double halfWidth, double x, double y, double angle = 0, double friction = 0.5) {
+  BodyHandle ground(double halfWidth, double x, double y, double angle = 0, double friction = 0.5) {
     BodyDef<D> def = prism(halfWidth, 1, x, y, angle, friction, 4 * kHalfDepth);
     def.type = BodyType::fixed;
     return world.add(def);
   }
-  Handle box(double halfWidth, double halfHeight, double x, double y, double angle = 0) {
+  BodyHandle box(double halfWidth, double halfHeight, double x, double y, double angle = 0) {
     BodyDef<D> def = prism(halfWidth, halfHeight, x, y, angle, 0.5, kHalfDepth);
     if (spoiled) spoil(def, halfWidth, halfHeight);
     boxes.push_back(world.add(def));
@@ -87,7 +87,7 @@ void edge(Prisms<D>& s) {  // its centre of mass is past the table's edge
 }
 template <int D>
 void hinges(Prisms<D>& s) {  // two in a row, released in a level position
-  const Handle post = s.ground(0.1, 0, 5), first = s.box(0.3, 0.1, 0.3, 3), second = s.box(0.3, 0.1, 0.9, 3);
+  const BodyHandle post = s.ground(0.1, 0, 5), first = s.box(0.3, 0.1, 0.3, 3), second = s.box(0.3, 0.1, 0.9, 3);
   s.world.add(JointDef<D>{.kind = "hinge", .bodyA = post, .bodyB = first, .X_WJ = {at<D>(0, 3), {}}});
   s.world.add(JointDef<D>{.kind = "hinge", .bodyA = first, .bodyB = second, .X_WJ = {at<D>(0.6, 3), {}}});
 }

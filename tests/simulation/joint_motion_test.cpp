@@ -5,7 +5,7 @@
 
 #include "tests/conformance/joined_bodies.h"
 #include "tests/expect_caught.h"
-#include "tests/planted_bugs/joint_twins.h"
+#include "tests/planted_bugs/joint_bugs.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace joint_motion_test { namespace {
 

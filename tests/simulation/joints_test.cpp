@@ -15,7 +15,7 @@ const char* const kSolvers[] = {"solver=split_solver", "solver=split_solver{velo
 template <int D>
 struct Hanging {
   World<D> world;
-  Handle ball;
+  BodyHandle ball;
   JointHandle joint;
 
   Hanging(const std::string& pipeline, const std::string& kind, Real share) : world(Pipeline::parse(pipeline)) {
@@ -53,7 +53,7 @@ void breaksByTorque() {
   for (const Real limit : {Real(0.8), Real(1.2)}) {
     World<D> world;
     BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.25)), at<D>(2, 0));
-    const Handle ball = world.add(def);
+    const BodyHandle ball = world.add(def);
     const Real moment = 2 * Real(9.81) * world.mass(ball);
     world.add(JointDef<D>{.kind = "weld", .bodyB = ball, .breakTorque = limit * moment});
     for (int i = 0; i < 30; ++i) world.step(kDt);
@@ -66,8 +66,8 @@ TEST(Joints, BreakAboveTheirTorque) { breaksByTorque<2>(), breaksByTorque<3>(); 
 TEST(Joints, BrokenJointsLetBodiesCollide) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);
-  const Handle low = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
-  const Handle high = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 1.2)));  // it overlaps
+  const BodyHandle low = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+  const BodyHandle high = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 1.2)));  // it overlaps
   world.add(JointDef<2>{.kind = "weld", .bodyA = low, .bodyB = high, .X_WJ = {at<2>(0, 1), {}}, .breakForce = 100});
   for (int i = 0; i < 300; ++i) world.step(kDt);
   EXPECT_NEAR(world.pose(high).p[1], 1.2, 0.02);
@@ -88,7 +88,7 @@ TEST(Joints, BreakByTheWholeStep) {
       World<2> world(Pipeline::parse(solver), {.gravity = Vec<2>::Zero()});
       BodyDef<2> def = body<2>(Shape<2>::sphere(Real(0.25)), at<2>(0, 0));
       def.shapes[0].density = 1 / Real(0.19634954);
-      const Handle ball = world.add(def);
+      const BodyHandle ball = world.add(def);
       world.setMotion(ball, {at<2>(0, -2), Ang<2>::Zero()});
       world.add(JointDef<2>{.kind = "distance{mode=rope}",
                             .bodyB = ball,
@@ -105,8 +105,8 @@ TEST(Joints, BreakByTheWholeStep) {
 TEST(Joints, SleepersDoNotBreak) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);
-  const Handle low = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
-  const Handle side = world.add(body<2>(Shape<2>::box({Real(0.2), Real(0.2)}), at<2>(0.7, 0.8)));  // in the air
+  const BodyHandle low = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+  const BodyHandle side = world.add(body<2>(Shape<2>::box({Real(0.2), Real(0.2)}), at<2>(0.7, 0.8)));  // in the air
   const Real weight = world.mass(side) * Real(9.81);
   world.add(JointDef<2>{
       .kind = "weld", .bodyA = low, .bodyB = side, .X_WJ = {at<2>(0.5, 0.8), {}}, .breakForce = Real(1.5) * weight});
@@ -120,11 +120,11 @@ TEST(Joints, SleepersDoNotBreak) {
 TEST(Joints, ThatAreSwitchedOffKeepNoBodyAwake) {
   for (const bool joints : {false, true}) {
     WorldSettings<2> settings;
-    settings.features.joints = joints;
+    settings.model.joints = joints;
     World<2> world(Pipeline::parse("sleep=split_average"), settings);
     addGround(world);
-    const Handle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
-    const Handle tug = world.add(body<2>(Shape<2>::sphere(Real(0.1)), at<2>(3, 0.5), BodyType::kinematic));
+    const BodyHandle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+    const BodyHandle tug = world.add(body<2>(Shape<2>::sphere(Real(0.1)), at<2>(3, 0.5), BodyType::kinematic));
     world.add(
         JointDef<2>{.kind = "distance{mode=rope,length=9}", .bodyA = tug, .bodyB = box, .X_WJ = {at<2>(3, 0.5), {}}});
     world.setMotion(tug, {at<2>(0.01, 0), Ang<2>::Zero()});
@@ -152,7 +152,7 @@ TEST(Joints, WithoutRowsHaveNoImpulse) {
 TEST(Joints, NewOnesWakeSleepers) {
   World<2> world(Pipeline::parse("sleep=split_average"));
   addGround(world);
-  const Handle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+  const BodyHandle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
   for (int i = 0; i < 300; ++i) world.step(kDt);
   ASSERT_FALSE(world.awake(box));
   world.add(JointDef<2>{.kind = "distance{mode=spring,length=0,stiffness=200}",
@@ -165,8 +165,8 @@ TEST(Joints, NewOnesWakeSleepers) {
 
 TEST(Joints, ErrorsInMetresAndRadiansAreSeparate) {
   World<3> world;
-  const Handle a = world.add(body<3>(Shape<3>::sphere(1), at<3>(0, 0)));
-  const Handle b = world.add(body<3>(Shape<3>::sphere(1), at<3>(2, 0)));
+  const BodyHandle a = world.add(body<3>(Shape<3>::sphere(1), at<3>(0, 0)));
+  const BodyHandle b = world.add(body<3>(Shape<3>::sphere(1), at<3>(2, 0)));
   world.add(JointDef<3>{.kind = "weld", .bodyA = a, .bodyB = b, .X_WJ = {at<3>(2, 0), {}}});
   world.setPose(b, {at<3>(2, Real(0.25)), Rot<3>::vector(Vec<3>(0, 0, Real(0.1)))});
   const StateInvariants<3> now = stateInvariants<3>(world);

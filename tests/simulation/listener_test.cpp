@@ -40,7 +40,7 @@ template <int D>
 bool oneSlides(bool forgets) {
   World<D> world;
   addGround(world);
-  std::array<Handle, 2> boxes;
+  std::array<BodyHandle, 2> boxes;
   for (std::size_t i = 0; i < 2; ++i) {
     BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(-15, 0.5, 4 * double(i)));
     if (D == 2 && i == 1) def.X_WB.p[0] = 0;
@@ -64,8 +64,8 @@ TYPED_TEST(ListenerTest, ChangesTheRestitutionOfOneContact) {
   constexpr int D = TypeParam::D;
   World<D> world;
   addGround(world);
-  const Handle dead = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 3)));
-  const Handle lively = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3, 3)));
+  const BodyHandle dead = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 3)));
+  const BodyHandle lively = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3, 3)));
   Mixer<D> bouncy;
   bouncy.to = {.friction = 0, .restitution = 1};
   world.addListener(lively, &bouncy);
@@ -83,8 +83,8 @@ TYPED_TEST(ListenerTest, ChangesTheRestitutionOfOneContact) {
 TYPED_TEST(ListenerTest, BodyListenersReceiveOnlyTheirBody) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle ground = addGround(world);
-  std::vector<Handle> balls;
+  const BodyHandle ground = addGround(world);
+  std::vector<BodyHandle> balls;
   for (int i = 0; i < 3; ++i) balls.push_back(world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3 * i, 0.5))));
   Mixer<D> one, all, twice;
   one.to = all.to = twice.to = {Real(0.5), 0};
@@ -97,7 +97,7 @@ TYPED_TEST(ListenerTest, BodyListenersReceiveOnlyTheirBody) {
   EXPECT_EQ(twice.begun, 3);  // once per pair, however often it is registered
   world.removeListener(&all);
   world.remove(balls[1]);  // with its listeners
-  const Handle next = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3, 0.5)));
+  const BodyHandle next = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3, 0.5)));
   EXPECT_EQ(next.slot, balls[1].slot);
   world.step(kDt);
   EXPECT_EQ(one.begun + one.persisted, 1);
@@ -120,8 +120,8 @@ struct Sides final : ContactListener<D> {
 TYPED_TEST(ListenerTest, KnowsWhichBodyItListensTo) {
   constexpr int D = TypeParam::D;
   World<D> world;
-  const Handle ground = addGround(world);  // the lower slot: A of all pairs
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
+  const BodyHandle ground = addGround(world);  // the lower slot: A of all pairs
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
   Sides<D> a, b, both, all;
   world.addListener(ground, &a), world.addListener(ball, &b), world.addListener(&all);
   world.addListener(ground, &both), world.addListener(ball, &both);
@@ -155,7 +155,7 @@ TYPED_TEST(ListenerTest, MaterialOfKeptContactsIsThatOfTheirShapes) {
   constexpr int D = TypeParam::D;
   World<D> world(Pipeline::parse("cache=recycling"));
   addGround(world);
-  const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
+  const BodyHandle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
   Mixer<D> mixer;
   mixer.to = {Real(0.9), 0};
   world.addListener(&mixer);
@@ -216,7 +216,7 @@ template <int D>
 std::string storyOfAgain(const std::string& pipeline) {
   World<D> world(Pipeline::parse(pipeline + " continuous=none"));
   world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0), BodyType::fixed));
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0.8, 0.8)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0.8, 0.8)));
   Story<D> story;
   world.addListener(&story);
   const auto step = [&](double velocity) {

@@ -41,7 +41,7 @@ double springError(const std::string& solver, int steps, const Eigen::Vector2d& 
   World<D> world(Pipeline::parse("solver=" + solver), settings);
   BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(1.5, 0));
   def.velocity = at<D>(0, 1);
-  const Handle ball = world.add(def);
+  const BodyHandle ball = world.add(def);
   world.add(ForceDef<D>{.kind = springKind(20 * double(world.mass(ball)), 1), .bodyB = ball});
   for (int i = 0; i < steps; ++i) world.step(Real(1) / static_cast<Real>(steps));
   const Vec<D> p = world.pose(ball).p;
@@ -63,8 +63,8 @@ struct Swing {
 template <int D>
 Swing pendulum(const std::string& solver, int stepsPerSecond) {
   World<D> world(Pipeline::parse("solver=" + solver));
-  const Handle post = world.add(body<D>(Shape<D>::sphere(Real(0.01)), at<D>(0, 5), BodyType::fixed));
-  const Handle bob = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.1))), at<D>(1, 5)));
+  const BodyHandle post = world.add(body<D>(Shape<D>::sphere(Real(0.01)), at<D>(0, 5), BodyType::fixed));
+  const BodyHandle bob = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.1))), at<D>(1, 5)));
   world.add(pivot<D>(post, bob, at<D>(0, 5)));
   const double start = invariants(world).potential;
   Swing worst{0, 0};

@@ -16,7 +16,7 @@ constexpr Real kDt = Real(1) / 60;
 template <int D>
 std::vector<std::array<int, 4>> recorded(const World<D>& world) {
   std::vector<std::array<int, 4>> out;
-  for (const PairRecord& r : world.pairRecords()) out.push_back({r.shapeA, r.shapeB, r.childA, r.childB});
+  for (const PairRecord& r : world.pairRecords()) out.push_back({r.shapeA, r.shapeB, r.partA, r.partB});
   return out;
 }
 using Pairs = std::vector<std::array<int, 4>>;
@@ -30,8 +30,8 @@ template <int D>
 void comesAndGoes() {
   World<D> world(Pipeline::parse("contacts=query_clip"));
   addGround(world);
-  const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 1.505)));
+  const BodyHandle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
+  const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 1.505)));
   world.step(kDt);
   EXPECT_EQ(recorded(world), (Pairs{{0, 1, 0, 0}, {1, 2, 0, 0}}));
   EXPECT_TRUE(remembersSomething(world.pairRecords()));
@@ -48,7 +48,7 @@ template <int D>
 void outlast(const std::string& pipeline, bool sleeping) {
   SCOPED_TRACE(pipeline);
   WorldSettings<D> settings;
-  settings.features.sleeping = sleeping;
+  settings.model.sleeping = sleeping;
   World<D> world(Pipeline::parse(pipeline), settings);
   addGround(world);
   world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
@@ -88,7 +88,7 @@ template <int D>
 void none() {
   for (const char* pipeline : {"contacts=sat_clip", "contacts=deepest_point{query=mpr}", "contacts=query_clip"}) {
     WorldSettings<D> settings;
-    settings.features.cache = std::string_view(pipeline) != "contacts=query_clip";
+    settings.model.cache = std::string_view(pipeline) != "contacts=query_clip";
     World<D> world(Pipeline::parse(pipeline), settings);
     addHeap(world, 4, 7);
     for (int i = 0; i < 60; ++i) world.step(kDt);
@@ -117,10 +117,10 @@ void otherPipelines() {
 // Also if all bodies sleep and no pair is queried.
 TEST(PairRecords, OfSleepersAreDroppedByMethodsWithoutMemory) {
   WorldSettings<2> settings;
-  settings.features.sleeping = true;
+  settings.model.sleeping = true;
   World<2> first(Pipeline::parse("contacts=query_clip sleep=split_average"), settings);
   addGround(first);
-  const Handle box = first.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), {0, Real(0.5)}));
+  const BodyHandle box = first.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), {0, Real(0.5)}));
   for (int i = 0; i < 600 && first.awake(box); ++i) first.step(kDt);
   ASSERT_FALSE(first.awake(box));
   ASSERT_EQ(first.pairRecords().size(), 1u);

@@ -25,10 +25,10 @@ template <int D>
 bool boxesComeToRest(const std::string& pipeline) {
   World<D> world(Pipeline::parse(pipeline));
   addGround(world);
-  const Handle first = world.add(askew<D>(at<D>(0, 0.6)));
-  const Handle second = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0.1, 1.71)));
+  const BodyHandle first = world.add(askew<D>(at<D>(0, 0.6)));
+  const BodyHandle second = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0.1, 1.71)));
   for (int i = 0; i < 600; ++i) world.step(kDt);
-  const auto lies = [&](Handle h, Real height) {
+  const auto lies = [&](BodyHandle h, Real height) {
     return std::abs(world.pose(h).p[1] - height) <= 3 * kLinearSlop && std::abs(world.pose(h).p[0]) < Real(0.3);
   };
   return lies(first, Real(0.5)) && lies(second, Real(1.5)) && invariants(world).kinetic < 1e-12;
@@ -46,7 +46,7 @@ TEST(PersistentManifold, BoxesComeToRest) {
 template <int D>
 int mostPoints(const std::string& pipeline, bool cache) {
   WorldSettings<D> settings;
-  settings.features.cache = cache;
+  settings.model.cache = cache;
   World<D> world(Pipeline::parse(pipeline), settings);
   addGround(world);
   world.add(askew<D>(at<D>(0, 0.6)));

@@ -74,7 +74,7 @@ template <int D>
 bool forcesAreSaved(bool lost) {
   Run<D> a(""), b("");
   addHeap(a.world, 6, 7);
-  const Handle first = a.world.handle(1), second = a.world.handle(2);
+  const BodyHandle first = a.world.handle(1), second = a.world.handle(2);
   const ForceHandle gone = a.world.add(ForceDef<D>{.kind = "drag"});
   for (const Registered* r : Registry::instance().list(StageKind::force, D)) {
     ForceDef<D> def{.kind = r->info.name};
@@ -319,7 +319,7 @@ void lightAndHeavy() {
   BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(1, 2));
   def.shapes[0].density = Real(0.01), def.shapes[0].X_BS.p = at<D>(-3, 0);
   def.shapes.push_back({.shape = Shape<D>::sphere(Real(0.5)), .X_BS = {at<D>(2, 0)}, .density = 100});
-  const Handle whole = world.add(def);
+  const BodyHandle whole = world.add(def);
   std::stringstream file(saved(world));
   loaded.load(file);
   EXPECT_EQ(loaded.bodies().center[0], world.bodies().center[0]);

@@ -22,7 +22,7 @@ template <int D>
 bool stays(const std::string& solver) {
   World<D> world(Pipeline::parse("solver=" + solver));
   addGround(world);
-  Handle top;
+  BodyHandle top;
   for (int i = 0; i < 3; ++i) top = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5 + i)));
   for (int i = 0; i < 60; ++i) world.step(kDt);
   const Pose<D> from = world.pose(top);

@@ -22,8 +22,8 @@ BodyDef<D> cube(double x, double y) {
 template <int D>
 struct Tower {
   World<D> world;
-  Handle ground;
-  std::vector<Handle> boxes;
+  BodyHandle ground;
+  std::vector<BodyHandle> boxes;
   explicit Tower(const std::string& sleep, double gap = 0) : world(Pipeline::parse("sleep=" + sleep)) {
     ground = addGround(world);
     for (int i = 0; i < 5; ++i) boxes.push_back(world.add(cube<D>(0, 0.5 + gap + (1 + gap) * i)));
@@ -40,7 +40,7 @@ struct Tower {
   }
   int sleepers() const {
     int n = 0;
-    for (const Handle& b : boxes) n += world.valid(b) && !world.awake(b);
+    for (const BodyHandle& b : boxes) n += world.valid(b) && !world.awake(b);
     return n;
   }
   Real height(int i) const { return world.pose(boxes[static_cast<std::size_t>(i)]).p[1]; }
@@ -104,8 +104,8 @@ bool nobodyHangsOnARemovedJoint(const std::string& policy) {
     }
     Vec<D> half = Vec<D>::Constant(Real(0.5));
     half[0] = 3;
-    const Handle beam = world.add(body<D>(Shape<D>::box(half), at<D>(0, 10)));
-    const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 8.5)));
+    const BodyHandle beam = world.add(body<D>(Shape<D>::box(half), at<D>(0, 10)));
+    const BodyHandle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 8.5)));
     const JointHandle joint = world.add(pivot<D>(beam, ball, at<D>(0, 9.5)));
     for (int i = 0; i < 300; ++i) world.step(kDt);
     if (std::abs(world.pose(ball).p[1] - Real(8.5)) > Real(0.1)) return false;
@@ -122,8 +122,8 @@ template <int D>
 bool sleepersAreTowed(const std::string& policy) {
   World<D> world(Pipeline::parse("sleep=" + policy));
   addGround(world);
-  const Handle box = world.add(cube<D>(0, Real(0.5)));
-  const Handle tug = world.add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(3, 0.5), BodyType::kinematic));
+  const BodyHandle box = world.add(cube<D>(0, Real(0.5)));
+  const BodyHandle tug = world.add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(3, 0.5), BodyType::kinematic));
   world.add(JointDef<D>{.kind = "distance",
                         .bodyA = tug,
                         .bodyB = box,
@@ -151,24 +151,24 @@ bool sledgesTakeTheirLoad(const std::string& policy) {
     addGround(world);
     Vec<D> half = Vec<D>::Constant(1);
     half[1] = Real(0.25);
-    const Handle sledge = world.add(body<D>(Shape<D>::box(half), at<D>(0, 0.25)));
-    const Handle tug = world.add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(4, 0.25), BodyType::kinematic));
+    const BodyHandle sledge = world.add(body<D>(Shape<D>::box(half), at<D>(0, 0.25)));
+    const BodyHandle tug = world.add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(4, 0.25), BodyType::kinematic));
     world.add(JointDef<D>{.kind = "distance",
                           .bodyA = tug,
                           .bodyB = sledge,
                           .X_WJ = {at<D>(4, 0.25), {}},
                           .X_WJb = Pose<D>{at<D>(0, 0.25), {}}});
-    std::vector<Handle> load;
+    std::vector<BodyHandle> load;
     for (int i = 0; i < 3; ++i) load.push_back(world.add(cube<D>(0, 1.0 + i)));
     const auto sleeps = [&] {
-      return std::none_of(load.begin(), load.end(), [&](const Handle& b) { return world.awake(b); });
+      return std::none_of(load.begin(), load.end(), [&](const BodyHandle& b) { return world.awake(b); });
     };
     for (int i = 0; i < 300 || (i < 900 && !sleeps()); ++i) world.step(kDt);
     asleep = sleeps();
     world.setMotion(tug, {at<D>(double(speed), 0), Ang<D>::Zero()});
     for (int i = 0; i < 120; ++i) world.step(kDt);
     std::vector<Real> behind;
-    for (const Handle& b : load) behind.push_back(world.pose(sledge).p[0] - world.pose(b).p[0]);
+    for (const BodyHandle& b : load) behind.push_back(world.pose(sledge).p[0] - world.pose(b).p[0]);
     return behind;
   };
   for (const Real speed : {Real(0.1), Real(0.4)}) {
@@ -215,21 +215,21 @@ bool blowsWakeARow(const std::string& policy) {
   const auto strike = [&](bool upright) {
     World<D> world(Pipeline::parse("sleep=" + policy));
     addGround(world);
-    std::vector<Handle> row;
+    std::vector<BodyHandle> row;
     for (int i = 0; i < 5; ++i) row.push_back(world.add(upright ? cube<D>(0, 4.5 - i) : cube<D>(i, 0.5)));
     const auto allSleep = [&] {
-      return std::none_of(row.begin(), row.end(), [&](const Handle& b) { return world.awake(b); });
+      return std::none_of(row.begin(), row.end(), [&](const BodyHandle& b) { return world.awake(b); });
     };
     for (int i = 0; i < 120 || (i < 900 && !allSleep()); ++i) world.step(kDt);
     auto hammer = upright ? cube<D>(0, 8) : cube<D>(-3, 0.5);
     hammer.velocity = upright ? at<D>(0, -10) : at<D>(10, 0);
-    const Handle h = world.add(hammer);
+    const BodyHandle h = world.add(hammer);
     for (int i = 0; i < 60; ++i) {
       world.step(kDt);
       for (const Manifold<D>& m : world.manifolds()) {
         const bool struck = m.bodyB == h.slot && m.bodyA == row[0].slot;
         if (!struck || !(m.points[0].impulse[0] > 0)) continue;
-        return std::all_of(row.begin(), row.end(), [&](const Handle& b) { return world.awake(b); });
+        return std::all_of(row.begin(), row.end(), [&](const BodyHandle& b) { return world.awake(b); });
       }
     }
     return false;
@@ -243,8 +243,8 @@ bool liftsTakeAStackAlong(const std::string& policy) {
   World<D> world(Pipeline::parse("sleep=" + policy));
   Vec<D> half = Vec<D>::Constant(2);
   half[1] = Real(0.5);
-  const Handle lift = world.add(body<D>(Shape<D>::box(half), at<D>(0, -0.5), BodyType::kinematic));
-  std::vector<Handle> boxes;
+  const BodyHandle lift = world.add(body<D>(Shape<D>::box(half), at<D>(0, -0.5), BodyType::kinematic));
+  std::vector<BodyHandle> boxes;
   for (int i = 0; i < 3; ++i) boxes.push_back(world.add(cube<D>(0, 0.5 + i)));
   for (int i = 0; i < 300; ++i) world.step(kDt);
   world.setMotion(lift, {at<D>(0, 0.1), Ang<D>::Zero()});
@@ -275,7 +275,7 @@ bool vetoesLetFall(const std::string& policy) {
   Vec<D> half = Vec<D>::Constant(2);
   half[1] = Real(0.5);
   world.add(body<D>(Shape<D>::box(half), at<D>(0, -0.5), BodyType::kinematic));
-  const Handle box = world.add(cube<D>(0, 0.5));
+  const BodyHandle box = world.add(cube<D>(0, 0.5));
   for (int i = 0; i < 300; ++i) world.step(kDt);
   if (std::abs(world.pose(box).p[1] - Real(0.5)) > Real(0.1)) return false;
   listener.open = true;
@@ -289,7 +289,7 @@ bool userWakes(const std::string& policy) {
   const auto after = [&](int what) {
     World<D> world(Pipeline::parse("sleep=" + policy));
     addGround(world);
-    const Handle box = world.add(cube<D>(0, 0.5));
+    const BodyHandle box = world.add(cube<D>(0, 0.5));
     for (int i = 0; i < 300; ++i) world.step(kDt);
     if (what == 0) world.setMotion(box, {at<D>(4, 0), Ang<D>::Zero()});
     if (what == 1) world.setPose(box, {at<D>(0, 5), {}});
@@ -400,7 +400,7 @@ void loadsStay() {
       settings.sleepingContacts = anew;
       World<D> world(Pipeline::parse(std::string("sleep=split_average cache=") + cache), settings);
       addGround(world);
-      const Handle box = world.add(cube<D>(0, 0.5));
+      const BodyHandle box = world.add(cube<D>(0, 0.5));
       for (int i = 0; i < 120; ++i) world.step(kDt);
       ASSERT_FALSE(world.awake(box));
       double load = 0;
@@ -422,7 +422,7 @@ void blowsGoThroughARow() {
   const auto strike = [](const std::string& sleep) {
     World<D> world(Pipeline::parse("sleep=" + sleep));
     addGround(world);
-    Handle last;
+    BodyHandle last;
     for (int i = 0; i < 5; ++i) last = world.add(cube<D>(i, 0.5));
     for (int i = 0; i < 120; ++i) world.step(kDt);
     EXPECT_EQ(world.awake(last), sleep == "none");

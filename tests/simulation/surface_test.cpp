@@ -142,7 +142,7 @@ bool bulletIsStopped(const std::string& continuous) {
   world.add(body<D>(roughGround<D>(5, GroundOf::surface, level), Vec<D>::Zero(), BodyType::fixed));
   BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(3, 3, 0.3));
   def.velocity = at<D>(20, -150);
-  const Handle bullet = world.add(def);
+  const BodyHandle bullet = world.add(def);
   for (int i = 0; i < 30; ++i) world.step(kDt);
   return world.pose(bullet).p[1] > 0;
 }

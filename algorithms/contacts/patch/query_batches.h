@@ -56,7 +56,7 @@ class QueryBatches {
       if (!in.memory.empty()) m_memory.push_back(in.memory[i]);
     }
     m_answers.assign(pairs.size(), {});
-    m_query->query(m_views, QueryNeed::witnesses, m_answers, m_memory, work);
+    m_query->query(m_views, QueryNeed::closestPoints, m_answers, m_memory, work);
     for (std::size_t i = 0; i < m_memory.size(); ++i) in.memory[pairs[i]] = m_memory[i];
   }
 

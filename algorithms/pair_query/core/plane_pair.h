@@ -35,7 +35,7 @@ class PlanePair {
     answer.status = QueryStatus::converged;
     answer.distance = lowest + origin;
     answer.normal = planeB ? Vec<D>(-up) : Vec<D>(pair.r * up);
-    if (need != QueryNeed::witnesses) return answer;
+    if (need != QueryNeed::closestPoints) return answer;
     supportingVertices<D>(body, -up, kFeatureBand * pair.scale, m_vertices, work);
     Vec<D> middle = Vec<D>::Zero();
     for (const Vec<D>& v : m_vertices) middle += v / static_cast<Real>(m_vertices.size());

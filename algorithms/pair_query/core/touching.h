@@ -393,7 +393,7 @@ void finishAnswer(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status
   answer.distance = best.bound - pair.radii();
   if (!std::isfinite(answer.distance))
     answer.status = QueryStatus::failed;  // no direction was finite: the input had a NaN
-  if (need == QueryNeed::witnesses) {
+  if (need == QueryNeed::closestPoints) {
     touching.find(pair, left, best, answer, work);
   } else {
     answer.pA = answer.pB = Vec<D>::Zero();

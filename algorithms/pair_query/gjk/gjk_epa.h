@@ -7,10 +7,10 @@
 #include "algorithms/pair_query/core/plane_pair.h"
 #include "algorithms/pair_query/gjk/curved_polish.h"
 #include "algorithms/pair_query/gjk/epa3.h"
+#include "algorithms/pair_query/gjk/gjk_cache.h"
 #include "algorithms/pair_query/gjk/gjk_johnson.h"
 #include "algorithms/pair_query/gjk/gjk_signed_volumes.h"
 #include "algorithms/pair_query/gjk/local_features.h"
-#include "algorithms/pair_query/gjk/pair_warmth.h"
 #include "framework/stage/pair_trace.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
@@ -93,9 +93,9 @@ class GjkEpaSearch {
     }
     BestAxis<D> best;
     const QueryStatus status = search(pair, need, memory, best, work);
-    if (memory) m_warmth.remember(best.n, m_last, *memory);
+    if (memory) m_cache.remember(best.n, m_last, *memory);
     const Real left = allowedToLeave(pair, best.bound);
-    const bool settles = (pair.a.curved || pair.b.curved) && need == QueryNeed::witnesses;
+    const bool settles = (pair.a.curved || pair.b.curved) && need == QueryNeed::closestPoints;
     const bool first = left <= kShallow * pair.scale;  // Newton's steps are cheaper than expanding for so little
     if (settles && first) m_polish.settle(pair, best, work);
     m_watch([&](auto& t) { t.refined(pair, best, "final refinement on features and curved cores"); });
@@ -123,7 +123,7 @@ class GjkEpaSearch {
   }
 
   Vec<D> firstDirection(const CorePair<D>& pair) const {
-    Vec<D> n = m_warmth.direction();
+    Vec<D> n = m_cache.direction();
     if (makeUnit<D>(n)) return n;
     n = pair.p;
     if (!makeUnit<D>(n)) n = Vec<D>::Unit(0);
@@ -170,14 +170,14 @@ class GjkEpaSearch {
     NearestFeature<D> nearest, next;
     const auto support = [&](const Vec<D>& n) {
       work[WorkCount::supportCalls] += 2;
-      const Vec<D> w = m_warmth.support(pair, n);
+      const Vec<D> w = m_cache.support(pair, n);
       last = along<D>(n, w);
       best.take(n, last);
       m_watch([&](auto& t) { t.support(pair, nearest, n, w, last, best); });
       return w;
     };
-    m_warmth.recall(pair, memory);
-    Simplex<D> simplex = m_warmth.simplex();
+    m_cache.recall(pair, memory);
+    Simplex<D> simplex = m_cache.simplex();
     // Boolean query: first retry the last separating axis.
     const bool began = simplex.count == D + 1 || (simplex.count > 0 && need != QueryNeed::boolean);
     if (!began) simplex.count = 0, simplex.push(support(firstDirection(pair)));
@@ -261,7 +261,7 @@ class GjkEpaSearch {
   Params m_params;
   [[no_unique_address]] Watch m_watch;
   HullPair m_hulls;
-  PairWarmth<D> m_warmth;
+  GjkCache<D> m_cache;
   Simplex<D> m_last;  // of GJK: the feature of the nearest point, or the simplex around the origin
   Epa<D, Watch> m_epa;
   LocalFeatures<D> m_local;

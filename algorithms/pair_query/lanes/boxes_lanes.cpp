@@ -261,7 +261,7 @@ HWY_INLINE std::uint64_t answerBoxes(const PairView<3>* pairs, QueryNeed need, P
   boxes.run();
   LaneAnswers out;
   Mask answered = hn::Not(boxes.left());
-  if (need == QueryNeed::witnesses) {
+  if (need == QueryNeed::closestPoints) {
     answered = hn::And(answered, TouchingLanes<3>(in, boxes.normal()).find(boxes.bound(), out));
   } else {
     out.normal = boxes.normal();

@@ -55,7 +55,7 @@ class SegmentLanes {
   }
 
   HWY_INLINE Mask answer(QueryNeed need, LaneAnswers& out) const {
-    if (need == QueryNeed::witnesses) {
+    if (need == QueryNeed::closestPoints) {
       const Mask found = TouchingLanes<1>(m_in, m_n).find(m_bound, out);
       return hn::And(found, hn::IsFinite(out.distance));
     }

@@ -9,13 +9,14 @@ namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 template <int D>
 void traceGjkEpa(const GjkEpaParams<D>& params, const PairView<D>& pair, PairTrace<D>& out) {
   ++out.work[WorkCount::pairQueries];
-  out.answer = GjkEpaSearch<D, Tracer<D>>(params, Tracer<D>(out)).answer(pair, QueryNeed::witnesses, nullptr, out.work);
+  out.answer =
+      GjkEpaSearch<D, Tracer<D>>(params, Tracer<D>(out)).answer(pair, QueryNeed::closestPoints, nullptr, out.work);
 }
 
 template <int D>
 void traceSat(const PairView<D>& pair, PairTrace<D>& out) {
   ++out.work[WorkCount::pairQueries];
-  SatAnswers<D, Tracer<D>>(Tracer<D>(out)).answer(pair, QueryNeed::witnesses, nullptr, out.answer, out.work);
+  SatAnswers<D, Tracer<D>>(Tracer<D>(out)).answer(pair, QueryNeed::closestPoints, nullptr, out.answer, out.work);
 }
 
 template void traceGjkEpa(const GjkEpaParams<2>&, const PairView<2>&, PairTrace<2>&);

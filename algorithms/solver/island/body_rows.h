@@ -134,7 +134,7 @@ class BodyRows {
       m_node[body] = static_cast<int>(m_bodies.size());
       m_bodies.push_back(body);
       if (m_root.size() < m_bodies.size()) m_root.emplace_back();
-      m_root[m_bodies.size() - 1] = rootOfInertia<D>(in.bodies, body, in.features.rotation);
+      m_root[m_bodies.size() - 1] = rootOfInertia<D>(in.bodies, body, in.model.rotation);
     }
     return m_node[body];
   }

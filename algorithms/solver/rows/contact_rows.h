@@ -97,7 +97,7 @@ Real velocityError(const VelocityInput<D>& in, const Manifold<D>& m, const Conta
   };
   const Real v = along(in.bodies.motion[a], in.bodies.motion[b]);
   const Real arrival = in.arrival.empty() ? v : along(in.arrival[a], in.arrival[b]);
-  const Real e = in.features.restitution ? m.restitution : Real(0);
+  const Real e = in.model.restitution ? m.restitution : Real(0);
   return contactTarget<D>(c.separation, v, arrival, e, in.restitutionThreshold, in.dt, in.position) - v;
 }
 
@@ -156,7 +156,7 @@ struct ContactRows {
     manifolds.resize(in.order.size());
     points.resize(count);
     const Bodies<D>& bodies = in.bodies;
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     std::size_t p = 0;
     for (std::size_t k = 0; k < in.order.size(); ++k) {
       const Manifold<D>& m = in.manifolds[in.order[k]];
@@ -165,7 +165,7 @@ struct ContactRows {
       rows.a = m.bodyA, rows.b = m.bodyB, rows.manifold = in.order[k];
       rows.first = static_cast<int>(p), rows.count = m.count;
       rows.invMassA = bodies.invMass[a], rows.invMassB = bodies.invMass[b];
-      rows.friction = in.features.friction ? m.friction : Real(0);
+      rows.friction = in.model.friction ? m.friction : Real(0);
       rows.n = m.normal, rows.t = tangents(m.normal);
       const Real invMassSum = rows.invMassA + rows.invMassB;
       for (int i = 0; i < m.count; ++i, ++p) {
@@ -184,7 +184,7 @@ struct ContactRows {
         const Real arrival =
             in.arrival.empty() ? v : rowVelocity(row.normal, m.normal, in.arrival[a], in.arrival[b], rotation);
         row.kick = v - arrival;
-        row.target = contactTarget<D>(c.separation, v, arrival, in.features.restitution ? m.restitution : Real(0),
+        row.target = contactTarget<D>(c.separation, v, arrival, in.model.restitution ? m.restitution : Real(0),
                                       in.restitutionThreshold, in.dt, in.position);
         row.impulse.fill(0);
       }
@@ -225,7 +225,7 @@ RealMatrix<D - 1, 1> clampFriction(const RealMatrix<D - 1, 1>& impulse, Real lim
 /// the result depends on the contact alone, not on the choice of tangents. (Clamping two separately solved tangents
 /// does neither.)
 template <int D>
-void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>& b, bool rotation) {
+void solveFrictionAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>& b, bool rotation) {
   RealMatrix<D - 1, 1> v, old;
   for (int d = 0; d < D - 1; ++d) {
     v[d] = rowVelocity<D>(row.tangent[d], m.t.col(d), a, b, rotation);
@@ -245,10 +245,11 @@ void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>&
 
 /// Friction that an additional normal impulse `normal` allows besides the accumulated friction.
 template <int D>
-void rubBeside(const ManifoldRows<D>& m, PointRows<D>& row, Real normal, Motion<D>& a, Motion<D>& b, bool rotation) {
+void solveFrictionBeside(const ManifoldRows<D>& m, PointRows<D>& row, Real normal, Motion<D>& a, Motion<D>& b,
+                         bool rotation) {
   PointRows<D> alone = row;
   alone.impulse = {normal};
-  rubAt(m, alone, a, b, rotation);
+  solveFrictionAt(m, alone, a, b, rotation);
   for (std::size_t d = 1; d < D; ++d) row.impulse[d] += alone.impulse[d];
 }
 

@@ -86,7 +86,7 @@ class Impact {
     });
     if (m_rows.manifolds.empty()) return false;
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
+    if (in.model.joints) m_joints.prepare(in.work, in.bodies, in.joints);
     m_blocks.assign(m_joints.blocks.begin(), m_joints.blocks.end());
     for (JointRow<D>& row : m_joints.rows) {
       if (row.law != RowLaw::rigid) row.lo = row.hi = 0;  // springs and motors do nothing in zero time
@@ -130,7 +130,7 @@ class Impact {
   }
   static Real velocity(const VelocityInput<D>& in, const ManifoldRows<D>& m, const PointRows<D>& row) {
     const auto& motion = in.bodies.motion;
-    return rowVelocity<D>(row.normal, m.n, motion[m.a], motion[m.b], in.features.rotation);
+    return rowVelocity<D>(row.normal, m.n, motion[m.a], motion[m.b], in.model.rotation);
   }
   // Whether the contact is hit within this step at a velocity v without this step's forces.
   bool isHit(const VelocityInput<D>& in, const PointRows<D>& row, Real gap, Real v) const {
@@ -208,7 +208,7 @@ class Impact {
   void apply(const VelocityInput<D>& in, const ManifoldRows<D>& m, const PointRows<D>& row) const {
     Motion<D>& a = in.bodies.motion[m.a];
     Motion<D>& b = in.bodies.motion[m.b];
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, rotation);
     if (!(m.friction > 0)) return;
     for (int d = 0; d < D - 1; ++d) {
@@ -232,7 +232,7 @@ class Impact {
     Motion<D>& a = in.bodies.motion[m.a];
     Motion<D>& b = in.bodies.motion[m.b];
     const IndexedSpan<PointRows<D>> points = pointsOf(m);
-    const bool rotation = in.features.rotation;
+    const bool rotation = in.model.rotation;
     Real change = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
       PointRows<D>& row = points[k];
@@ -245,7 +245,7 @@ class Impact {
       change = std::max(change, std::abs(row.impulse[0] - old[0]) / row.normal.mass);
       countRows<D>(in.work, 1);
       if (hold || !(m.friction > 0)) continue;
-      rubAt(m, row, a, b, rotation);
+      solveFrictionAt(m, row, a, b, rotation);
       for (std::size_t d = 1; d < D; ++d) {
         const Real mass = row.tangent[d - 1].mass;
         if (mass > 0) change = std::max(change, std::abs(row.impulse[d] - old[d]) / mass);

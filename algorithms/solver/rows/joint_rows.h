@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "algorithms/solver/rows/block_inverse.h"
-#include "algorithms/solver/rows/places.h"
+#include "algorithms/solver/rows/body_displacements.h"
 #include "framework/math/indexed.h"
 #include "framework/stage/stage_solver.h"
 
@@ -55,9 +55,9 @@ class JointSystem {
   /// `compliance` is added to the response of each rigid row per impulse, 1/kg or 1/(kg m^2). `places`, if any, are
   /// those of joints between two bodies.
   void prepare(WorkDone& work, const Bodies<D>& bodies, IndexedSpan<const JointRecord<D>> joints, Real compliance = 0,
-               const Places<D>& places = {}) {
+               const BodyDisplacements<D>& displacements = {}) {
     clear();
-    m_compliance = compliance, m_places = places;
+    m_compliance = compliance, m_displacements = displacements;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       if (joints[j].active()) add(bodies, joints[j], static_cast<std::int32_t>(j));
     }
@@ -149,10 +149,10 @@ class JointSystem {
     block.invIB = bodies.invInertia[b];
     block.warm = block.invMassA + block.invMassB > 0;
     block.first = static_cast<std::int32_t>(rows.size()), block.equalities = 0;
-    if (m_places.empty() || joint.bodyA < 0) {
+    if (m_displacements.empty() || joint.bodyA < 0) {
       jointRows(joint, bodies, m_rows);
     } else {
-      const auto [X_WA, X_WB] = m_places.pair(bodies, a, b);
+      const auto [X_WA, X_WB] = m_displacements.pair(bodies, a, b);
       m_rows.count = 0;
       joint.kind->rows(joint, X_WA, X_WB, m_rows);
     }
@@ -247,7 +247,7 @@ class JointSystem {
 
   JointRows<D> m_rows;
   Real m_compliance = 0;
-  Places<D> m_places;
+  BodyDisplacements<D> m_displacements;
   std::uint64_t m_coupled = 0;  // multiply-adds of a sweep beyond those of its rows
   Motion<D> m_world;  // at rest, since its inverse mass is 0; an infinite impulse changes it, for one solve only
 };

@@ -16,14 +16,14 @@ template <int D>
 class RowSweep {
  public:
   void prepare(const ContactProblem<D>& p) {
-    m_rubs.resize(p.rows().size());
-    m_blocks.clear(), m_blockOf.assign(m_rubs.size(), -1);
+    m_friction.resize(p.rows().size());
+    m_blocks.clear(), m_blockOf.assign(m_friction.size(), -1);
     for (int i = 0; i < p.size(); ++i) {
       if (p.row(i).holds() && (i == 0 || !p.row(i - 1).holds() || p.row(i - 1).owner != p.row(i).owner)) {
         m_blockOf[i] = static_cast<std::int32_t>(m_blocks.size());
         m_blocks.push_back(blockOf(p, i));
       }
-      if (p.row(i).law == ProblemLaw::normal) m_rubs[i] = rubOf(p, i);
+      if (p.row(i).law == ProblemLaw::normal) m_friction[i] = frictionFactors(p, i);
     }
   }
 
@@ -39,7 +39,7 @@ class RowSweep {
       const double old = own, u = p.pushed(i) + r.compliance * old + freeVelocity[i];
       own = std::clamp(old - r.mass * u, r.lo, r.hi);
       p.push(i, own - old);
-      if (r.law == ProblemLaw::normal) rub(p, i, freeVelocity, x);
+      if (r.law == ProblemLaw::normal) solveFriction(p, i, freeVelocity, x);
     }
   }
 
@@ -54,7 +54,7 @@ class RowSweep {
   }
 
  private:
-  struct Rub {
+  struct FrictionFactors {
     std::array<std::array<double, 2>, 2> stick{};  // impulse that stops sliding, per velocity
     double slide = 0;                              // 1 / the largest eigenvalue of the tangents' response
   };
@@ -90,24 +90,24 @@ class RowSweep {
     }
   }
 
-  static Rub rubOf(const ContactProblem<D>& p, int i) {
-    Rub rub;
+  static FrictionFactors frictionFactors(const ContactProblem<D>& p, int i) {
+    FrictionFactors factors;
     const double ss = 1 / p.row(i + 1).mass;
-    rub.stick[0][0] = rub.slide = 1 / ss;
+    factors.stick[0][0] = factors.slide = 1 / ss;
     if constexpr (D == 3) {
       const double tt = 1 / p.row(i + 2).mass, st = p.response(p.row(i + 1), p.row(i + 2));
       const double mean = (ss + tt) / 2, half = (ss - tt) / 2, determinant = ss * tt - st * st;
-      rub.slide = 1 / (mean + std::sqrt(half * half + st * st));
+      factors.slide = 1 / (mean + std::sqrt(half * half + st * st));
       constexpr double kFlat = 1e-6;  // pinned bodies: the point may have only one direction in which it can move
       const bool flat = !(determinant > mean * mean * kFlat);
-      rub.stick[0] = {flat ? rub.slide : tt / determinant, flat ? 0 : -st / determinant};
-      rub.stick[1] = {rub.stick[0][1], flat ? rub.slide : ss / determinant};
+      factors.stick[0] = {flat ? factors.slide : tt / determinant, flat ? 0 : -st / determinant};
+      factors.stick[1] = {factors.stick[0][1], flat ? factors.slide : ss / determinant};
     }
-    return rub;
+    return factors;
   }
 
-  void rub(ContactProblem<D>& p, int i, IndexedSpan<const double> freeVelocity, IndexedSpan<double> x) const {
-    const Rub& r = m_rubs[i];
+  void solveFriction(ContactProblem<D>& p, int i, IndexedSpan<const double> freeVelocity, IndexedSpan<double> x) const {
+    const FrictionFactors& r = m_friction[i];
     const double limit = p.row(i).friction * x[i];
     IndexedArray<double, D - 1> old, u, now;
     for (std::size_t k = 0; k < D - 1; ++k) {
@@ -134,8 +134,8 @@ class RowSweep {
     }
   }
 
-  IndexedVector<Rub> m_rubs;              // by row, of normals
-  IndexedVector<std::int32_t> m_blockOf;  // by row, of the first row of a block
+  IndexedVector<FrictionFactors> m_friction;  // by row, of normals
+  IndexedVector<std::int32_t> m_blockOf;      // by row, of the first row of a block
   IndexedVector<Block> m_blocks;
 };
 

@@ -9,7 +9,7 @@ namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 /// Warm starts with the share `factor` of the last step's impulses, and applies them.
 template <int D>
 void warmStartContacts(const VelocityInput<D>& in, Real factor, ContactRows<D>& contacts) {
-  const bool rotation = in.features.rotation;
+  const bool rotation = in.model.rotation;
   for (const ManifoldRows<D>& m : contacts.manifolds) {
     Motion<D>& a = in.bodies.motion[m.a];
     Motion<D>& b = in.bodies.motion[m.b];
@@ -31,7 +31,8 @@ void warmStartContacts(const VelocityInput<D>& in, Real factor, ContactRows<D>& 
 
 /// Updates a point's accumulated normal impulse once.
 template <int D>
-void pushAt(const ManifoldRows<D>& m, PointRows<D>& row, Real relaxation, Motion<D>& a, Motion<D>& b, bool rotation) {
+void solveNormalAt(const ManifoldRows<D>& m, PointRows<D>& row, Real relaxation, Motion<D>& a, Motion<D>& b,
+                   bool rotation) {
   const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
   const Real old = row.impulse[0];
   row.impulse[0] = std::max(old + relaxation * row.normal.mass * (row.target - v), Real(0));
@@ -41,7 +42,8 @@ void pushAt(const ManifoldRows<D>& m, PointRows<D>& row, Real relaxation, Motion
 /// Updates a point's accumulated friction once, each tangent separately within the limit (N s): a square, whose corners
 /// are sqrt(2) away and follow the directions of tangents(n).
 template <int D>
-void rubSquareAt(const ManifoldRows<D>& m, PointRows<D>& row, Real limit, Motion<D>& a, Motion<D>& b, bool rotation) {
+void solveBoxFrictionAt(const ManifoldRows<D>& m, PointRows<D>& row, Real limit, Motion<D>& a, Motion<D>& b,
+                        bool rotation) {
   for (int d = 0; d < D - 1; ++d) {
     const Row<D>& tangent = row.tangent[d];
     Real& impulse = row.impulse[d + 1];

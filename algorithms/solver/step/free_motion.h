@@ -21,7 +21,7 @@ void kick(const IntegrateInput<D>& in, std::vector<Wrench<D>>& wrenches) {
   ++in.work[WorkCount::forceEvals];
   for (std::size_t i = 0; i < motion.size(); ++i) {
     motion[i].v += (in.dt * bodies.invMass[i]) * wrenches[i].force;
-    if (in.features.rotation) motion[i].w += bodies.invInertia[i] * (in.dt * wrenches[i].torque);
+    if (in.model.rotation) motion[i].w += bodies.invInertia[i] * (in.dt * wrenches[i].torque);
   }
 }
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "algorithms/solver/rows/body_displacements.h"
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
-#include "algorithms/solver/rows/places.h"
 #include "framework/math/indexed.h"
 #include "framework/math/tolerances.h"
 
@@ -32,10 +32,10 @@ template <int D>
 class NgsSweep {
  public:
   /// Returns false if there was no error.
-  bool sweep(const PositionInput<D>& in, const NgsShare& share, const Places<D>& places = {}) {
-    m_moved = false, m_places = places;
+  bool sweep(const PositionInput<D>& in, const NgsShare& share, const BodyDisplacements<D>& displacements = {}) {
+    m_moved = false, m_displacements = displacements;
     m_moves.resize(in.bodies.pose.size());
-    for (std::size_t j = 0; j < in.joints.size() && in.features.joints; ++j) mend(in, in.joints.subspan(j, 1), share);
+    for (std::size_t j = 0; j < in.joints.size() && in.model.joints; ++j) mend(in, in.joints.subspan(j, 1), share);
     for (const int k : in.order) {
       const Manifold<D>& m = in.manifolds[k];
       for (int p = 0; p < m.count; ++p) separate(in, m, m.points[p], share);
@@ -47,7 +47,7 @@ class NgsSweep {
  private:
   void mend(const PositionInput<D>& in, std::span<const JointRecord<D>> joint, const NgsShare& share) {
     if (!joint[0].active()) return;
-    m_joint.prepare(in.work, in.bodies, joint, 0, m_places);
+    m_joint.prepare(in.work, in.bodies, joint, 0, m_displacements);
     m_joint.sweepErrors(m_moves, share.jointFactor, share.stopFactor);
     m_joint.count(in.work);
     for (const JointBlock<D>& block : m_joint.blocks) {
@@ -66,14 +66,14 @@ class NgsSweep {
     countMadeRows<D>(in.work, 1);
     const Real impulse = row.mass * std::min(share.factor * depth, share.maxMove);  // kg m
     applyRow<D>(row, m.normal, bodies.invMass[a], bodies.invMass[b], impulse, m_moves[a], m_moves[b],
-                in.features.rotation);
+                in.model.rotation);
     move(in, m.bodyA), move(in, m.bodyB);
   }
 
   ContactArms<D> armsOf(const Bodies<D>& bodies, std::int32_t a, std::int32_t b, const ContactPoint<D>& c,
                         const Vec<D>& n) const {
-    if (m_places.empty()) return ContactArms<D>(c, n, bodies.pose[a], bodies.pose[b]);
-    const auto [atA, atB] = m_places.pair(bodies, a, b);
+    if (m_displacements.empty()) return ContactArms<D>(c, n, bodies.pose[a], bodies.pose[b]);
+    const auto [atA, atB] = m_displacements.pair(bodies, a, b);
     return ContactArms<D>(c, n, atA, atB);
   }
 
@@ -82,19 +82,19 @@ class NgsSweep {
     Motion<D>& by = m_moves[body];
     m_moved = m_moved || !by.v.isZero(0) || !by.w.isZero(0);
     Pose<D>& x = in.bodies.pose[body];
-    if (m_places.empty()) {
+    if (m_displacements.empty()) {
       x.p += by.v;
     } else {
-      m_places.way[body] += by.v;
-      x.p = m_places.start[body] + m_places.way[body];
+      m_displacements.displacement[body] += by.v;
+      x.p = m_displacements.start[body] + m_displacements.displacement[body];
     }
-    if (in.features.rotation && by.w.squaredNorm() > 0) x.q = integrateRotation(x.q, by.w);
+    if (in.model.rotation && by.w.squaredNorm() > 0) x.q = integrateRotation(x.q, by.w);
     by = {};
   }
 
   JointSystem<D> m_joint;
   IndexedVector<Motion<D>> m_moves;  // of each body, m and rad; zero between two rows
-  Places<D> m_places;
+  BodyDisplacements<D> m_displacements;
   bool m_moved = false;
 };
 

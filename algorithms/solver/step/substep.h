@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "algorithms/solver/rows/body_displacements.h"
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
-#include "algorithms/solver/rows/places.h"
 #include "algorithms/solver/step/free_motion.h"
 #include "framework/math/indexed.h"
 #include "framework/stage/profiler.h"
@@ -32,7 +32,7 @@ struct Softness : Feedback {
 };
 
 /// The error feedback of a sweep. By default none, so that a sweep removes the velocity that an earlier one added.
-struct Push {
+struct ErrorFeedback {
   Feedback contact, contactFixed, joint;  // contactFixed: one body cannot move, so the other may be stiffer
   Real slop = 0;                          // m, of contacts
   Real maxSpeed = 0;                      // m/s, of contacts
@@ -40,10 +40,10 @@ struct Push {
 };
 
 /// Whether friction acts with the restitution impulse.
-enum class Bounce { frictionless, withFriction };
+enum class BounceFriction { frictionless, withFriction };
 
 /// The springs of sub-steps of length h. Joints are twice as stiff as contacts.
-inline Push springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real maxSpeed, Real h) {
+inline ErrorFeedback springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real maxSpeed, Real h) {
   return {Softness(hertz, dampingRatio, h), Softness(2 * hertz, dampingRatio, h),
           Softness(2 * hertz, jointDampingRatio, h), 0, maxSpeed};
 }
@@ -86,13 +86,13 @@ class Substeps {
   void prepare(const StepInput<D>& in, int count, bool warmStart, bool armsAsMade = false) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     m_count = static_cast<Real>(count), m_h = in.dt / m_count;
-    haltUnmoving(in.bodies, in.features.rotation);
+    haltUnmoving(in.bodies, in.model.rotation);
     m_start.resize(in.bodies.pose.size());
     for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
-    m_way.assign(m_start.size(), Vec<D>::Zero());
+    m_displacement.assign(m_start.size(), Vec<D>::Zero());
     const Real scale = lastImpulseScale(in) / m_count;
     const NoBias none;
-    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
+    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.model,
                         in.restitutionThreshold, in.work, in.profiler});
     if (armsAsMade) keepArms(in);
     m_detected.clear();
@@ -104,8 +104,7 @@ class Substeps {
       for (int k = 0; k < m.count; ++k) {
         const ContactPoint<D>& c = from.points[k];
         PointRows<D>& row = m_contacts.points[m.first + k];
-        m_states[m.first + k] = {c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.features.rotation),
-                                 0,        0,        0};
+        m_states[m.first + k] = {c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.model.rotation), 0, 0, 0};
         if (!warmStart) continue;
         row.impulse[0] = std::max(scale * c.impulse[0], Real(0));
         for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = scale * c.impulse[d];
@@ -127,17 +126,17 @@ class Substeps {
   /// Applies the forces of sub-step i and makes the joint rows at the present poses.
   void begin(const StepInput<D>& in, int i) {
     Profiler::Scope scope(in.profiler, "solver.integrate");
-    kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
-    if (!in.features.joints) return;
-    m_joints.prepare(in.work, in.bodies, in.joints, 0, places());
+    kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.model, in.work}, m_wrenches);
+    if (!in.model.joints) return;
+    m_joints.prepare(in.work, in.bodies, in.joints, 0, displacements());
     m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) { return m_jointImpulse[joint].substep[row]; });
   }
 
   /// Solves, warm started from the previous sub-step.
-  void solve(const StepInput<D>& in, const Push& push, int iterations) {
+  void solve(const StepInput<D>& in, const ErrorFeedback& errors, int iterations) {
     Profiler::Scope scope(in.profiler, "solver.iterate");
     applyAccumulated(in);
-    for (int i = 0; i < iterations; ++i) sweep(in, push);
+    for (int i = 0; i < iterations; ++i) sweep(in, errors);
   }
 
   /// Moves the bodies. Separations follow unless the method keeps those of the detection.
@@ -145,26 +144,26 @@ class Substeps {
     Profiler::Scope scope(in.profiler, "solver.move");
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
       if (!travels(in.bodies, k)) continue;
-      moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, in.features.rotation);
-      m_way[k] += m_h * in.bodies.motion[k].v;
-      in.bodies.pose[k].p = m_start[k] + m_way[k];
+      moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, in.model.rotation);
+      m_displacement[k] += m_h * in.bodies.motion[k].v;
+      in.bodies.pose[k].p = m_start[k] + m_displacement[k];
     }
     if (separationsFollow) measure(in);
   }
 
   /// For position resolvers, which move bodies themselves.
-  Places<D> places() { return {m_start, m_way}; }
+  BodyDisplacements<D> displacements() { return {m_start, m_displacement}; }
 
   /// Turns the arms of contacts with the bodies. Shared: both bodies get the impulse at one point, so it adds no torque
   /// to the pair. If their anchors have slid apart, the point is nearer to the anchor of the lighter body; beside a
   /// static body it is the moving body's own. Not shared: each body gets the impulse at its own anchor.
   void turnArms(const StepInput<D>& in, bool shared) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
-    if (in.features.restitution && m_detected.empty()) m_detected = m_contacts.points;
+    if (in.model.restitution && m_detected.empty()) m_detected = m_contacts.points;
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
       const Manifold<D>& m = in.manifolds[rows.manifold];
       const auto a = rows.a, b = rows.b;
-      const auto [atA, atB] = places().pair(in.bodies, a, b);
+      const auto [atA, atB] = displacements().pair(in.bodies, a, b);
       countMadeRows<D>(in.work, rows.rows());
       const Real sum = rows.invMassA + rows.invMassB, share = sum > 0 ? rows.invMassB / sum : Real(0.5);
       for (int k = 0; k < rows.count; ++k) {
@@ -180,7 +179,7 @@ class Substeps {
   /// Measures contacts again after another method has changed the poses.
   void measure(const StepInput<D>& in) {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const auto [X_WA, X_WB] = places().pair(in.bodies, m.a, m.b);
+      const auto [X_WA, X_WB] = displacements().pair(in.bodies, m.a, m.b);
       for (int k = 0; k < m.count; ++k) {
         State& state = m_states[m.first + k];
         state.separation = ((X_WB.p - X_WA.p) + X_WB.q * state.localB - X_WA.q * state.localA).dot(m.n);
@@ -195,9 +194,10 @@ class Substeps {
   }
 
   /// Runs sub-step i: solve with a push, move, relax.
-  void step(const StepInput<D>& in, int i, const Push& push, int sweeps, int relaxing, bool separationsFollow = true) {
+  void step(const StepInput<D>& in, int i, const ErrorFeedback& errors, int sweeps, int relaxing,
+            bool separationsFollow = true) {
     begin(in, i);
-    solve(in, push, sweeps);
+    solve(in, errors, sweeps);
     move(in, separationsFollow);
     relax(in, relaxing);
     end();
@@ -220,8 +220,8 @@ class Substeps {
 
   /// Applies restitution, then stores the impulses. Contacts store those of the last sub-step, scaled to a whole step,
   /// for warm starting. A rolling ball, whose anchor turns up and away, carries load in the first sub-steps only.
-  void finish(const StepInput<D>& in, Bounce how = Bounce::withFriction) {
-    if (in.features.restitution) bounce(in, how);
+  void finish(const StepInput<D>& in, BounceFriction how = BounceFriction::withFriction) {
+    if (in.model.restitution) bounce(in, how);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       for (int k = 0; k < m.count; ++k) {
         for (Real& x : m_contacts.points[m.first + k].impulse) x *= m_count;
@@ -306,23 +306,22 @@ class Substeps {
       Motion<D>&a = motion[m.a], &b = motion[m.b];
       for (int k = 0; k < m.count; ++k) {
         const PointRows<D>& row = m_contacts.points[m.first + k];
-        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, in.features.rotation);
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, in.model.rotation);
         for (int d = 0; d < D - 1 && m.friction > 0; ++d) {
-          applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, row.impulse[d + 1], a, b,
-                      in.features.rotation);
+          applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, row.impulse[d + 1], a, b, in.model.rotation);
         }
       }
     }
   }
 
-  void sweep(const StepInput<D>& in, const Push& push) {
+  void sweep(const StepInput<D>& in, const ErrorFeedback& errors) {
     auto& motion = in.bodies.motion;
-    const bool rotation = in.features.rotation;
-    m_joints.sweep(motion, m_h, push.joint);
+    const bool rotation = in.model.rotation;
+    m_joints.sweep(motion, m_h, errors.joint);
     m_joints.count(in.work);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       Motion<D> a = motion[m.a], b = motion[m.b];
-      const Feedback& feedback = m.invMassA > 0 && m.invMassB > 0 ? push.contact : push.contactFixed;
+      const Feedback& feedback = m.invMassA > 0 && m.invMassB > 0 ? errors.contact : errors.contactFixed;
       for (int k = 0; k < m.count; ++k) {
         PointRows<D>& row = m_contacts.points[m.first + k];
         State& state = m_states[m.first + k];
@@ -331,9 +330,9 @@ class Substeps {
         if (s > 0) {
           bias = s / m_h;
         } else if (feedback.rate > 0) {
-          bias = std::max(feedback.rate * std::min(s + push.slop, Real(0)), -push.maxSpeed);
+          bias = std::max(feedback.rate * std::min(s + errors.slop, Real(0)), -errors.maxSpeed);
         }
-        if (!(s > 0) || push.softGaps) massScale = feedback.massScale, impulseScale = feedback.impulseScale;
+        if (!(s > 0) || errors.softGaps) massScale = feedback.massScale, impulseScale = feedback.impulseScale;
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
         const Real old = row.impulse[0];
         const Real wanted = old - massScale * row.normal.mass * (v + bias) - impulseScale * old;
@@ -343,7 +342,7 @@ class Substeps {
       }
       if (m.friction > 0) {
         for (int k = 0; k < m.count; ++k) {
-          rubAt(m, m_contacts.points[m.first + k], a, b, rotation);
+          solveFrictionAt(m, m_contacts.points[m.first + k], a, b, rotation);
         }
       }
       countRows<D>(in.work, m.rows());
@@ -352,8 +351,8 @@ class Substeps {
   }
 
   // Uses the arms of the detection, as the measurement of the velocity before the step did.
-  void bounce(const StepInput<D>& in, Bounce how) {
-    const bool rotation = in.features.rotation;
+  void bounce(const StepInput<D>& in, BounceFriction how) {
+    const bool rotation = in.model.rotation;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Real e = in.manifolds[m.manifold].restitution;
       if (!(e > 0)) continue;
@@ -376,9 +375,9 @@ class Substeps {
         countRows<D>(in.work, 1);
         if (!(m.friction > 0) || row.impulse[0] == old) continue;
         if (row.impulse[0] < old) {
-          rubAt(m, row, a, b, rotation);
-        } else if (how == Bounce::withFriction) {
-          rubBeside(m, row, row.impulse[0] - old, a, b, rotation);
+          solveFrictionAt(m, row, a, b, rotation);
+        } else if (how == BounceFriction::withFriction) {
+          solveFrictionBeside(m, row, row.impulse[0] - old, a, b, rotation);
         } else {
           continue;
         }
@@ -390,10 +389,10 @@ class Substeps {
   Real m_count = 1, m_h = 0;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
-  IndexedVector<Vec<D>> m_start, m_way;        // by body: position at the start of the step, displacement since, m
-  IndexedVector<PointRows<D>> m_detected;      // by point, before arms were turned; empty if they were not
-  IndexedVector<State> m_states;               // by point
-  IndexedVector<JointImpulse> m_jointImpulse;  // by joint slot
+  IndexedVector<Vec<D>> m_start, m_displacement;  // by body: position at the start of the step, displacement since, m
+  IndexedVector<PointRows<D>> m_detected;         // by point, before arms were turned; empty if they were not
+  IndexedVector<State> m_states;                  // by point
+  IndexedVector<JointImpulse> m_jointImpulse;     // by joint slot
   IndexedVector<Wrench<D>> m_wrenches;
 };
 

@@ -39,15 +39,15 @@ Vector vectorOf(const std::vector<double>& x) {
 template <int D>
 FclibProblem globalOf(FrozenProblem<D> problem) {
   constexpr int kDofs = D + kAngDim<D>;
-  if (!problem.features.rotation) throw UserError("FCLIB cannot store a body without rotation");
+  if (!problem.model.rotation) throw UserError("FCLIB cannot store a body without rotation");
   std::vector<double> mu;
   std::vector<std::size_t> firstPoint;        // first point of each manifold
   for (Manifold<D>& m : problem.manifolds) {  // FCLIB's contacts have all their tangents
     firstPoint.push_back(mu.size());
-    for (int k = 0; k < m.count; ++k) mu.push_back(problem.features.friction ? double(m.friction) : 0.0);
+    for (int k = 0; k < m.count; ++k) mu.push_back(problem.model.friction ? double(m.friction) : 0.0);
     if (!(m.friction > 0)) m.friction = 1;
   }
-  problem.features.friction = true;
+  problem.model.friction = true;
   WorkDone work;
   Profiler profiler;
   ContactProblem<D> rows;
@@ -149,7 +149,7 @@ class RigidBodies {
   FrozenProblem<D> problem() {
     if (m_from.m.rows() % kDofs != 0) throw UserError("the size of its matrices does not match rigid bodies");
     m_bodies = static_cast<int>(m_from.m.rows()) / kDofs;
-    m_out.dt = m_out.lastDt = Real(1) / 60, m_out.features.restitution = false, m_out.position.rate = 1;
+    m_out.dt = m_out.lastDt = Real(1) / 60, m_out.model.restitution = false, m_out.position.rate = 1;
     for (int c = 0; c < m_from.mu.size(); ++c) m_touches.push_back(touch(c));
     place();
     for (int i = 0; i < m_bodies; ++i) addBody(i);

@@ -11,10 +11,10 @@ namespace {
 
 /// A copy of the convex part, which outlives its body.
 template <int D>
-Shape<D> partOf(const Shape<D>& shape, std::int32_t child) {
+Shape<D> partOf(const Shape<D>& shape, std::int32_t part) {
   if (shape.convex()) return shape;
-  if (!shape.surface()) return shape.parts()[static_cast<std::size_t>(child)].shape;
-  const ShapeView<D>& view = shape.surfaceParts()[static_cast<std::size_t>(child)].view;
+  if (!shape.surface()) return shape.parts()[static_cast<std::size_t>(part)].shape;
+  const ShapeView<D>& view = shape.surfaceParts()[static_cast<std::size_t>(part)].view;
   return view.hull ? Shape<D>::ofCorners(view.kind, view.hull->vertices) : Shape<D>::segment(view.half[0]);
 }
 
@@ -35,7 +35,7 @@ std::vector<double> identity(const ShapeView<D>& shape) {
 template <int D>
 std::vector<std::pair<std::int32_t, std::int32_t>> unpairedBodies(const Simulation<D>& simulation) {
   std::vector<std::pair<std::int32_t, std::int32_t>> out;
-  if (!simulation.settings().features.joints) return out;
+  if (!simulation.settings().model.joints) return out;
   for (const JointRecord<D>& j : simulation.joints()) {
     if (j.active() && j.bodyA >= 0 && !j.collide) out.emplace_back(std::minmax(j.bodyA, j.bodyB));
   }
@@ -94,33 +94,33 @@ bool PairCollector<D>::see(const Simulation<D>& simulation, long step, std::size
   const Bodies<D>& bodies = simulation.bodies();
   const auto margin = static_cast<Real>(m_stream.margin);
   WorkDone work;
-  ChildPairs<D> childPairs;
-  const auto children = childPairs.of(shapePairs(simulation, margin, work), shapes, bodies.pose, margin, work);
-  if (children.size() > most - std::min(most, m_stream.meetings.size())) return false;
-  const auto begin = static_cast<std::ptrdiff_t>(m_stream.meetings.size());
-  for (const ConvexPair<D>& pair : children) {
+  PartPairs<D> partPairs;
+  const auto convexPairs = partPairs.of(shapePairs(simulation, margin, work), shapes, bodies.pose, margin, work);
+  if (convexPairs.size() > most - std::min(most, m_stream.pairPoses.size())) return false;
+  const auto begin = static_cast<std::ptrdiff_t>(m_stream.pairPoses.size());
+  for (const ConvexPair<D>& pair : convexPairs) {
     struct Side {
       PartOfBody part;
       Shape<D> shape;
       Pose<D> X_CP;
     };
-    const auto side = [&](std::int32_t slot, std::int32_t child, const Pose<D>& X_CP) {
+    const auto side = [&](std::int32_t slot, std::int32_t part, const Pose<D>& X_CP) {
       const ShapeRecord<D>& s = shapes[static_cast<std::size_t>(slot)];
       const std::uint32_t generation = bodies.generation[static_cast<std::size_t>(s.body)];
-      return Side{{s.body, generation, s.index, child}, partOf(s.shape, child), X_CP};
+      return Side{{s.body, generation, s.index, part}, partOf(s.shape, part), X_CP};
     };
-    Side a = side(pair.shapes.a, pair.childA, pair.X_CA), b = side(pair.shapes.b, pair.childB, pair.X_CB);
+    Side a = side(pair.shapes.a, pair.partA, pair.X_CA), b = side(pair.shapes.b, pair.partB, pair.X_CB);
     if (a.shape.kind() > b.shape.kind()) std::swap(a, b);
     const auto next = static_cast<std::uint32_t>(m_stream.pairs.size());
     const auto [at, isNew] = m_pairNumbers.emplace(std::pair(a.part, b.part), next);
     if (isNew) m_stream.pairs.push_back({a.part, b.part, shapeNumber(a.shape), shapeNumber(b.shape)});
     const Pose<D> X_CaCb = poseBetween(bodies.pose[static_cast<std::size_t>(a.part.body)],
                                        bodies.pose[static_cast<std::size_t>(b.part.body)]);
-    m_stream.meetings.push_back({at->second, a.X_CP.inverse() * X_CaCb * b.X_CP});
+    m_stream.pairPoses.push_back({at->second, a.X_CP.inverse() * X_CaCb * b.X_CP});
   }
-  std::sort(m_stream.meetings.begin() + begin, m_stream.meetings.end(),
+  std::sort(m_stream.pairPoses.begin() + begin, m_stream.pairPoses.end(),
             [](const auto& p, const auto& q) { return p.pair < q.pair; });
-  m_stream.steps.push_back({step, children.size()});
+  m_stream.steps.push_back({step, convexPairs.size()});
   return true;
 }
 

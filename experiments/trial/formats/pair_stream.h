@@ -18,7 +18,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 struct PartOfBody {
   std::int32_t body = 0;  // slot
   std::uint32_t generation = 0;
-  std::int32_t shape = 0, child = 0;  // number among the body's shapes; among the shape's parts
+  std::int32_t shape = 0, part = 0;  // number among the body's shapes; among the shape's parts
   auto operator<=>(const PartOfBody&) const = default;
 };
 
@@ -29,13 +29,13 @@ struct PairStream {
     PartOfBody a, b;
     std::uint32_t shapeA = 0, shapeB = 0;  // indices into `shapes`
   };
-  struct Meeting {
+  struct PairPose {
     std::uint32_t pair = 0;  // index into `pairs`, the same in every step
     Pose<D> X_AB{};
   };
   struct Step {
-    long step = 0;             // of the poses at the start of the step
-    std::size_t meetings = 0;  // number of entries of this step; pairs ascend
+    long step = 0;              // of the poses at the start of the step
+    std::size_t pairPoses = 0;  // number of entries of this step; pairs ascend
   };
 
   std::string scene;
@@ -43,9 +43,9 @@ struct PairStream {
   std::vector<Shape<D>> shapes;  // convex, each once
   std::vector<Pair> pairs;       // in order of first appearance
   std::vector<Step> steps;       // ascending
-  std::vector<Meeting> meetings;
+  std::vector<PairPose> pairPoses;
 
-  PairView<D> view(const Meeting& m) const {
+  PairView<D> view(const PairPose& m) const {
     const Pair& p = pairs[m.pair];
     return {shapes[p.shapeA].view(), shapes[p.shapeB].view(), m.X_AB};
   }

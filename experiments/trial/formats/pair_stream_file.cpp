@@ -26,7 +26,7 @@ constexpr std::size_t kPairFields = 10;  // a shape and four numbers of its part
 template <int D>
 constexpr std::size_t kRotationNumbers = D == 2 ? 2 : 4;
 template <int D>
-constexpr std::size_t kMeetingBytes = sizeof(std::uint32_t) + sizeof(double) * (D + kRotationNumbers<D>);
+constexpr std::size_t kPairPoseBytes = sizeof(std::uint32_t) + sizeof(double) * (D + kRotationNumbers<D>);
 
 using RotationNumbers = std::array<double, 4>;
 RotationNumbers numbersOf(const Rot<2>& q) { return {double(q.c), double(q.s), 0, 0}; }
@@ -182,8 +182,8 @@ typename PairStream<D>::Pair readPair(const PairHeader& header, const json& from
 }
 
 template <int D>
-typename PairStream<D>::Meeting readMeeting(const PairHeader& header, const char* bytes, std::size_t pairs) {
-  typename PairStream<D>::Meeting out;
+typename PairStream<D>::PairPose readPairPose(const PairHeader& header, const char* bytes, std::size_t pairs) {
+  typename PairStream<D>::PairPose out;
   std::array<double, D + kRotationNumbers<D>> x;
   std::memcpy(&out.pair, bytes, sizeof out.pair);
   std::memcpy(x.data(), bytes + sizeof out.pair, sizeof x);
@@ -212,25 +212,25 @@ PairStream<D> readStream(const PairHeader& header, const json& top, std::string_
   for (const json& p : header.list(header.field(top, "pairs", whole), "pairs")) {
     out.pairs.push_back(readPair<D>(header, p, numbered("pairs", out.pairs.size()), out.shapes));
   }
-  const auto most = static_cast<std::int64_t>(bytes.size() / kMeetingBytes<D>);
+  const auto most = static_cast<std::int64_t>(bytes.size() / kPairPoseBytes<D>);
   std::int64_t left = most;
   for (const json& s : header.list(header.field(top, "steps", whole), "steps")) {
     const std::string where = numbered("steps", out.steps.size());
     header.list(s, where, 2);
     const std::int64_t first = out.steps.empty() ? 0 : out.steps.back().step + 1;
     const std::int64_t step = header.integer(s[0], where, first, std::numeric_limits<std::int64_t>::max() - 1);
-    const std::int64_t meetings = header.integer(s[1], where, 0, left);
-    out.steps.push_back({static_cast<long>(step), static_cast<std::size_t>(meetings)}), left -= meetings;
+    const std::int64_t pairPoses = header.integer(s[1], where, 0, left);
+    out.steps.push_back({static_cast<long>(step), static_cast<std::size_t>(pairPoses)}), left -= pairPoses;
   }
-  if (left != 0 || bytes.size() != static_cast<std::size_t>(most) * kMeetingBytes<D>) {
+  if (left != 0 || bytes.size() != static_cast<std::size_t>(most) * kPairPoseBytes<D>) {
     header.fail("the number of bytes after the header", "the size of the pairs of its steps");
   }
   const char* at = bytes.data();
-  out.meetings.reserve(static_cast<std::size_t>(most));
+  out.pairPoses.reserve(static_cast<std::size_t>(most));
   for (const auto& step : out.steps) {
-    for (std::size_t i = 0; i < step.meetings; ++i, at += kMeetingBytes<D>) {
-      out.meetings.push_back(readMeeting<D>(header, at, out.pairs.size()));
-      if (i > 0 && out.meetings.back().pair <= out.meetings[out.meetings.size() - 2].pair) {
+    for (std::size_t i = 0; i < step.pairPoses; ++i, at += kPairPoseBytes<D>) {
+      out.pairPoses.push_back(readPairPose<D>(header, at, out.pairs.size()));
+      if (i > 0 && out.pairPoses.back().pair <= out.pairPoses[out.pairPoses.size() - 2].pair) {
         header.fail("the order of the pairs in step " + std::to_string(step.step), "ascending");
       }
     }
@@ -245,16 +245,16 @@ void writePairs(std::ostream& out, const PairStream<D>& stream) {
   json shapes = json::array(), pairs = json::array(), steps = json::array();
   for (const Shape<D>& s : stream.shapes) shapes.push_back(pairShapeJson(s.view()));
   for (const auto& p : stream.pairs) {
-    pairs.push_back({p.shapeA, p.a.body, p.a.generation, p.a.shape, p.a.child, p.shapeB, p.b.body, p.b.generation,
-                     p.b.shape, p.b.child});
+    pairs.push_back({p.shapeA, p.a.body, p.a.generation, p.a.shape, p.a.part, p.shapeB, p.b.body, p.b.generation,
+                     p.b.shape, p.b.part});
   }
-  for (const auto& s : stream.steps) steps.push_back({s.step, s.meetings});
+  for (const auto& s : stream.steps) steps.push_back({s.step, s.pairPoses});
   std::string bytes = "{\"format\": \"" + std::string(kPairsFormat) +
                       "\", \"version\": " + std::to_string(kPairsVersion) + ", \"dimension\": " + std::to_string(D) +
                       ", \"scene\": " + json(stream.scene).dump() + ", \"dt\": " + json(stream.dt).dump() +
                       ", \"margin\": " + json(stream.margin).dump() + ", \"steps\": " + steps.dump() +
                       ", \"shapes\": " + shapes.dump() + ", \"pairs\": " + pairs.dump() + "}\n";
-  for (const auto& m : stream.meetings) {
+  for (const auto& m : stream.pairPoses) {
     appendBytes(bytes, m.pair);
     for (int i = 0; i < D; ++i) appendBytes(bytes, static_cast<double>(m.X_AB.p[i]));
     const RotationNumbers q = numbersOf(m.X_AB.q);
@@ -284,13 +284,13 @@ PairStreamFile PairStreamFile::parse(const std::string& bytes, const std::string
   if (end < begin || checksum != XXH64(bytes.data(), end, 0)) {
     throw UserError(path + ": damaged: the checksum does not match; valid: a file as written by lpc record --pairs");
   }
-  const std::string_view meetings = std::string_view(bytes).substr(begin, end - begin);
+  const std::string_view pairPoses = std::string_view(bytes).substr(begin, end - begin);
   PairStreamFile out;
   out.dimension = static_cast<int>(header.integer(header.field(top, "dimension", "the header"), "dimension", 2, 3));
   if (out.dimension == 2) {
-    out.in2 = readStream<2>(header, top, meetings);
+    out.in2 = readStream<2>(header, top, pairPoses);
   } else {
-    out.in3 = readStream<3>(header, top, meetings);
+    out.in3 = readStream<3>(header, top, pairPoses);
   }
   return out;
 }

@@ -108,9 +108,9 @@ json problemJson(const StoredProblem<D>& stored) {
           {"gravity", listOf(p.gravity)},
           {"restitution_threshold", p.restitutionThreshold},
           {"joint_rate", p.position.rate},
-          {"friction", p.features.friction},
-          {"rotation", p.features.rotation},
-          {"restitution", p.features.restitution},
+          {"friction", p.model.friction},
+          {"rotation", p.model.rotation},
+          {"restitution", p.model.restitution},
           {"bodies", bodies},
           {"contacts", contacts},
           {"order", p.order},
@@ -373,8 +373,8 @@ StoredProblem<D> readProblem(const Place& from) {
   from.at("gravity").column(p.gravity);
   p.restitutionThreshold = from.at("restitution_threshold").least(0);
   p.position.rate = from.at("joint_rate").least(0);
-  p.features.friction = from.at("friction").flag(), p.features.rotation = from.at("rotation").flag();
-  p.features.restitution = from.at("restitution").flag();
+  p.model.friction = from.at("friction").flag(), p.model.rotation = from.at("rotation").flag();
+  p.model.restitution = from.at("restitution").flag();
   const auto each = [&](const char* key, void (*read)(const Place&, FrozenProblem<D>&)) {
     const Place list = from.at(key);
     for (std::size_t i = 0; i < list.size(); ++i) read(list.at(i), p);

@@ -30,7 +30,7 @@ Control dropAlone(const std::string& pipeline, const SceneSpec<D>& scene, const 
   const std::unique_ptr<Simulation<D>> world = simulationOf(pipeline, alone);
   BodyDef<D> falls = body;
   falls.velocity.setZero(), falls.angularVelocity = decltype(falls.angularVelocity)::Zero(), falls.pinned = false;
-  const Handle h = world->add(falls);
+  const BodyHandle h = world->add(falls);
   const Vec<D> start = world->pose(h).p, gravity = scene.settings.gravity;
   const double dt = double(scene.dt), g = double(gravity.norm());
   const long steps = std::max(1L, std::lround(kSeconds / dt));

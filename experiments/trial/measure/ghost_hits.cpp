@@ -31,12 +31,12 @@ void GhostHits<D>::observe(const Simulation<D>& world, double dt) {
 
 template <int D>
 bool GhostHits<D>::misses(const Simulation<D>& world, const Manifold<D>& m, Real dt) {
-  const auto moving = [&](std::int32_t shape, std::int32_t child, ShapeView<D>& view, ShapeMotion<D>& motion) {
+  const auto moving = [&](std::int32_t shape, std::int32_t wanted, ShapeView<D>& view, ShapeMotion<D>& motion) {
     const ShapeRecord<D>& record = world.shapes()[static_cast<std::size_t>(shape)];
     const auto body = static_cast<std::size_t>(record.body);
     std::int32_t number = 0;
     forParts(record.shape, record.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_CP) {
-      if (number++ == child) view = part, motion.X_CS = X_CP;
+      if (number++ == wanted) view = part, motion.X_CS = X_CP;
     });
     motion.X_WC = m_pose[body], motion.motion = m_motion[body];
     if (world.bodies().type[body] == BodyType::dynamic) {
@@ -44,8 +44,8 @@ bool GhostHits<D>::misses(const Simulation<D>& world, const Manifold<D>& m, Real
     }
   };
   MovingPair<D> pair;
-  moving(m.shapeA, m.childA, pair.a, pair.A);
-  moving(m.shapeB, m.childB, pair.b, pair.B);
+  moving(m.shapeA, m.partA, pair.a, pair.A);
+  moving(m.shapeB, m.partB, pair.b, pair.B);
   if (pair.a.kind > pair.b.kind) std::swap(pair.a, pair.b), std::swap(pair.A, pair.B);
   TimeOfImpactAnswer<D> answer;
   WorkDone work;

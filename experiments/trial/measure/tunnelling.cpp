@@ -117,7 +117,7 @@ void Tunnelling<D>::move(const Simulation<D>& world, std::size_t slot, const Vec
 template <int D>
 bool Tunnelling<D>::mayCollide(const Simulation<D>& world, std::int32_t body, std::int32_t shape) {
   const ShapeRecord<D>& fixed = world.shapes()[static_cast<std::size_t>(shape)];
-  if (world.settings().features.joints) {
+  if (world.settings().model.joints) {
     for (const JointRecord<D>& j : world.joints()) {
       const bool ofBoth = (j.bodyA == body && j.bodyB == fixed.body) || (j.bodyB == body && j.bodyA == fixed.body);
       if (ofBoth && j.active() && !j.collide) return false;

@@ -50,7 +50,7 @@ void SavedScene::write(const World<D>& world, const SceneSpec<D>& scene, const s
       << "name = \"" << name << "\"\n"
       << "summary = " << toml::value<std::string>(scene.name + " after " + std::to_string(m_step) + " steps") << '\n'
       << "dimensions = [" << D << "]\n"
-      << "needs = [" << quoted(featuresText(world.settings().features)) << "]\n"
+      << "needs = [" << quoted(modelText(world.settings().model)) << "]\n"
       << "saved = \"" << name << ".world\"\n"
       << "dt = " << asText(double(scene.dt)) << '\n'
       << "steps = " << (m_step < scene.steps ? scene.steps - m_step : scene.steps) << "\n\n[limits]\n";

@@ -20,7 +20,7 @@ typename SceneSpec<D>::Event& addEvent(const EventBlock<D>& e, int body, Act act
 }
 // act(world, handle of the body)
 template <int D, class Act>
-void addDeed(const EventBlock<D>& e, int body, Act act) {
+void addAction(const EventBlock<D>& e, int body, Act act) {
   addEvent<D>(e, body, [act = std::move(act)](Director<D>& director, Simulation<D>& world, int i) {
     act(world, director.body(i));
   });
@@ -40,10 +40,10 @@ void addOurs(const EventBlock<D>& e, int body, std::string_view what, Act act) {
 template <int D>
 void takeOut(const EventBlock<D>& e, const char* key, int body) {
   auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
-  if (spawn.removeAt >= 0 && (spawn.takenBy >= 0 || spawn.removeAt < e.step)) {
+  if (spawn.removeAt >= 0 && (spawn.removedBy >= 0 || spawn.removeAt < e.step)) {
     e.block.fail(*e.block.find(key), "this body is already removed at step " + std::to_string(spawn.removeAt));
   }
-  spawn.removeAt = e.step, spawn.takenBy = e.number;
+  spawn.removeAt = e.step, spawn.removedBy = e.number;
 }
 
 // A body that forces move.
@@ -65,7 +65,7 @@ std::optional<Vec<D>> pointOf(const EventBlock<D>& e) {
 }
 // From the centre of mass to that point, in world axes (m).
 template <int D>
-Vec<D> armOf(const Simulation<D>& world, Handle body, const std::optional<Vec<D>>& at) {
+Vec<D> armOf(const Simulation<D>& world, BodyHandle body, const std::optional<Vec<D>>& at) {
   const auto i = static_cast<std::size_t>(body.slot);
   return at ? Vec<D>(world.bodies().pose[i].q * Vec<D>(*at - world.bodies().center[i])) : Vec<D>(Vec<D>::Zero());
 }
@@ -87,8 +87,8 @@ struct Add {
   static void read(const EventBlock<D>& e) {
     const int body = e.addBody();
     if (e.numbers.rehearsing()) return;
-    e.scene.spawns[static_cast<std::size_t>(body)].broughtBy = e.number;
-    addEvent<D>(e, body, [](Director<D>& director, Simulation<D>& world, int i) { director.bring(world, i); });
+    e.scene.spawns[static_cast<std::size_t>(body)].addedBy = e.number;
+    addEvent<D>(e, body, [](Director<D>& director, Simulation<D>& world, int i) { director.addBody(world, i); });
   }
 };
 
@@ -99,7 +99,7 @@ struct Remove {
   static void read(const EventBlock<D>& e) {
     const int body = e.bodyOf("body");
     takeOut(e, "body", body);
-    addDeed<D>(e, body, [](Simulation<D>& world, Handle h) { world.remove(h); });
+    addAction<D>(e, body, [](Simulation<D>& world, BodyHandle h) { world.remove(h); });
   }
 };
 
@@ -114,7 +114,7 @@ struct Push {
     requireOneOf(e, {"impulse", "angular_impulse"});
     const Vec<D> impulse = e.numbers.template vector<D>(e.block, "impulse");
     const Ang<D> angular = readAngular<D>(e.block, e.numbers, "angular_impulse");
-    addDeed<D>(e, body, [impulse, angular, at = pointOf(e)](Simulation<D>& world, Handle h) {
+    addAction<D>(e, body, [impulse, angular, at = pointOf(e)](Simulation<D>& world, BodyHandle h) {
       const Ang<D> turn = cross(armOf(world, h, at), impulse) + angular;
       if (!turn.allFinite()) throw EventOverflow("the angular impulse of a push is not finite");
       world.applyImpulse(h, {impulse, turn});
@@ -145,7 +145,7 @@ struct Set {
     const Rot<D> q = readRotation<D>(e.block, e.numbers);
     const auto v = given("velocity", e.numbers.template vector<D>(e.block, "velocity"));
     const auto w = given("angular_velocity", readAngular<D>(e.block, e.numbers, "angular_velocity"));
-    addDeed<D>(e, body, [=](Simulation<D>& world, Handle h) {
+    addAction<D>(e, body, [=](Simulation<D>& world, BodyHandle h) {
       Pose<D> X_WB = world.pose(h);
       if (position) X_WB.p = *position;
       if (turned) X_WB.q = q;
@@ -173,7 +173,7 @@ struct Force {
     const auto strength = static_cast<Real>(e.numbers.between(e.block, "strength", 0, 0, kLargest));
     if (e.block.find("strength")) e.block.require("towards");
     const Vec<D> goal = e.numbers.template vector<D>(e.block, "towards");
-    addDeed<D>(e, body, [force, torque, strength, goal, at = pointOf(e)](Simulation<D>& world, Handle h) {
+    addAction<D>(e, body, [force, torque, strength, goal, at = pointOf(e)](Simulation<D>& world, BodyHandle h) {
       const Vec<D> center = world.bodies().pose[static_cast<std::size_t>(h.slot)].p;
       const Vec<D> point = center + armOf(world, h, at), way = goal - point;
       const Real far = way.norm();
@@ -252,7 +252,7 @@ struct Merge {
   }
 };
 
-struct TakeApart {
+struct SplitByShape {
   static constexpr std::string_view kName = "take_apart";
   static constexpr std::string_view kMeaning =
       "splits a body into one body per shape: body, names (the first names the body that remains)";
@@ -277,21 +277,21 @@ struct TakeApart {
         continue;
       }
       typename SceneSpec<D>::Spawn part;
-      part.step = e.step, part.broughtBy = e.number, part.part = true;
+      part.step = e.step, part.addedBy = e.number, part.part = true;
       part.body.type = type, part.body.name = name;
       part.retyped = e.scene.spawns[static_cast<std::size_t>(body)].retyped;
       parts.push_back(e.addPart(std::move(part)));
     }
     addOurs<D>(e, body, kName, [parts](Director<D>& director, World<D>& world, int of) {
-      const Handle whole = director.body(of);
+      const BodyHandle whole = director.body(of);
       if (!world.valid(whole)) throw UserError("the body no longer exists");
       const std::size_t shapes = world.shapesOf(static_cast<std::size_t>(whole.slot)).size();
       if (shapes != parts.size()) {
         throw UserError("the body has " + std::to_string(shapes) + " shapes, but the number of 'names' is " +
                         std::to_string(parts.size()) + "; valid: one for each");
       }
-      const std::vector<Handle> bodies = world.takeApart(whole);
-      for (std::size_t i = 1; i < bodies.size(); ++i) director.is(parts[i], bodies[i]);
+      const std::vector<BodyHandle> bodies = world.splitByShape(whole);
+      for (std::size_t i = 1; i < bodies.size(); ++i) director.setBody(parts[i], bodies[i]);
     });
   }
 };
@@ -302,7 +302,7 @@ struct Wake {
   template <int D>
   static void read(const EventBlock<D>& e) {
     const int body = e.block.find("body") ? e.bodyOf("body") : -1;
-    addDeed<D>(e, body, [all = body < 0](Simulation<D>& simulation, Handle h) {
+    addAction<D>(e, body, [all = body < 0](Simulation<D>& simulation, BodyHandle h) {
       auto* world = dynamic_cast<World<D>*>(&simulation);
       if (!world) return;  // an engine has no sleeping to change
       all ? world->wakeAll() : world->wake(h);
@@ -316,7 +316,7 @@ struct Gravity {
   template <int D>
   static void read(const EventBlock<D>& e) {
     const Vec<D> gravity = e.numbers.template vector<D>(e.block.require("gravity"));
-    addDeed<D>(e, -1, [gravity](Simulation<D>& simulation, Handle) { changeGravity(simulation, gravity); });
+    addAction<D>(e, -1, [gravity](Simulation<D>& simulation, BodyHandle) { changeGravity(simulation, gravity); });
   }
 };
 
@@ -331,7 +331,7 @@ struct Clear {
   }
 };
 
-struct Exchange {
+struct SetPipeline {
   static constexpr std::string_view kName = "exchange";
   static constexpr std::string_view kMeaning = "replaces the algorithms or parameters of the named stages: pipeline";
   static constexpr bool kNames = false;
@@ -348,7 +348,7 @@ struct Exchange {
     addOurs<D>(e, -1, kName, [text](Director<D>&, World<D>& world, int) {
       Pipeline pipeline = world.pipeline();
       pipeline.replace(text);
-      world.exchange(pipeline);
+      world.setPipeline(pipeline);
     });
   }
 };
@@ -420,11 +420,12 @@ constexpr EventKind<D> eventEntry() {
 template <int D>
 std::span<const EventKind<D>> eventKinds() {
   static constexpr EventKind<D> kKinds[] = {
-      eventEntry<Add, D>(),         eventEntry<AddForce, D>(), eventEntry<Clear, D>(),     eventEntry<Exchange, D>(),
-      eventEntry<Force, D>(),       eventEntry<Gravity, D>(),  eventEntry<Joint, D>(),     eventEntry<Material, D>(),
-      eventEntry<Merge, D>(),       eventEntry<Pin, D>(),      eventEntry<Push, D>(),      eventEntry<Remove, D>(),
-      eventEntry<RemoveForce, D>(), eventEntry<Set, D>(),      eventEntry<TakeApart, D>(), eventEntry<Type, D>(),
-      eventEntry<Unjoin, D>(),      eventEntry<Wake, D>()};
+      eventEntry<Add, D>(),         eventEntry<AddForce, D>(), eventEntry<Clear, D>(),
+      eventEntry<SetPipeline, D>(), eventEntry<Force, D>(),    eventEntry<Gravity, D>(),
+      eventEntry<Joint, D>(),       eventEntry<Material, D>(), eventEntry<Merge, D>(),
+      eventEntry<Pin, D>(),         eventEntry<Push, D>(),     eventEntry<Remove, D>(),
+      eventEntry<RemoveForce, D>(), eventEntry<Set, D>(),      eventEntry<SplitByShape, D>(),
+      eventEntry<Type, D>(),        eventEntry<Unjoin, D>(),   eventEntry<Wake, D>()};
   return kKinds;
 }
 

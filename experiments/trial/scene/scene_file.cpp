@@ -49,7 +49,7 @@ class Builder {
     for (std::size_t i = 0; i < m_scene.spawns.size(); ++i) m_bodies.number(static_cast<int>(i));
     if (m_top.find("settings")) startFromSettings();
     m_scene.name = m_parsed.name, m_scene.summary = m_parsed.summary;
-    m_scene.settings.features = m_parsed.needs;
+    m_scene.settings.model = m_parsed.model;
     if (const toml::node* g = m_top.find("gravity")) m_scene.settings.gravity = m_numbers.vector<D>(*g);
     const auto real = [&](TableReader& t, const char* key, Real& value) {
       value = static_cast<Real>(m_numbers.between(t, key, value, 0, kLargest));
@@ -405,7 +405,7 @@ class Builder {
     for (const int end : {link.bodyA, link.bodyB}) {
       if (end < 0) continue;
       const auto& spawn = m_scene.spawns[static_cast<std::size_t>(end)];
-      when = std::max(when, std::pair(spawn.step, spawn.broughtBy >= 0));
+      when = std::max(when, std::pair(spawn.step, spawn.addedBy >= 0));
     }
     const int block = when.second ? ScenePresence<D>::kAfter : ScenePresence<D>::kBefore;
     use(link.bodyA, when.first, block, table), use(link.bodyB, when.first, block, table);
@@ -418,7 +418,7 @@ class Builder {
     return place;
   }
   typename SceneSpec<D>::Joint readJointOf(TableReader& block) {
-    if (!m_parsed.needs.joints) {
+    if (!m_parsed.model.joints) {
       block.fail("a joint, but joints are disabled in this scene; valid: 'needs' with \"joints\"");
     }
     m_numbers.count(block.raw(), "joints");

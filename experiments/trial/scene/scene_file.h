@@ -77,7 +77,7 @@ class SceneFile {
   /// text in place of a number. `build` and the planner check the kind of joint.
   ParameterValues values(const ParameterValues& given) const;
   std::uint64_t defaultSeed() const;
-  const Features& needs() const;
+  const PhysicsModel& model() const;
 
   /// Expands the file: every block, repeat and script step becomes one body. Throws UserError, UnsupportedJoint.
   template <int D>
@@ -93,9 +93,9 @@ class SceneFile {
 template <int D>
 std::map<std::string, int> census(const SceneSpec<D>& scene);
 
-/// The model of a scene as text, sorted: "cache,friction,rotation". Inverse of featuresFromText.
-std::string featuresText(const Features& features);
+/// The model of a scene as text, sorted: "cache,friction,rotation". Inverse of modelFromText.
+std::string modelText(const PhysicsModel& model);
 /// Throws UserError with the valid names.
-Features featuresFromText(std::string_view text);
+PhysicsModel modelFromText(std::string_view text);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -25,7 +25,7 @@ void placeForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& s
   // Remaining errors are between the kind and its ends at their poses in the file.
   Bodies<D> ends;
   const auto end = [&](int body) {
-    if (body < 0) return Handle{};
+    if (body < 0) return BodyHandle{};
     const auto& spawn = scene.spawns[static_cast<std::size_t>(body)];
     force.step = std::max(force.step, spawn.step);
     ends.used.push_back(1), ends.type.push_back(spawn.body.type);
@@ -36,7 +36,7 @@ void placeForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& s
     if (spawn.body.mass) mass = *spawn.body.mass;
     ends.center.push_back(mass.center);
     ends.pose.push_back({spawn.body.X_WB * mass.center, spawn.body.X_WB.q});
-    return Handle{static_cast<std::int32_t>(ends.used.size()) - 1, 0};
+    return BodyHandle{static_cast<std::int32_t>(ends.used.size()) - 1, 0};
   };
   ForceDef<D> between = force.def;
   between.bodyA = end(force.bodyA);

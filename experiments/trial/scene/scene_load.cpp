@@ -15,10 +15,10 @@ std::string readLine(TableReader& top, const std::string& key) {
 }
 
 // Adds the model features of the file.
-void readNeeds(TableReader& top, Features& needs) {
+void readNeeds(TableReader& top, PhysicsModel& model) {
   for (const std::string& need : top.strings("needs")) {
     try {
-      setFeature(needs, need);
+      setModelFlag(model, need);
     } catch (const UserError& e) {
       top.fail(*top.find("needs"), e.what());
     }
@@ -39,8 +39,8 @@ void readHeader(TableReader& top, SceneFile::Parsed& out) {
   const long seed = top.integer("seed", 1);
   if (seed < 0) top.fail(*top.find("seed"), "'seed' is " + std::to_string(seed) + "; valid: 0 or more");
   out.seed = static_cast<std::uint64_t>(seed);
-  out.needs = featuresFromText("");
-  readNeeds(top, out.needs);
+  out.model = modelFromText("");
+  readNeeds(top, out.model);
   out.parameters = readParameters(top);
 }
 
@@ -67,7 +67,7 @@ SceneFile SceneFile::parse(std::string bytes, const std::string& path, std::stri
     parsed->script = parseToml(parsed->scriptBytes, scriptPath);
     TableReader script(parsed->script, scriptPath, "the script");
     readLine(script, "summary");
-    readNeeds(script, parsed->needs);
+    readNeeds(script, parsed->model);
     addScriptParameters(script, *parsed);
     for (auto& [name, mesh] : readMeshes(parsed->script, scriptPath)) {
       if (parsed->meshes.count(name)) throw UserError(scriptPath + ": '" + name + "' is already a file of the scene");
@@ -94,7 +94,7 @@ std::string SceneFile::content() const {
 const std::vector<int>& SceneFile::dimensions() const { return m_parsed->dimensions; }
 const std::vector<SceneParameter>& SceneFile::parameters() const { return m_parsed->parameters; }
 std::uint64_t SceneFile::defaultSeed() const { return m_parsed->seed; }
-const Features& SceneFile::needs() const { return m_parsed->needs; }
+const PhysicsModel& SceneFile::model() const { return m_parsed->model; }
 bool SceneFile::has(int dimension) const {
   const auto& d = m_parsed->dimensions;
   return std::find(d.begin(), d.end(), dimension) != d.end();

@@ -91,20 +91,20 @@ void ScenePresence<D>::check(const SceneSpec<D>& scene, const std::string& file)
   std::sort(m_clears.begin(), m_clears.end());
   for (const Use& use : m_uses) {
     const auto& spawn = scene.spawns[static_cast<std::size_t>(use.body)];
-    const When comes(spawn.step, spawn.broughtBy);
-    When goes(spawn.removeAt, spawn.takenBy >= 0 ? spawn.takenBy : kAfter);
+    const When comes(spawn.step, spawn.addedBy);
+    When goes(spawn.removeAt, spawn.removedBy >= 0 ? spawn.removedBy : kAfter);
     const auto cleared = std::lower_bound(m_clears.begin(), m_clears.end(), comes);
     const bool byClear = cleared != m_clears.end() && (spawn.removeAt < 0 || *cleared < goes);
     if (byClear) goes = *cleared;
-    const std::string who =
+    const std::string subject =
         "at step " + std::to_string(use.when.first) + " '" + spawn.body.name + "' does not exist: it ";
     if (use.when < comes) {
       failAt(file, *use.place,
-             who + "is added at " + std::to_string(comes.first) +
+             subject + "is added at " + std::to_string(comes.first) +
                  (use.when.first == comes.first ? ", by a later event of the file" : ""));
     }
     if ((byClear || spawn.removeAt >= 0) && use.when > goes) {
-      failAt(file, *use.place, who + (byClear ? "is cleared at " : "is removed at ") + std::to_string(goes.first));
+      failAt(file, *use.place, subject + (byClear ? "is cleared at " : "is removed at ") + std::to_string(goes.first));
     }
   }
 }

@@ -30,7 +30,7 @@ struct SceneFile::Parsed {
   std::vector<int> dimensions;
   std::vector<SceneParameter> parameters;
   std::uint64_t seed = 1;
-  Features needs;
+  PhysicsModel model;
   toml::table table;
   SceneMeshes meshes;
 };
@@ -49,7 +49,7 @@ template <int D>
 void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec<D>& scene);
 
 /// Throws UserError with the valid names.
-void setFeature(Features& features, const std::string& name);
+void setModelFlag(PhysicsModel& model, const std::string& name);
 
 /// Names of numbers that the scene language itself sets.
 inline constexpr const char* kSetNames[] = {"dimension", "k", "part", "step"};

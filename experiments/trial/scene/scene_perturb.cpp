@@ -38,7 +38,7 @@ void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed) {
     // Drawn for every body: a pinned or non-rotating body then does not shift the numbers of others.
     const Vec<D> shift = drawn<Vec<D>>(random, amount);
     const Ang<D> turn = drawn<Ang<D>>(random, amount);
-    const bool turns = body.rotatable && scene.settings.features.rotation;
+    const bool turns = body.rotatable && scene.settings.model.rotation;
     const Rot<D> q = turns ? Rot<D>(rotationOf(turn) * body.X_WB.q) : body.X_WB.q;
     if (body.pinned) {  // it turns about its centre of mass, which is fixed
       const Vec<D> center = centerOf(body);

@@ -52,17 +52,17 @@ void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec
   } catch (const UserError& e) {
     top.fail(*top.find("saved"), e.what());
   }
-  const std::string needs = featuresText(world.settings().features);
-  if (featuresText(parsed.needs) != needs) {
+  const std::string needs = modelText(world.settings().model);
+  if (modelText(parsed.model) != needs) {
     const toml::node* own = top.find("needs");
     top.fail(own ? *own : *top.find("saved"), "the saved world has the model '" + needs + "', the scene '" +
-                                                  featuresText(parsed.needs) + "'; valid: the same");
+                                                  modelText(parsed.model) + "'; valid: the same");
   }
   scene.settings = world.settings();
   for (std::int32_t i = 0; i < world.bodies().size(); ++i) {
     if (!world.bodies().used[static_cast<std::size_t>(i)]) continue;
-    const Handle body = world.handle(i);
-    scene.spawns.push_back({.body = world.definition(body), .there = body});
+    const BodyHandle body = world.handle(i);
+    scene.spawns.push_back({.body = world.definition(body), .existing = body});
   }
 }
 

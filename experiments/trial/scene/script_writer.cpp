@@ -289,7 +289,7 @@ void ScriptWriter<D>::merge(long step, const std::string& into, const std::strin
 }
 
 template <int D>
-void ScriptWriter<D>::takeApart(long step, const std::string& body, std::span<const std::string> names) {
+void ScriptWriter<D>::splitByShape(long step, const std::string& body, std::span<const std::string> names) {
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "" : ", ") + inQuotes(name);
   event("take_apart", step, keyLine("body", inQuotes(body)) + keyLine("names", "[" + all + "]"));
@@ -316,7 +316,7 @@ void ScriptWriter<D>::clear(long step) {
 }
 
 template <int D>
-void ScriptWriter<D>::exchange(long step, const Pipeline& pipeline) {
+void ScriptWriter<D>::setPipeline(long step, const Pipeline& pipeline) {
   event("exchange", step, keyLine("pipeline", inQuotes(pipeline.text())));
 }
 

@@ -12,7 +12,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Bodies, joints and forces are named as in a script: by a name from `add` or `takeApart`, by the scene's name, or
+/// Bodies, joints and forces are named as in a script: by a name from `add` or `splitByShape`, by the scene's name, or
 /// "#12", the thirteenth of the scene. `step`: number of steps of the script's world, including those before a `clear`.
 /// Calls come in the order of the actions. All throw UserError, and write nothing, for what a script cannot express:
 /// names with line breaks, numbers that are not finite, user data.
@@ -44,12 +44,12 @@ class ScriptWriter {
   void removeForce(long step, const std::string& force);
   void merge(long step, const std::string& into, const std::string& other);
   /// One name for each shape; the first is the body itself, which also keeps its former name.
-  void takeApart(long step, const std::string& body, std::span<const std::string> names);
+  void splitByShape(long step, const std::string& body, std::span<const std::string> names);
   void wake(long step, const std::string& body);
   void wakeAll(long step);
   void gravity(long step, const Vec<D>& gravity);
   void clear(long step);
-  void exchange(long step, const Pipeline& pipeline);
+  void setPipeline(long step, const Pipeline& pipeline);
   struct Material {
     std::optional<Real> friction = {}, restitution = {}, density = {};
   };

@@ -24,7 +24,7 @@ std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const S
   if (scene.saved.empty()) return world;
   std::istringstream in(scene.saved);
   world->load(in);
-  const std::string has = featuresText(world->settings().features), asked = featuresText(scene.settings.features);
+  const std::string has = modelText(world->settings().model), asked = modelText(scene.settings.model);
   if (has != asked)
     throw UserError("the model of a saved world cannot be changed: it is '" + has + "', asked: '" + asked + "'");
   return world;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "experiments/sandbox/lane_label.h"
+#include "experiments/sandbox/competitor_label.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -47,17 +47,17 @@ std::string labelOf(const std::string& text, int dimension, bool inShort) {
 
 }  // namespace
 
-std::string laneLabel(const std::string& text, int dimension) { return labelOf(text, dimension, false); }
-std::string laneTitle(const std::string& text, int dimension) { return labelOf(text, dimension, true); }
+std::string competitorLabel(const std::string& text, int dimension) { return labelOf(text, dimension, false); }
+std::string competitorTitle(const std::string& text, int dimension) { return labelOf(text, dimension, true); }
 
 template <int D>
-std::string laneState(const Session<D>& session, std::size_t lane) {
-  const auto& l = session.lanes()[lane];
+std::string competitorState(const Session<D>& session, std::size_t competitor) {
+  const auto& l = session.competitors()[competitor];
   if (!l.fallen.empty()) return l.fallen;
   char text[64];
   std::snprintf(text, sizeof text, "%.3g ms", 1e3 * medianTime(l.samples));
   std::string out = text;
-  if (lane == 0 || l.samples.empty()) return out;
+  if (competitor == 0 || l.samples.empty()) return out;
   const double error = l.samples.back().error;
   out += error > 0 ? ", " + lengthText(error) + " off" : ", equal to the first";
   return l.partedAt < 0 ? out : out + ", diverged at step " + std::to_string(l.partedAt);
@@ -101,7 +101,7 @@ std::vector<std::string> brokenIntoLines(const std::string& text, std::size_t wi
   return out;
 }
 
-template std::string laneState(const Session<2>&, std::size_t);
-template std::string laneState(const Session<3>&, std::size_t);
+template std::string competitorState(const Session<2>&, std::size_t);
+template std::string competitorState(const Session<3>&, std::size_t);
 
 }}  // namespace lpc::LPC_PRECISION

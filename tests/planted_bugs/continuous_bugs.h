@@ -40,9 +40,9 @@ class PlantedContinuous final : public ContinuousCollision<D> {
             .role = AlgorithmRole::witness};
   }
 
-  Lookout lookout() const override { return Lookout::after; }
+  CcdPhase ccdPhase() const override { return CcdPhase::after; }
   Real threshold() const override { return m_bug == Bug::everyone ? Real(-1) : m_right->threshold(); }
-  void meetings(std::span<const FastPair<D>> pairs, Real duration, std::span<Real> t, WorkDone& work) override {
+  void timesOfImpact(std::span<const FastPair<D>> pairs, Real duration, std::span<Real> t, WorkDone& work) override {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       FastPair<D> p = pairs[i];
       const Shape<D> a = Shape<D>::sphere(p.a.inner), b = Shape<D>::sphere(p.b.inner);
@@ -54,7 +54,7 @@ class PlantedContinuous final : public ContinuousCollision<D> {
               std::swap(p.fastA, p.fastB);
         }
       }
-      m_right->meetings({&p, 1}, duration, t.subspan(i, 1), work);
+      m_right->timesOfImpact({&p, 1}, duration, t.subspan(i, 1), work);
       if (m_bug == Bug::late) t[i] += duration / 100;
       if (m_bug == Bug::blindToFast && p.fastA && p.fastB) t[i] = std::numeric_limits<Real>::infinity();
       if (m_bug == Bug::stopsAll) t[i] = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A script of the user's actions replays the session exactly, also in scenes with events and scripts of their own. In
 // each step the user's actions come after all events and before the bodies and joints that wait for events.
-#include "experiments/sandbox/deed_script.h"
+#include "experiments/sandbox/action_script.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "tests/check_property.h"
 #include "tests/draw.h"
 
-namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace deed_script_test { namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace action_script_test { namespace {
 
 // Bodies that are added and removed by the scene; one body added by an event, and a joint that waits for it; a body
 // with the name that the user's first body might get; and events in most steps.
@@ -104,20 +104,20 @@ class LateSession {
     ++m_steps;
     m_director.advance(*m_world);
   }
-  void perform(typename Deed<D>::What what) {
-    const Deed<D> deed{m_steps, std::move(what)};
-    Cast<D> cast(m_director, m_hand);
-    play(deed, 0, *m_world, cast);
-    m_deeds.push_back(deed);
+  void perform(typename Action<D>::What what) {
+    const Action<D> action{m_steps, std::move(what)};
+    BodyNumbers<D> numbers(m_director, m_hand);
+    play(action, 0, *m_world, numbers);
+    m_actions.push_back(action);
   }
   bool fallen() const { return false; }
   long steps() const { return m_steps; }
-  const std::vector<Deed<D>>& deeds() const { return m_deeds; }
+  const std::vector<Action<D>>& actions() const { return m_actions; }
   const SceneSpec<D>& scene() const { return m_director.scene(); }
   int bodies() const { return static_cast<int>(scene().spawns.size() + m_hand.size()); }
-  Handle handle(int body) {
-    Cast<D> cast(m_director, m_hand);
-    return cast[body];
+  BodyHandle handle(int body) {
+    BodyNumbers<D> numbers(m_director, m_hand);
+    return numbers[body];
   }
   const World<D>& world() const { return *m_world; }
   const World<D>* ready() const { return m_world.get(); }
@@ -125,13 +125,13 @@ class LateSession {
  private:
   std::unique_ptr<World<D>> m_world;
   Director<D> m_director;
-  std::vector<Handle> m_hand;
-  std::vector<Deed<D>> m_deeds;
+  std::vector<BodyHandle> m_hand;
+  std::vector<Action<D>> m_actions;
   long m_steps = 0;
 };
 
 template <int D, class S>
-void drawDeed(Draw& draw, S& session) {
+void drawAction(Draw& draw, S& session) {
   const auto& scene = session.scene();
   // Bodies that a later event of the scene names must stay.
   const auto kept = [&](int body) {
@@ -140,7 +140,7 @@ void drawDeed(Draw& draw, S& session) {
   };
   std::vector<int> there, movable;  // of dynamic bodies
   for (int body = 0; body < session.bodies(); ++body) {
-    const Handle h = session.handle(body);
+    const BodyHandle h = session.handle(body);
     if (!session.world().valid(h)) continue;
     if (session.world().bodies().type[static_cast<std::size_t>(h.slot)] != BodyType::dynamic) continue;
     there.push_back(body);
@@ -171,7 +171,7 @@ void drawDeed(Draw& draw, S& session) {
       const int whole = one(movable);
       int shapes = 0;
       for (const ShapeRecord<D>& s : session.world().shapes()) shapes += s.body == session.handle(whole).slot;
-      return session.perform(TakeApart{whole, shapes});
+      return session.perform(SplitByShape{whole, shapes});
     }
     case 4:
       return session.perform(PushBody<D>{body, v});
@@ -210,12 +210,12 @@ void isItsScript() {
   S session(file.build<D>(given, 1), {""});
   std::vector<std::uint64_t> seen;
   while (session.steps() < kSteps) {
-    for (int n = draw.below(3); n > 0; --n) drawDeed<D>(draw, session);
+    for (int n = draw.below(3); n > 0; --n) drawAction<D>(draw, session);
     seen.push_back(session.ready()->hash());
     session.step();
     RC_ASSERT(!session.fallen());
   }
-  const std::string text = scriptOf<D>(session.deeds(), kNamed(session.scene()), file, session.steps());
+  const std::string text = scriptOf<D>(session.actions(), kNamed(session.scene()), file, session.steps());
   SceneSpec<D> again;
   try {
     again = SceneFile::parse(kScene, "busy.toml", text, "by_hand.toml").build<D>(given, 1);
@@ -250,7 +250,7 @@ TEST(SandboxScript, ActionsBeforeTheNextStepAreIncluded) {
   for (int i = 0; i < 5; ++i) session.step();
   session.perform(SetGravity<2>{Vec<2>(0, -1)});
   const auto steps = [&] {
-    const std::string text = scriptOf<2>(session.deeds(), session.scene(), file, session.steps());
+    const std::string text = scriptOf<2>(session.actions(), session.scene(), file, session.steps());
     return SceneFile::parse(kScene, "busy.toml", text, "by_hand.toml").build<2>({}, 1).steps;
   };
   EXPECT_EQ(steps(), session.scene().steps);
@@ -271,10 +271,10 @@ TEST(SandboxScript, ContinuesFromItsOwnScript) {
     session.perform(AddBody<2>{ball});
     session.perform(PushBody<2>{session.bodies() - 1, Vec<2>(1, 0)});
     last = session.ready()->hash();
-    text = scriptOf<2>(session.deeds(), session.scene(), file, session.steps());
+    text = scriptOf<2>(session.actions(), session.scene(), file, session.steps());
   }
   EXPECT_NE(text.find("\"hand4_0\""), text.npos) << text;
 }
 
 }  // namespace
-}}}}  // namespace lpc::LPC_PRECISION::test::deed_script_test
+}}}}  // namespace lpc::LPC_PRECISION::test::action_script_test

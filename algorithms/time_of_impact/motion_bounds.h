@@ -2,7 +2,7 @@
 // What two moving shapes can do along a direction n, the whole step long. With S_n(t) their separation along n (S_n <=
 // phi, and equal for the n of phi),
 //
-//   S_n(t + h) >= S_n(t) - closing(n) h                                   n still in the world (Mirtich 1996)
+//   S_n(t + h) >= S_n(t) - closingSpeed(n) h                                   n still in the world (Mirtich 1996)
 //   S_n(s) >= chord of S_n from t to u - bend / 2 (s - t)(u - s)          t <= s <= u, n still in a frame
 //
 // since the place of each point along n is a function with that slope, or that second derivative, at most, and S_n is
@@ -21,9 +21,9 @@ namespace lpc { inline namespace LPC_PRECISION { namespace continuous {
 enum class AxisFrame { world, bodyA, bodyB };
 
 template <int D>
-class Closing {
+class MotionBounds {
  public:
-  explicit Closing(const MovingPair<D>& pair)
+  explicit MotionBounds(const MovingPair<D>& pair)
       : m_pair(pair),
         m_reachA(reach(pair.a, pair.A)),
         m_reachB(reach(pair.b, pair.B)),
@@ -32,7 +32,7 @@ class Closing {
         m_speed((pair.A.motion.v - pair.B.motion.v).norm()) {}
 
   /// The largest rate (m/s) at which S_n can fall, n a unit vector fixed in the world; negative if it certainly rises.
-  Real closing(const Vec<D>& n) const {
+  Real closingSpeed(const Vec<D>& n) const {
     return (m_pair.A.motion.v - m_pair.B.motion.v).dot(n) + cross(m_pair.A.motion.w, n).norm() * m_reachA +
            cross(m_pair.B.motion.w, n).norm() * m_reachB;
   }
@@ -109,8 +109,8 @@ struct GapSeen {
 /// Queries the gap at out.t and writes the resulting state. Returns false if the method cannot continue: contact, a
 /// failed query, or a gap without a number, a direction or a speed.
 template <int D>
-bool look(PairQuery<D>& query, const MovingPair<D>& pair, const Closing<D>& closing, Real tolerance, PairMemory& memory,
-          TimeOfImpactAnswer<D>& out, GapSeen<D>& seen, WorkDone& work) {
+bool look(PairQuery<D>& query, const MovingPair<D>& pair, const MotionBounds<D>& bounds, Real tolerance,
+          PairMemory& memory, TimeOfImpactAnswer<D>& out, GapSeen<D>& seen, WorkDone& work) {
   LPC_ASSERT(pair.a.core() != CoreClass::plane || pair.A.motion.w.isZero(0));
   LPC_ASSERT(pair.b.core() != CoreClass::plane || pair.B.motion.w.isZero(0));
   const PairView<D> view = pair.at(out.t);
@@ -118,15 +118,15 @@ bool look(PairQuery<D>& query, const MovingPair<D>& pair, const Closing<D>& clos
   ask(QueryNeed::distance);
   out.status = out.there.status;
   if (out.status == QueryStatus::failed || out.status == QueryStatus::refused) return false;
-  seen.band = tolerance * closing.size(view);
+  seen.band = tolerance * bounds.size(view);
   out.hit = std::isfinite(out.there.distance) && out.there.distance <= seen.band;
   if (out.hit) {
-    ask(QueryNeed::witnesses);
+    ask(QueryNeed::closestPoints);
     return false;
   }
   seen.gap = out.there.distance - seen.band / 2;  // so that rounding does not cross contact
   seen.n = pair.A.bodyAt(out.t).q * (pair.A.X_CS.q * out.there.normal);
-  seen.speed = closing.closing(seen.n);
+  seen.speed = bounds.closingSpeed(seen.n);
   const bool directed = std::abs(seen.n.squaredNorm() - 1) < kUnitTolerance * 16;
   if (!std::isfinite(seen.gap) || !directed || !std::isfinite(seen.speed)) {
     out.status = QueryStatus::failed;

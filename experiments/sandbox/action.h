@@ -14,16 +14,16 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 /// Bodies by number: those of the scene in the order of their addition, then those added by hand.
 template <int D>
-class Cast {
+class BodyNumbers {
  public:
-  Cast(const Director<D>& scene, std::vector<Handle>& hand) : m_scene(scene), m_hand(hand) {}
+  BodyNumbers(const Director<D>& scene, std::vector<BodyHandle>& hand) : m_scene(scene), m_hand(hand) {}
   /// An invalid handle if the body has not been added.
-  Handle operator[](int body) const;
-  void add(Handle body) { m_hand.push_back(body); }
+  BodyHandle operator[](int body) const;
+  void add(BodyHandle body) { m_hand.push_back(body); }
 
  private:
   const Director<D>& m_scene;
-  std::vector<Handle>& m_hand;
+  std::vector<BodyHandle>& m_hand;
 };
 
 template <int D>
@@ -65,7 +65,7 @@ struct MergeBodies {
   int into, other;
 };
 /// The first shape stays with the body; the others become new bodies.
-struct TakeApart {
+struct SplitByShape {
   int body;
   int shapes;  // number of shapes of the body
 };
@@ -84,15 +84,15 @@ struct ChangeBody {
   std::optional<BodyType> type = {};
 };
 /// Changes one competitor only.
-struct ExchangeStages {
-  int lane;
+struct SetPipeline {
+  int competitor;
   std::string pipeline;
 };
 
 template <int D>
-struct Deed {
+struct Action {
   using What = std::variant<AddBody<D>, RemoveBody, PushBody<D>, PullBody<D>, SetBody<D>, JoinBodies<D>, MergeBodies,
-                            TakeApart, WakeBodies, SetGravity<D>, ChangeBody, ExchangeStages>;
+                            SplitByShape, WakeBodies, SetGravity<D>, ChangeBody, SetPipeline>;
   long step;  // before this one
   What what;
 };
@@ -100,6 +100,6 @@ struct Deed {
 /// Throws UserError, with the reason, if the world rejects it, or if the simulation is not a `World` and only that
 /// could do it.
 template <int D>
-void play(const Deed<D>& deed, int lane, Simulation<D>& world, Cast<D>& cast);
+void play(const Action<D>& action, int competitor, Simulation<D>& world, BodyNumbers<D>& numbers);
 
 }}  // namespace lpc::LPC_PRECISION

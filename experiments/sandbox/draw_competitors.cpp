@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "experiments/sandbox/app.h"
-#include "experiments/sandbox/lane_colours.h"
-#include "experiments/sandbox/lane_label.h"
+#include "experiments/sandbox/competitor_colours.h"
+#include "experiments/sandbox/competitor_label.h"
 #include "experiments/sandbox/look_at_all.h"
 #include "experiments/sandbox/panels.h"
 #include "experiments/sandbox/pick.h"
@@ -44,10 +44,10 @@ Tile viewIn(const Tile& tile, int head) {
 }
 
 template <int D>
-void drawTitle(App<D>& app, std::size_t lane) {
-  const Tile &top = app.titles[lane], &view = app.views[lane];
+void drawTitle(App<D>& app, std::size_t competitor) {
+  const Tile &top = app.titles[competitor], &view = app.views[competitor];
   const Tile tile{top.left, top.top, top.width, view.top + view.height + 1 - top.top};
-  const LaneLook& look = app.laneLooks()[lane];
+  const CompetitorLook& look = app.competitorLooks()[competitor];
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddRectFilled(cornerOf(top), endOf(top), IM_COL32(240, 240, 238, 255));
   list.AddRect(cornerOf(tile), endOf(tile), IM_COL32(190, 190, 190, 255));
@@ -56,7 +56,7 @@ void drawTitle(App<D>& app, std::size_t lane) {
   const ImVec2 at(static_cast<float>(tile.left + kPad), static_cast<float>(tile.top + kPad));
   list.AddRectFilled(at, {at.x + size, at.y + size}, packed(look.colour));
   const float x = at.x + size + kPad;
-  list.AddText({x, at.y}, IM_COL32_BLACK, std::to_string(lane + 1).c_str());
+  list.AddText({x, at.y}, IM_COL32_BLACK, std::to_string(competitor + 1).c_str());
   const float indent = static_cast<float>(tile.left) + indentOf();
   float y = at.y;
   const auto words = [&](const std::string& text, int lines) {
@@ -67,7 +67,7 @@ void drawTitle(App<D>& app, std::size_t lane) {
   };
   words(look.title, app.titleLines);
   y = at.y + static_cast<float>(app.titleLines) * line;
-  const std::string state = laneState(app.session, lane);
+  const std::string state = competitorState(app.session, competitor);
   words(state.size() <= charactersIn(tile) ? state : inFewerWords(state), 1);
   list.PopClipRect();
   if (ImGui::IsMouseHoveringRect(cornerOf(top), endOf(top), false) && !ImGui::GetIO().WantCaptureMouse) {
@@ -78,43 +78,45 @@ void drawTitle(App<D>& app, std::size_t lane) {
 }  // namespace
 
 template <int D>
-const std::vector<LaneLook>& App<D>::laneLooks() {
-  const auto& lanes = session.lanes();
-  if (std::equal(lanes.begin(), lanes.end(), m_laneLooks.begin(), m_laneLooks.end(),
-                 [](const auto& lane, const LaneLook& look) { return lane.pipeline == look.pipeline; })) {
-    return m_laneLooks;
+const std::vector<CompetitorLook>& App<D>::competitorLooks() {
+  const auto& competitors = session.competitors();
+  if (std::equal(
+          competitors.begin(), competitors.end(), m_competitorLooks.begin(), m_competitorLooks.end(),
+          [](const auto& competitor, const CompetitorLook& look) { return competitor.pipeline == look.pipeline; })) {
+    return m_competitorLooks;
   }
   std::vector<std::string> pipelines;
-  for (const auto& lane : lanes) pipelines.push_back(lane.pipeline);
-  const std::vector<DrawColour> colours = laneColours(pipelines, D);
-  m_laneLooks.clear();
-  for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
-    const std::string& pipeline = pipelines[lane];
-    m_laneLooks.push_back({pipeline, laneLabel(pipeline, D), laneTitle(pipeline, D), colours[lane]});
+  for (const auto& competitor : competitors) pipelines.push_back(competitor.pipeline);
+  const std::vector<DrawColour> colours = competitorColours(pipelines, D);
+  m_competitorLooks.clear();
+  for (std::size_t competitor = 0; competitor < competitors.size(); ++competitor) {
+    const std::string& pipeline = pipelines[competitor];
+    m_competitorLooks.push_back(
+        {pipeline, competitorLabel(pipeline, D), competitorTitle(pipeline, D), colours[competitor]});
   }
-  return m_laneLooks;
+  return m_competitorLooks;
 }
 
 // With several competitors, titles and legend must not cover bodies; with one, the status lines are in the border.
 template <int D>
 void App<D>::arrange() {
-  const std::size_t lanes = session.lanes().size();
+  const std::size_t competitors = session.competitors().size();
   Tile area{0, 0, window.width(), window.height()};
-  if (lanes > 1) {
+  if (competitors > 1) {
     area.top = static_cast<int>(std::ceil(ImGui::GetFrameHeight()));
     area.height = std::max(area.height - area.top - statusHeight(*this), 1);
   }
-  views.assign(lanes, area), titles.clear();
+  views.assign(competitors, area), titles.clear();
   if (isSideBySide()) {
-    const std::array<int, 4> chosenFor = {static_cast<int>(lanes), area.width, window.height(), 1};
+    const std::array<int, 4> chosenFor = {static_cast<int>(competitors), area.width, window.height(), 1};
     if (m_lookDue || m_columnsFor != chosenFor) {
-      const int columns = columnsFor(camera, session.world(), lanes, area, titleHeight(1));
+      const int columns = columnsFor(camera, session.world(), competitors, area, titleHeight(1));
       m_lookDue |= columns != m_columns || m_columnsFor != chosenFor;
       m_columns = columns, m_columnsFor = chosenFor;
     }
-    views = tilesOf(lanes, m_columns, area);
+    views = tilesOf(competitors, m_columns, area);
     titleLines = 1;
-    for (const LaneLook& look : laneLooks()) {
+    for (const CompetitorLook& look : competitorLooks()) {
       const auto lines = brokenIntoLines(look.title, charactersIn(views[0]), kMostTitle);
       titleLines = std::max(titleLines, static_cast<int>(lines.size()));
     }
@@ -130,8 +132,8 @@ void App<D>::arrange() {
 }
 
 template <int D>
-void App<D>::lookInto(std::size_t lane) {
-  const Tile& view = views[lane];
+void App<D>::lookInto(std::size_t competitor) {
+  const Tile& view = views[competitor];
   camera.resize(view.width, view.height, view.left, view.top);
 }
 
@@ -141,12 +143,12 @@ Vec<2> App<D>::inFirstView(const Vec<2>& pixel) {
   const auto at = std::find_if(views.begin(), views.end(), [&](const Tile& view) { return view.has(pixel); });
   if (m_holding || at == views.end()) return pixel + m_shift;
   m_shift = Vec<2>(views[0].left - at->left, views[0].top - at->top);
-  const auto lane = static_cast<std::size_t>(at - views.begin());
-  if (!isSideBySide() || lane == 0 || lane >= session.lanes().size()) return pixel + m_shift;
-  const Picked<D> picked = pick(session.world(lane), camera, Vec<2>(pixel + m_shift));
-  const int body = picked.slot < 0 ? -1 : session.bodyAt(picked.slot, lane);
+  const auto competitor = static_cast<std::size_t>(at - views.begin());
+  if (!isSideBySide() || competitor == 0 || competitor >= session.competitors().size()) return pixel + m_shift;
+  const Picked<D> picked = pick(session.world(competitor), camera, Vec<2>(pixel + m_shift));
+  const int body = picked.slot < 0 ? -1 : session.bodyAt(picked.slot, competitor);
   if (body < 0 || !session.world().valid(session.handle(body))) return pixel + m_shift;
-  const Pose<D> X_WB = session.world(lane).pose(session.handle(body, lane));
+  const Pose<D> X_WB = session.world(competitor).pose(session.handle(body, competitor));
   const Vec<D> there = session.world().pose(session.handle(body)) * (X_WB.inverse() * picked.point);
   if (const Vec<2> seen = camera.toPixel(there); seen.allFinite()) m_shift = seen - pixel;
   return pixel + m_shift;
@@ -154,19 +156,19 @@ Vec<2> App<D>::inFirstView(const Vec<2>& pixel) {
 
 template <int D>
 void App<D>::drawOverlaid() {
-  const std::size_t lanes = session.lanes().size();
+  const std::size_t competitors = session.competitors().size();
   DrawLayers drawn = layers;
   m_canvas.begin(camera);
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    if (lane > 0) drawn.tint = laneLooks()[lane].colour;
-    drawSimulation(session.world(lane), drawn, m_canvas);
+  for (std::size_t competitor = 0; competitor < competitors; ++competitor) {
+    if (competitor > 0) drawn.tint = competitorLooks()[competitor].colour;
+    drawSimulation(session.world(competitor), drawn, m_canvas);
   }
   DrawLayers outlines;
   outlines.shapes = layers.shapes;
-  for (std::size_t lane = 1; lane < lanes && lanes > 2; ++lane) {
-    m_canvas.dash(static_cast<int>(lane) - 1, static_cast<int>(lanes) - 1);
-    outlines.tint = laneLooks()[lane].colour;
-    drawSimulation(session.world(lane), outlines, m_canvas);
+  for (std::size_t competitor = 1; competitor < competitors && competitors > 2; ++competitor) {
+    m_canvas.dash(static_cast<int>(competitor) - 1, static_cast<int>(competitors) - 1);
+    outlines.tint = competitorLooks()[competitor].colour;
+    drawSimulation(session.world(competitor), outlines, m_canvas);
   }
   drawHand();
   m_canvas.end();
@@ -174,13 +176,13 @@ void App<D>::drawOverlaid() {
 
 template <int D>
 void App<D>::drawSideBySide() {
-  for (std::size_t lane = 0; lane < session.lanes().size(); ++lane) {
-    lookInto(lane);
+  for (std::size_t competitor = 0; competitor < session.competitors().size(); ++competitor) {
+    lookInto(competitor);
     m_canvas.begin(camera);
-    drawSimulation(session.world(lane), layers, m_canvas);
-    lane == 0 ? drawHand() : hand.drawSelected(lane, m_canvas);
+    drawSimulation(session.world(competitor), layers, m_canvas);
+    competitor == 0 ? drawHand() : hand.drawSelected(competitor, m_canvas);
     m_canvas.end();
-    drawTitle(*this, lane);
+    drawTitle(*this, competitor);
   }
   lookInto(0);  // the mouse acts in the first view
 }
@@ -200,7 +202,7 @@ template void App<2>::drawOverlaid();
 template void App<3>::drawOverlaid();
 template void App<2>::drawSideBySide();
 template void App<3>::drawSideBySide();
-template const std::vector<LaneLook>& App<2>::laneLooks();
-template const std::vector<LaneLook>& App<3>::laneLooks();
+template const std::vector<CompetitorLook>& App<2>::competitorLooks();
+template const std::vector<CompetitorLook>& App<3>::competitorLooks();
 
 }}  // namespace lpc::LPC_PRECISION

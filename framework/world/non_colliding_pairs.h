@@ -12,7 +12,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// Pairs of jointed bodies that do not collide with each other.
-class UnpairedBodies {
+class NonCollidingPairs {
  public:
   /// Replaces the pairs by those of these joints.
   template <int D>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "experiments/sandbox/lane_colours.h"
+#include "experiments/sandbox/competitor_colours.h"
 
 #include <algorithm>
 #include <array>
@@ -102,7 +102,7 @@ double difference(const DrawColour& a, const DrawColour& b) {
   return std::sqrt((x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]));
 }
 
-std::vector<DrawColour> laneColours(const std::vector<std::string>& texts, int dimension) {
+std::vector<DrawColour> competitorColours(const std::vector<std::string>& texts, int dimension) {
   std::vector<Pipeline> pipelines;
   for (const std::string& text : texts) {
     if (!engineOf(text)) pipelines.push_back(Pipeline::parse(canonicalText(Pipeline::parse(text), dimension)));
@@ -115,12 +115,12 @@ std::vector<DrawColour> laneColours(const std::vector<std::string>& texts, int d
     return least;
   };
   std::size_t next = 0;
-  for (std::size_t lane = 0; lane < texts.size(); ++lane) {  // all families before repeated ones
-    const auto engine = engineOf(texts[lane]);
+  for (std::size_t competitor = 0; competitor < texts.size(); ++competitor) {  // all families before repeated ones
+    const auto engine = engineOf(texts[competitor]);
     const Spec& spec = engine ? *engine : pipelines[next++][stage];
     const Spec* velocity = spec.find("velocity");  // charts name a split solver by it
     const DrawColour wanted = reportColour(stageInfo(stage).group, velocity ? velocity->name : spec.name);
-    if (nearest(wanted) >= kToldApart) out[lane] = wanted;
+    if (nearest(wanted) >= kToldApart) out[competitor] = wanted;
   }
   std::vector<DrawColour> all;
   for (auto& colour : out) {

@@ -86,7 +86,7 @@ class TwinResolver final : public VelocityResolver<D> {
       c.impulse[0] = m_bug == Bug::pulls ? old + wanted : std::max(old + wanted, Real(0));
     }
     apply(in.bodies, m.bodyA, m.bodyB, p, m.normal * (c.impulse[0] - old));
-    if (!(m.friction > 0) || !in.features.friction) return;
+    if (!(m.friction > 0) || !in.model.friction) return;
     RealMatrix<D, D - 1> t = tangents(m.normal);
     RealMatrix<D - 1, 1> before, after;
     const Real step = leastMass(in.bodies, m.bodyA, m.bodyB, p);
@@ -169,7 +169,7 @@ class TwinSolver final : public Solver<D> {
     }
     const struct : PositionResolver<D> {
     } none;
-    m_resolver.solve({in.dt, in.lastDt, bodies, in.manifolds, in.active, in.joints, none, in.features,
+    m_resolver.solve({in.dt, in.lastDt, bodies, in.manifolds, in.active, in.joints, none, in.model,
                       in.restitutionThreshold, in.work, in.profiler});
     for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
       if (bodies.type[i] == BodyType::fixed) continue;

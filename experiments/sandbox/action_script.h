@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "experiments/sandbox/deed.h"
+#include "experiments/sandbox/action.h"
 #include "experiments/trial/scene/scene_file.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -13,6 +13,6 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// --script FILE` repeats them. A script of the scene is included. `steps`: number of steps made; if actions precede
 /// the next step, the script runs as long as the scene. Throws UserError for actions that a script cannot express.
 template <int D>
-std::string scriptOf(std::span<const Deed<D>> deeds, const SceneSpec<D>& scene, const SceneFile& file, long steps);
+std::string scriptOf(std::span<const Action<D>> actions, const SceneSpec<D>& scene, const SceneFile& file, long steps);
 
 }}  // namespace lpc::LPC_PRECISION

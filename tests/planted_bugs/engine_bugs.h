@@ -41,7 +41,7 @@ class Twin final : public Simulation<D>, public ChangesGravity<D> {
   Twin(std::unique_ptr<Simulation<D>> inner, Changes<D> changes)
       : m_inner(std::move(inner)), m_changes(std::move(changes)) {}
 
-  Handle add(const BodyDef<D>& def) override {
+  BodyHandle add(const BodyDef<D>& def) override {
     BodyDef<D> changed = def;
     m_changes.body(changed);
     return m_inner->add(changed);
@@ -51,27 +51,27 @@ class Twin final : public Simulation<D>, public ChangesGravity<D> {
     m_changes.joint(changed);
     return m_inner->add(changed);
   }
-  void setPose(Handle body, const Pose<D>& X_WB) override {
+  void setPose(BodyHandle body, const Pose<D>& X_WB) override {
     Pose<D> changed = X_WB;
     m_changes.pose(changed);
     m_inner->setPose(body, changed);
   }
-  void setMotion(Handle body, const Motion<D>& motion) override {
+  void setMotion(BodyHandle body, const Motion<D>& motion) override {
     Motion<D> changed = motion;
     m_changes.motion(changed);
     m_inner->setMotion(body, changed);
   }
-  void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override {
+  void applyForce(BodyHandle body, const Vec<D>& force, const Vec<D>& point) override {
     Vec<D> changedForce = force, changedPoint = point;
     m_changes.force(changedForce, changedPoint);
     m_inner->applyForce(body, changedForce, changedPoint);
   }
-  void applyTorque(Handle body, const Ang<D>& torque) override {
+  void applyTorque(BodyHandle body, const Ang<D>& torque) override {
     Ang<D> changed = torque;
     m_changes.torque(changed);
     m_inner->applyTorque(body, changed);
   }
-  void applyImpulse(Handle body, const Wrench<D>& impulse) override {
+  void applyImpulse(BodyHandle body, const Wrench<D>& impulse) override {
     Wrench<D> changed = impulse;
     m_changes.impulse(changed);
     m_inner->applyImpulse(body, changed);
@@ -84,7 +84,7 @@ class Twin final : public Simulation<D>, public ChangesGravity<D> {
   ForceHandle add(const ForceDef<D>& def) override { return m_inner->add(def); }
   void remove(ForceHandle force) override { m_inner->remove(force); }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override { m_inner->add(std::move(generator)); }
-  void remove(Handle body) override { m_inner->remove(body); }
+  void remove(BodyHandle body) override { m_inner->remove(body); }
   void remove(JointHandle joint) override { m_inner->remove(joint); }
   void step(Real dt) override { m_inner->step(dt); }
   long stepCount() const override { return m_inner->stepCount(); }
@@ -97,8 +97,8 @@ class Twin final : public Simulation<D>, public ChangesGravity<D> {
   std::optional<std::span<const Manifold<D>>> contacts() const override { return m_inner->contacts(); }
   const WorldSettings<D>& settings() const override { return m_inner->settings(); }
   int bodyCount() const override { return m_inner->bodyCount(); }
-  bool valid(Handle body) const override { return m_inner->valid(body); }
-  Pose<D> pose(Handle body) const override { return m_inner->pose(body); }
+  bool valid(BodyHandle body) const override { return m_inner->valid(body); }
+  Pose<D> pose(BodyHandle body) const override { return m_inner->pose(body); }
   Profiler& profiler() override { return m_inner->profiler(); }
   std::uint64_t hash() const override { return m_inner->hash(); }
 
@@ -243,7 +243,7 @@ Start<D> unbreakable(Start<D> start) {
 template <int D>
 Start<D> alwaysJoined(Start<D> start) {
   return [start](WorldSettings<D> settings) {
-    settings.features.joints = true;
+    settings.model.joints = true;
     return start(settings);
   };
 }

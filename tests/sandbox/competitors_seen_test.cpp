@@ -2,8 +2,8 @@
 // Labels, colours and tiles of several competitors on one screen, without a window.
 #include <gtest/gtest.h>
 
-#include "experiments/sandbox/lane_colours.h"
-#include "experiments/sandbox/lane_label.h"
+#include "experiments/sandbox/competitor_colours.h"
+#include "experiments/sandbox/competitor_label.h"
 #include "experiments/sandbox/tiles.h"
 #include "framework/stage/registry.h"
 #include "framework/world/world.h"
@@ -11,17 +11,17 @@
 #include "tests/draw.h"
 #include "tests/sandbox/box_at.h"
 
-namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace lanes_seen_test { namespace {
+namespace lpc { inline namespace LPC_PRECISION { namespace test { namespace competitors_seen_test { namespace {
 
 // --- labels ---------------------------------------------------------------------------------------------------------
 
 TEST(CompareSeen, TitlesShowDifferences) {
-  EXPECT_EQ(laneTitle("", 2), "the default stages");
-  EXPECT_EQ(laneTitle("solver=soft_step{substeps=2}", 3), "solver=soft_step{substeps=2}");
-  EXPECT_EQ(laneTitle("solver=split_solver{velocity=naive}", 2), "velocity=naive");
-  EXPECT_EQ(laneTitle("solver=split_solver{velocity=catto{iterations=20},position=none} broadphase=naive", 2),
+  EXPECT_EQ(competitorTitle("", 2), "the default stages");
+  EXPECT_EQ(competitorTitle("solver=soft_step{substeps=2}", 3), "solver=soft_step{substeps=2}");
+  EXPECT_EQ(competitorTitle("solver=split_solver{velocity=naive}", 2), "velocity=naive");
+  EXPECT_EQ(competitorTitle("solver=split_solver{velocity=catto{iterations=20},position=none} broadphase=naive", 2),
             "broadphase=naive velocity=catto{iterations=20} position=none");
-  EXPECT_EQ(laneTitle("engine=bullet{iterations=10}", 3), "engine=bullet{iterations=10}");
+  EXPECT_EQ(competitorTitle("engine=bullet{iterations=10}", 3), "engine=bullet{iterations=10}");
   for (const auto& [length, text] : {std::pair(0.0, "0 m"), std::pair(12.345, "12.3 m"), std::pair(0.99996, "1 m"),
                                      std::pair(0.00677, "6.77 mm"), std::pair(3.2e-8, "32 nm")}) {
     EXPECT_EQ(lengthText(length), text);
@@ -61,16 +61,16 @@ void coloursAreToldApart() {
   for (const Registered* r : Registry::instance().list(StageKind::velocity, 2)) {
     known.push_back("solver=split_solver{velocity=" + r->info.name + "}");
   }
-  std::vector<std::string> lanes;
+  std::vector<std::string> competitors;
   for (int i = 0, n = 2 + draw.below(7); i < n; ++i) {
-    lanes.push_back(known[static_cast<std::size_t>(draw.below(static_cast<int>(known.size())))]);
+    competitors.push_back(known[static_cast<std::size_t>(draw.below(static_cast<int>(known.size())))]);
   }
-  std::vector<DrawColour> colours = laneColours(lanes, 2);
+  std::vector<DrawColour> colours = competitorColours(competitors, 2);
   if (kFirstColours) {  // planted: each has its family's colour, whatever the others are
     colours.clear();
-    for (const std::string& lane : lanes) colours.push_back(laneColours({lane}, 2)[0]);
+    for (const std::string& competitor : competitors) colours.push_back(competitorColours({competitor}, 2)[0]);
   }
-  RC_ASSERT(colours.size() == lanes.size());
+  RC_ASSERT(colours.size() == competitors.size());
   for (std::size_t i = 0; i < colours.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) RC_ASSERT(difference(colours[i], colours[j]) >= kToldApart);
   }
@@ -81,10 +81,10 @@ TEST(CompareSeen, ColoursAreDistinct) {
 }
 
 TEST(CompareSeen, ColoursStayWithTheCompetitor) {
-  const DrawColour soft = laneColours({"", "solver=soft_step"}, 2)[1];
-  EXPECT_EQ(laneColours({"solver=soft_step{substeps=2}", "solver=avbd", ""}, 3)[0], soft);
-  EXPECT_EQ(laneColours({"", "engine=stand_in", "solver=soft_step sleep=none"}, 2)[2], soft);
-  EXPECT_NE(laneColours({"solver=soft_step", "solver=soft_step{substeps=2}"}, 2)[1], soft);
+  const DrawColour soft = competitorColours({"", "solver=soft_step"}, 2)[1];
+  EXPECT_EQ(competitorColours({"solver=soft_step{substeps=2}", "solver=avbd", ""}, 3)[0], soft);
+  EXPECT_EQ(competitorColours({"", "engine=stand_in", "solver=soft_step sleep=none"}, 2)[2], soft);
+  EXPECT_NE(competitorColours({"solver=soft_step", "solver=soft_step{substeps=2}"}, 2)[1], soft);
 }
 
 void tilesShareTheWindow() {
@@ -122,4 +122,4 @@ TEST(CompareSeen, TilesHaveTheShapeOfTheScene) {
 }
 
 }  // namespace
-}}}}  // namespace lpc::LPC_PRECISION::test::lanes_seen_test
+}}}}  // namespace lpc::LPC_PRECISION::test::competitors_seen_test

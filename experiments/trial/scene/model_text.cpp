@@ -7,43 +7,46 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-struct FeatureName {
+struct ModelFlag {
   const char* name;
-  bool Features::*flag;
+  bool PhysicsModel::*flag;
 };
-constexpr FeatureName kFeatures[] = {
-    {"cache", &Features::cache},      {"continuous", &Features::continuous},   {"friction", &Features::friction},
-    {"joints", &Features::joints},    {"restitution", &Features::restitution}, {"rotation", &Features::rotation},
-    {"sleeping", &Features::sleeping}};
-constexpr Features kNothing{false, false, false, false, false, false, false};
+constexpr ModelFlag kModelFlags[] = {{"cache", &PhysicsModel::cache},
+                                     {"continuous", &PhysicsModel::continuous},
+                                     {"friction", &PhysicsModel::friction},
+                                     {"joints", &PhysicsModel::joints},
+                                     {"restitution", &PhysicsModel::restitution},
+                                     {"rotation", &PhysicsModel::rotation},
+                                     {"sleeping", &PhysicsModel::sleeping}};
+constexpr PhysicsModel kNothing{false, false, false, false, false, false, false};
 
 }  // namespace
 
-void setFeature(Features& features, const std::string& name) {
-  for (const FeatureName& f : kFeatures) {
+void setModelFlag(PhysicsModel& model, const std::string& name) {
+  for (const ModelFlag& f : kModelFlags) {
     if (name == f.name) {
-      features.*(f.flag) = true;
+      model.*(f.flag) = true;
       return;
     }
   }
   std::vector<std::string> names;
-  for (const FeatureName& f : kFeatures) names.push_back(f.name);
+  for (const ModelFlag& f : kModelFlags) names.push_back(f.name);
   throw UserError("unknown part of the model '" + name + "'" + validNames(names, name));
 }
 
-std::string featuresText(const Features& features) {
+std::string modelText(const PhysicsModel& model) {
   std::string out;
-  for (const FeatureName& f : kFeatures) {
-    if (features.*(f.flag)) out += (out.empty() ? "" : ",") + std::string(f.name);
+  for (const ModelFlag& f : kModelFlags) {
+    if (model.*(f.flag)) out += (out.empty() ? "" : ",") + std::string(f.name);
   }
   return out;
 }
 
-Features featuresFromText(std::string_view text) {
-  Features out = kNothing;
+PhysicsModel modelFromText(std::string_view text) {
+  PhysicsModel out = kNothing;
   while (!text.empty()) {
     const std::size_t comma = text.find(',');
-    setFeature(out, std::string(text.substr(0, comma)));
+    setModelFlag(out, std::string(text.substr(0, comma)));
     text = comma == std::string_view::npos ? "" : text.substr(comma + 1);
   }
   return out;

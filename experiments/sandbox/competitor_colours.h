@@ -9,7 +9,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-inline constexpr std::size_t kMostLanes = 8;
+inline constexpr std::size_t kMostCompetitors = 8;
 
 /// Perceived difference of two colours (CIE 1976). Lines of colours closer than `kToldApart` cannot be distinguished.
 double difference(const DrawColour& a, const DrawColour& b);
@@ -18,6 +18,6 @@ inline constexpr double kToldApart = 25;
 /// One colour for each competitor: that of its family on all pages of a report, of `soft_step` for
 /// "solver=soft_step{substeps=2}". A competitor of a family that is already shown, or with too similar a colour, gets
 /// the report's colour that differs most from those shown.
-std::vector<DrawColour> laneColours(const std::vector<std::string>& pipelines, int dimension);
+std::vector<DrawColour> competitorColours(const std::vector<std::string>& pipelines, int dimension);
 
 }}  // namespace lpc::LPC_PRECISION

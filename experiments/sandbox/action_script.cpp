@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "experiments/sandbox/deed_script.h"
+#include "experiments/sandbox/action_script.h"
 
 #include <algorithm>
 
@@ -9,13 +9,13 @@ namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 template <int D>
-class DeedWriter {
+class ActionWriter {
  public:
-  DeedWriter(const SceneSpec<D>& scene, std::string byHand) : m_scene(scene), m_prefix(std::move(byHand)) {}
+  ActionWriter(const SceneSpec<D>& scene, std::string byHand) : m_scene(scene), m_prefix(std::move(byHand)) {}
 
-  void write(const Deed<D>& deed) {
-    m_step = deed.step;
-    std::visit(*this, deed.what);
+  void write(const Action<D>& action) {
+    m_step = action.step;
+    std::visit(*this, action.what);
   }
   const ScriptWriter<D>& out() const { return m_out; }
 
@@ -31,10 +31,10 @@ class DeedWriter {
     m_out.joint(m_step, m_prefix + "_joint_" + std::to_string(m_joints++), d.def, end(d.bodyA), end(d.bodyB));
   }
   void operator()(const MergeBodies& d) { m_out.merge(m_step, name(d.into), name(d.other)); }
-  void operator()(const TakeApart& d) {
+  void operator()(const SplitByShape& d) {
     std::vector<std::string> names = {m_prefix + "_whole_" + std::to_string(m_wholes++)};
     for (int i = 1; i < d.shapes; ++i) names.push_back(byHand(m_byHand++));
-    m_out.takeApart(m_step, name(d.body), names);
+    m_out.splitByShape(m_step, name(d.body), names);
   }
   void operator()(const WakeBodies& d) { d.body < 0 ? m_out.wakeAll(m_step) : m_out.wake(m_step, name(d.body)); }
   void operator()(const SetGravity<D>& d) { m_out.gravity(m_step, d.gravity); }
@@ -45,8 +45,8 @@ class DeedWriter {
     if (d.pinned) m_out.pin(m_step, name(d.body), *d.pinned);
     if (d.type) m_out.type(m_step, name(d.body), *d.type);
   }
-  void operator()(const ExchangeStages& d) {
-    if (d.lane == 0) m_out.exchange(m_step, Pipeline::parse(d.pipeline));
+  void operator()(const SetPipeline& d) {
+    if (d.competitor == 0) m_out.setPipeline(m_step, Pipeline::parse(d.pipeline));
   }
 
  private:
@@ -74,17 +74,18 @@ std::string freshPrefix(const std::string& text) {
 }  // namespace
 
 template <int D>
-std::string scriptOf(std::span<const Deed<D>> deeds, const SceneSpec<D>& scene, const SceneFile& file, long steps) {
-  DeedWriter<D> writer(scene, freshPrefix(file.content()));
+std::string scriptOf(std::span<const Action<D>> actions, const SceneSpec<D>& scene, const SceneFile& file, long steps) {
+  ActionWriter<D> writer(scene, freshPrefix(file.content()));
   long last = -1;
-  for (const Deed<D>& deed : deeds) {
-    if (deed.step <= steps) writer.write(deed), last = deed.step;  // after a step back, later actions may be redone
+  for (const Action<D>& action : actions) {
+    if (action.step <= steps)
+      writer.write(action), last = action.step;  // after a step back, later actions may be redone
   }
   return writer.out().text("manual actions in " + file.name(), last < steps ? steps : std::max(scene.steps, steps + 1),
                            file.scriptText());
 }
 
-template std::string scriptOf(std::span<const Deed<2>>, const SceneSpec<2>&, const SceneFile&, long);
-template std::string scriptOf(std::span<const Deed<3>>, const SceneSpec<3>&, const SceneFile&, long);
+template std::string scriptOf(std::span<const Action<2>>, const SceneSpec<2>&, const SceneFile&, long);
+template std::string scriptOf(std::span<const Action<3>>, const SceneSpec<3>&, const SceneFile&, long);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -64,7 +64,7 @@ Vec<D> supportCorner(const ShapeView<D>& shape, const Vec<D>& d, std::uint16_t& 
 }
 
 template <int D>
-class PairWarmth {
+class GjkCache {
  public:
   /// Reads the cache. Ignores bytes that cannot belong to this pair.
   void recall(const CorePair<D>& pair, const PairMemory* memory) {
