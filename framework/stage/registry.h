@@ -111,15 +111,35 @@ std::unique_ptr<S> createStage(const Spec& spec) {
   return std::unique_ptr<S>(static_cast<S*>(stage.release()));
 }
 
-/// One algorithm per stage of a world. Throws UserError when the pipeline names an unknown algorithm or an invalid
-/// parameter.
+/// A stage of a world of this dimension: Broadphase<D> or a class derived from it, for instance.
+template <class S, int D>
+concept StageOfWorld = (S::kDimension == D) && isWorldStage(stageInfo(S::kStage));
+
+/// One stage object for each stage of a world: registered algorithms, or objects of the user's own.
 template <int D>
 class StageSet {
  public:
-  explicit StageSet(const Pipeline& pipeline) {
+  /// Creates the registered algorithms that the pipeline names. Throws UserError for an unknown algorithm or a wrong
+  /// parameter.
+  explicit StageSet(const Pipeline& pipeline) : m_pipeline(pipeline) {
+    for (const StageKind kind : kWorldStages) create(kind);
+  }
+  /// Replaces one stage by an object of the user's own, whose class derives from Broadphase<D>, ContactGenerator<D>,
+  /// ... and need not be registered. pipeline() and messages show it as `name`. Throws UserError for null.
+  template <StageOfWorld<D> S>
+  void set(std::unique_ptr<S> stage, std::string_view name = "own") {
+    if (!stage) throw UserError(std::string(stageName(S::kStage)) + ": the stage object is null");
+    m_stages[S::kStage] = std::move(stage);
+    m_pipeline[S::kStage] = Spec{std::string(name), {}};
+    m_own[S::kStage] = true;
+  }
+  /// Whether `set` has replaced this stage.
+  bool isOwn(StageKind kind) const { return m_own[kind]; }
+  const Pipeline& pipeline() const { return m_pipeline; }
+  /// Creates the registered algorithms anew, without their memory. The user's own objects stay.
+  void renew() {
     for (const StageKind kind : kWorldStages) {
-      const Spec& spec = pipeline[kind];
-      m_stages[kind] = Registry::instance().find(kind, D, spec.name).create(spec);
+      if (!m_own[kind]) create(kind);
     }
   }
   /// For instance get<Broadphase<D>>().
@@ -130,6 +150,13 @@ class StageSet {
   }
 
  private:
+  void create(StageKind kind) {
+    const Spec& spec = m_pipeline[kind];
+    m_stages[kind] = Registry::instance().find(kind, D, spec.name).create(spec);
+  }
+
+  Pipeline m_pipeline;
+  IndexedArray<bool, kStageKinds> m_own{};
   IndexedArray<std::unique_ptr<Stage>, kStageKinds> m_stages;  // by kind; null for kinds that are not stages of a world
 };
 

@@ -96,8 +96,8 @@ bool BodyQueries<D>::intersects(std::size_t body, const Aabb<D>& box) const {
 }
 
 template <int D>
-std::vector<BodyRayHit<D>> BodyQueries<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
-                                               const RayFilter<D>* filter) const {
+std::vector<BodyRayHit<D>> BodyQueries<D>::rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                                                  const RayFilter<D>* filter) const {
   if (!p.allFinite() || !direction.allFinite()) throw UserError("ray: its start or direction is not finite");
   if (!(maxT >= 0)) throw UserError("ray: maxT is " + std::to_string(maxT) + "; valid: a number >= 0");
   std::vector<RayHit<D>> found;
@@ -124,8 +124,14 @@ std::vector<BodyRayHit<D>> BodyQueries<D>::ray(const Vec<D>& p, const Vec<D>& di
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.t, a.body.slot, a.shape) < std::tuple(b.t, b.body.slot, b.shape);
   });
-  if (firstOnly && out.size() > 1) out.resize(1);
   return out;
+}
+
+template <int D>
+std::optional<BodyRayHit<D>> BodyQueries<D>::rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                                                      const RayFilter<D>* filter) const {
+  const std::vector<BodyRayHit<D>> hits = rayAll(p, direction, maxT, filter);
+  return hits.empty() ? std::nullopt : std::optional(hits.front());
 }
 
 template class BodyQueries<2>;

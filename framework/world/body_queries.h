@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "framework/world/body_table.h"
@@ -38,10 +39,13 @@ class BodyQueries {
   std::vector<BodyHandle> overlap(const Aabb<D>& box) const;
   bool contains(std::size_t body, const Vec<D>& point) const;
   bool intersects(std::size_t body, const Aabb<D>& box) const;
-  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Without a filter the ray can
-  /// hit every shape. Throws UserError when the point or direction is not finite, or maxT is negative.
-  std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
-                                 const RayFilter<D>* filter = nullptr) const;
+  /// Hits of the ray p + t * direction, 0 <= t <= maxT, sorted by t. Without a filter the ray can hit every shape.
+  /// Throws UserError when the point or direction is not finite, or maxT is negative.
+  std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                                    const RayFilter<D>* filter = nullptr) const;
+  /// The hit with the smallest t.
+  std::optional<BodyRayHit<D>> rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                                        const RayFilter<D>* filter = nullptr) const;
 
  private:
   template <class Holds>

@@ -27,6 +27,19 @@ void BoxIndex<D>::remove(std::size_t shape) {
 }
 
 template <int D>
+void BoxIndex<D>::removeAll() {
+  m_removed.clear();
+  for (std::size_t s = 0; s < m_change.size(); ++s) {
+    const auto id = static_cast<ProxyId>(s);
+    const bool known = (m_change[s] & removed) || (!m_proxies.isFree(id) && !(m_change[s] & added));
+    if (known) m_removed.push_back(id);
+    m_proxies.setBox(id, Aabb<D>{});
+    m_proxies.body[s] = -1, m_proxies.active[s] = 0;
+  }
+  m_broadphase->update(m_proxies, {{}, m_removed, {}});
+}
+
+template <int D>
 void BoxIndex<D>::touch(std::size_t body) {
   if (body >= m_touched.size()) m_touched.resize(body + 1, 0);
   m_touched[body] = 1;

@@ -25,6 +25,8 @@ class BoxIndex {
   void remove(std::size_t shape);
   /// Marks the boxes of this body as stale, even when the body does not move by itself.
   void touch(std::size_t body);
+  /// Tells the broadphase that every box is removed: the last call before another index takes over the same object.
+  void removeAll();
   /// Marks the boxes of all moving bodies as stale.
   void markAllStale() { m_stale = true; }
   /// Passes all noted changes to the broadphase. With `sleepers`, boxes of sleeping bodies are active too.

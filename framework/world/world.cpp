@@ -12,8 +12,11 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 template <int D>
-World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
-    : m_pipeline(pipeline), m_settings(settings), m_stages(pipeline), m_table(stage<Broadphase>(), settings.margin) {
+World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings) : World(StageSet<D>(pipeline), settings) {}
+
+template <int D>
+World<D>::World(StageSet<D> stages, const WorldSettings<D>& settings)
+    : m_settings(settings), m_stages(std::move(stages)), m_table(stage<Broadphase>(), settings.margin) {
   if (!settings.gravity.allFinite()) throw UserError("world: gravity is not finite");
   checkAmount(settings.margin, "world", "the contact margin");
   checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");
@@ -29,6 +32,10 @@ Pose<D> World<D>::pose(BodyHandle body) const {
 template <int D>
 Motion<D> World<D>::motion(BodyHandle body) const {
   return m_table.bodies.motion[slotOf(body)];
+}
+template <int D>
+Vec<D> World<D>::centerOfMass(BodyHandle body) const {
+  return m_table.bodies.pose[slotOf(body)].p;
 }
 template <int D>
 Real World<D>::mass(BodyHandle body) const {
@@ -129,18 +136,18 @@ void World<D>::follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> 
 template <int D>
 CheckedBody<D> World<D>::checkBody(const BodyDef<D>& def, std::int32_t inPlaceOf) const {
   const CheckedBody<D> checked = lpc::checkBody(def);
-  requireStages(m_stages, m_pipeline, m_table.kindsWith(checked, inPlaceOf), bodyLabel(def) + ": ");
+  requireStages(m_stages, m_table.kindsWith(checked, inPlaceOf), bodyLabel(def) + ": ");
   return checked;
 }
 
 template <int D>
-void World<D>::requireStages(const StageSet<D>& stages, const Pipeline& pipeline,
-                             const std::array<bool, kShapeKinds>& kinds, const std::string& prefix) const {
+void World<D>::requireStages(const StageSet<D>& stages, const std::array<bool, kShapeKinds>& kinds,
+                             const std::string& prefix) const {
   requireContacts(stages.template get<ContactGenerator<D>>(), kinds,
-                  prefix + "contacts=" + pipeline[StageKind::contacts].name);
+                  prefix + "contacts=" + stages.pipeline()[StageKind::contacts].name);
   if (!m_settings.model.continuous) return;
   requireCasts(stages.template get<ContinuousCollision<D>>(), kinds,
-               prefix + "continuous=" + pipeline[StageKind::continuous].name);
+               prefix + "continuous=" + stages.pipeline()[StageKind::continuous].name);
 }
 
 // Ends the contacts of a removed body, or of removed shapes. Wakes the other body and informs listeners, which may
@@ -318,13 +325,20 @@ template void changeGravity(Simulation<3>&, const Vec<3>&);
 
 template <int D>
 void World<D>::setPipeline(const Pipeline& pipeline) {
-  StageSet<D> stages(pipeline);
-  requireStages(stages, pipeline, m_table.kinds(), "exchange: ");
+  setPipeline(StageSet<D>(pipeline));
+}
+
+template <int D>
+void World<D>::setPipeline(StageSet<D> stages) {
+  requireStages(stages, m_table.kinds(), "exchange: ");
   // Compare with all parameters written out: a text that omits a default value names the same algorithm.
   const auto whole = [](StageKind kind, const Spec& spec) {
     return Registry::instance().find(kind, D, spec.name).canonical(spec).text();
   };
-  const auto isAnother = [&](StageKind kind) { return whole(kind, pipeline[kind]) != whole(kind, m_pipeline[kind]); };
+  const auto isAnother = [&](StageKind kind) {
+    if (stages.isOwn(kind) || m_stages.isOwn(kind)) return true;
+    return whole(kind, stages.pipeline()[kind]) != whole(kind, m_stages.pipeline()[kind]);
+  };
   const bool solver = isAnother(StageKind::solver), contacts = isAnother(StageKind::contacts),
              sleep = isAnother(StageKind::sleep);
   for (std::size_t i = 0; i < m_table.bodies.pose.size(); ++i) {
@@ -341,7 +355,6 @@ void World<D>::setPipeline(const Pipeline& pipeline) {
     }
   }
   if (contacts) m_contacts.records.clear();
-  m_pipeline = pipeline;
   m_stages = std::move(stages);
   m_table.index(stage<Broadphase>(), m_settings.margin);
   m_continuous.forgetAll();
@@ -367,15 +380,26 @@ bool World<D>::intersects(BodyHandle body, const Aabb<D>& box) const {
   return BodyQueries<D>(m_table).intersects(slotOf(body), box);
 }
 template <int D>
-std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const {
+std::vector<BodyRayHit<D>> World<D>::rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT) const {
   sync();
-  return BodyQueries<D>(m_table).ray(p, direction, maxT, firstOnly);
+  return BodyQueries<D>(m_table).rayAll(p, direction, maxT);
 }
 template <int D>
-std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
-                                         const RayFilter<D>& filter) const {
+std::vector<BodyRayHit<D>> World<D>::rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                                            const RayFilter<D>& filter) const {
   sync();
-  return BodyQueries<D>(m_table).ray(p, direction, maxT, firstOnly, &filter);
+  return BodyQueries<D>(m_table).rayAll(p, direction, maxT, &filter);
+}
+template <int D>
+std::optional<BodyRayHit<D>> World<D>::rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT) const {
+  sync();
+  return BodyQueries<D>(m_table).rayFirst(p, direction, maxT);
+}
+template <int D>
+std::optional<BodyRayHit<D>> World<D>::rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                                                const RayFilter<D>& filter) const {
+  sync();
+  return BodyQueries<D>(m_table).rayFirst(p, direction, maxT, &filter);
 }
 
 template <int D>
@@ -405,7 +429,8 @@ void World<D>::load(std::istream& in) {
   m_contacts.manifolds = std::move(s.manifolds), m_contacts.records = std::move(s.records);
 
   // New stages: the structures of the old ones hold no history.
-  m_stages = StageSet<D>(m_pipeline);
+  if (m_stages.isOwn(StageKind::broadphase)) m_table.boxes.removeAll();
+  m_stages.renew();
   m_table.recount(), m_joints.recount(m_table.visits), m_forces.recount();
   m_table.index(stage<Broadphase>(), m_settings.margin);
   m_continuous.forgetAll();

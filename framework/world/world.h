@@ -29,6 +29,9 @@ class World final : public Simulation<D> {
  public:
   /// Makes an empty world. Throws UserError when the pipeline names an unknown algorithm or parameter.
   explicit World(const Pipeline& pipeline = {}, const WorldSettings<D>& settings = {});
+  /// Makes an empty world with these stages, which may be objects of the user's own (StageSet::set). A save holds no
+  /// stage: load it into a world with the same stages.
+  explicit World(StageSet<D> stages, const WorldSettings<D>& settings = {});
   ~World() override;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -51,9 +54,8 @@ class World final : public Simulation<D> {
   void remove(ForceHandle force) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
-  BodyHandle add(const ShapeDef<D>& shape) {
-    return add(BodyDef<D>::fixed(shape));
-  }  // a bare shape becomes a static body
+  /// A bare shape becomes a static body.
+  BodyHandle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }
   /// Registers a listener for all contacts, or for the contacts of one body. The listener is not owned. A listener
   /// registered twice for a pair is called once. The world's listeners are called first, then those of body A, then
   /// those of body B.
@@ -87,6 +89,8 @@ class World final : public Simulation<D> {
   /// Replaces the algorithms from the next step on. Bodies, joints, and contacts with their impulses stay; internal
   /// state of the old stages is lost. Throws UserError, and changes nothing, when the constructor or add() would.
   void setPipeline(const Pipeline& pipeline);
+  /// The same with stage objects. An object of the user's own always counts as another algorithm.
+  void setPipeline(StageSet<D> stages);
 
   // --- running -------------------------------------------------------------------------------------------------------
   void step(Real dt) override;
@@ -97,8 +101,9 @@ class World final : public Simulation<D> {
   // --- bodies --------------------------------------------------------------------------------------------------------
   bool valid(BodyHandle body) const override { return m_table.valid(body); }
   Pose<D> pose(BodyHandle body) const override;
-  Motion<D> motion(BodyHandle body) const;  // of the centre of mass
-  Real mass(BodyHandle body) const;         // kg, 0 for static and kinematic bodies
+  Motion<D> motion(BodyHandle body) const;     // of the centre of mass
+  Vec<D> centerOfMass(BodyHandle body) const;  // in the world, m
+  Real mass(BodyHandle body) const;            // kg, 0 for static and kinematic bodies
   bool awake(BodyHandle body) const;
   void setPose(BodyHandle body, const Pose<D>& X_WB) override;
   void setMotion(BodyHandle body, const Motion<D>& motion) override;
@@ -129,11 +134,15 @@ class World final : public Simulation<D> {
   /// The same for one body.
   bool contains(BodyHandle body, const Vec<D>& point) const;
   bool intersects(BodyHandle body, const Aabb<D>& box) const;
-  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Throws UserError when the
-  /// point or direction is not finite, or maxT is negative; maxT may be infinite.
-  std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const;
-  std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
-                                 const RayFilter<D>& filter) const;
+  /// All hits of the ray p + t * direction, 0 <= t <= maxT, sorted by t. Without a filter the ray can hit every shape.
+  /// maxT may be infinite. Throws UserError when the point or direction is not finite, or maxT is negative.
+  std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT) const;
+  std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                                    const RayFilter<D>& filter) const;
+  /// The hit with the smallest t; the same errors.
+  std::optional<BodyRayHit<D>> rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT) const;
+  std::optional<BodyRayHit<D>> rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                                        const RayFilter<D>& filter) const;
 
   // --- data, for invariants, recordings, drawing; slots as in Bodies -------------------------------------------------
   const Bodies<D>& bodies() const override { return m_table.bodies; }
@@ -154,7 +163,9 @@ class World final : public Simulation<D> {
   /// Boxes of the broadphase's internal structure (Broadphase::structure), as of the last step or query.
   void broadphaseStructure(std::vector<StructureBox<D>>& out) const { stage<Broadphase>().structure(out); }
   const WorldSettings<D>& settings() const override { return m_settings; }
-  const Pipeline& pipeline() const { return m_pipeline; }
+  /// The algorithm of each stage. For a stage of the user's own: the name that StageSet::set gave it, which setPipeline
+  /// refuses unless an algorithm of that name is registered.
+  const Pipeline& pipeline() const { return m_stages.pipeline(); }
   Profiler& profiler() override { return m_profiler; }
   const Profiler& profiler() const { return m_profiler; }
 
@@ -167,16 +178,17 @@ class World final : public Simulation<D> {
   /// Saves all state that determines the trajectory, except force generators and listeners, which the caller adds
   /// again. The bytes depend on the state only: a loaded world continues exactly as the saved one.
   void save(std::ostream& out) const;
-  /// Replaces this world's state; its pipeline stays. Throws UserError, and changes nothing, when the bytes are
-  /// damaged, are not a world of this dimension, precision and format, or hold shapes that the pipeline does not
-  /// support.
+  /// Replaces this world's state; its pipeline stays. Registered stages are created anew. Stages of the user's own
+  /// stay; a broadphase of the user's own is first told that every box is removed. Throws UserError, and changes
+  /// nothing, when the bytes are damaged, are not a world of this dimension, precision and format, or hold shapes that
+  /// the pipeline does not support.
   void load(std::istream& in);
 
  private:
   std::size_t slotOf(BodyHandle body) const { return m_table.slotOf(body); }
   void sync() const { m_table.sync(m_settings.sleepingContacts); }
   CheckedBody<D> checkBody(const BodyDef<D>& def, std::int32_t inPlaceOf) const;  // inPlaceOf: body slot, or -1
-  void requireStages(const StageSet<D>& stages, const Pipeline& pipeline, const std::array<bool, kShapeKinds>& kinds,
+  void requireStages(const StageSet<D>& stages, const std::array<bool, kShapeKinds>& kinds,
                      const std::string& prefix) const;
   template <class EndedBy>
   void endContacts(const EndedBy& endedBy);
@@ -189,7 +201,6 @@ class World final : public Simulation<D> {
     return m_stages.template get<S<D>>();
   }
 
-  Pipeline m_pipeline;
   WorldSettings<D> m_settings;
   StageSet<D> m_stages;
 

@@ -167,7 +167,7 @@ class Hand {
       case 4: {
         const Wrench<D> force{10 * drawVector<D>(m_draw), angular()};
         requireDynamic(h);
-        w.applyForce(h, force.force, w.bodies().pose[static_cast<std::size_t>(h.slot)].p);
+        w.applyForce(h, force.force, w.centerOfMass(h));
         w.applyTorque(h, force.torque);
         m_writer.force(m_step, name, force);
         return "force " + name;

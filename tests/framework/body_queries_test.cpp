@@ -42,7 +42,7 @@ TYPED_TEST(BodyQueriesTest, PointsAndBoxesMeetExactShapesOncePerBody) {
 TYPED_TEST(BodyQueriesTest, ARayMeetsShapesInTheOrderOfTheirEntries) {
   constexpr int D = TypeParam::D;
   Gallery<D> g;
-  const auto hits = g.queries.ray(at<D>(10, 0), at<D>(-1, 0), 100, false);
+  const auto hits = g.queries.rayAll(at<D>(10, 0), at<D>(-1, 0), 100);
   ASSERT_EQ(hits.size(), 3u);
   EXPECT_EQ(hits[0].body, g.two);
   EXPECT_EQ(hits[0].shape, 1);
@@ -51,14 +51,17 @@ TYPED_TEST(BodyQueriesTest, ARayMeetsShapesInTheOrderOfTheirEntries) {
   EXPECT_NEAR(hits[0].normal[0], 1, 1e-6);
   EXPECT_NEAR(hits[1].t, 5, 1e-6);
   EXPECT_EQ(hits[2].body, g.one);
-  EXPECT_EQ(g.queries.ray(at<D>(10, 0), at<D>(-1, 0), 100, true).size(), 1u);
-  EXPECT_EQ(g.queries.ray(at<D>(10, 0), at<D>(-1, 0), 4, false).size(), 1u);
+  const auto first = g.queries.rayFirst(at<D>(10, 0), at<D>(-1, 0), 100);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->t, hits[0].t);
+  EXPECT_FALSE(g.queries.rayFirst(at<D>(10, 0), at<D>(1, 0), 100));
+  EXPECT_EQ(g.queries.rayAll(at<D>(10, 0), at<D>(-1, 0), 4).size(), 1u);
   RayFilter<D> filter{.mask = 1};
-  EXPECT_EQ(g.queries.ray(at<D>(10, 0), at<D>(-1, 0), 100, false, &filter).size(), 2u);
+  EXPECT_EQ(g.queries.rayAll(at<D>(10, 0), at<D>(-1, 0), 100, &filter).size(), 2u);
   filter.accepts = [&](BodyHandle body, const ShapeRecord<D>&) { return body != g.two; };
-  EXPECT_EQ(g.queries.ray(at<D>(10, 0), at<D>(-1, 0), 100, false, &filter).size(), 1u);
-  EXPECT_NE(refusalOf([&] { g.queries.ray(at<D>(0, 0), at<D>(1, 0), -1, false); }), "");
-  EXPECT_NE(refusalOf([&] { g.queries.ray(at<D>(0, 0), at<D>(std::nan(""), 0), 1, false); }), "");
+  EXPECT_EQ(g.queries.rayAll(at<D>(10, 0), at<D>(-1, 0), 100, &filter).size(), 1u);
+  EXPECT_NE(refusalOf([&] { g.queries.rayAll(at<D>(0, 0), at<D>(1, 0), -1); }), "");
+  EXPECT_NE(refusalOf([&] { g.queries.rayAll(at<D>(0, 0), at<D>(std::nan(""), 0), 1); }), "");
 }
 
 }}}}}  // namespace lpc::LPC_PRECISION::test::body_queries_test

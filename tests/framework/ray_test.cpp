@@ -127,7 +127,7 @@ void missedForEver() {
   }
   World<D> world;
   world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
-  EXPECT_TRUE(world.ray(at<D>(0, Real(1.9)), at<D>(1, -1), kInfinite, false).empty()) << "through its box, past it";
+  EXPECT_TRUE(world.rayAll(at<D>(0, Real(1.9)), at<D>(1, -1), kInfinite).empty()) << "through its box, past it";
 }
 TEST(Ray, InfiniteRaysMissAsFiniteOnes) { missedForEver<2>(), missedForEver<3>(); }
 
@@ -154,14 +154,14 @@ std::array<BodyHandle, 3> threeBalls(World<D>& world) {
 template <int D>
 std::vector<std::uint64_t> metBy(const World<D>& world, const RayFilter<D>& filter) {
   std::vector<std::uint64_t> out;
-  for (const BodyRayHit<D>& hit : world.ray(at<D>(-5, 0), at<D>(1, 0), 100, false, filter)) out.push_back(hit.userData);
+  for (const BodyRayHit<D>& hit : world.rayAll(at<D>(-5, 0), at<D>(1, 0), 100, filter)) out.push_back(hit.userData);
   return out;
 }
 template <int D>
 void worldRays() {
   World<D> world;
   const auto balls = threeBalls(world);
-  const auto hits = world.ray(at<D>(-5, 0), at<D>(2, 0), kInfinite, false);
+  const auto hits = world.rayAll(at<D>(-5, 0), at<D>(2, 0), kInfinite);
   ASSERT_EQ(hits.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(hits[i].body, balls[i]);
@@ -179,15 +179,15 @@ void worldRays() {
   EXPECT_EQ(metBy<D>(world, {.accepts = notMyself}), (Met{201, 202}));
   EXPECT_EQ(metBy<D>(world, {.mask = 3, .accepts = notMyself}), Met{201});
   const auto byData = [](BodyHandle, const ShapeRecord<D>& s) { return s.userData == 202; };
-  const auto first = world.ray(at<D>(-5, 0), at<D>(1, 0), 100, true, {.accepts = byData});
-  ASSERT_EQ(first.size(), 1u) << "the first of those who are meant";
-  EXPECT_EQ(first[0].body, balls[2]);
+  const auto first = world.rayFirst(at<D>(-5, 0), at<D>(1, 0), 100, {.accepts = byData});
+  ASSERT_TRUE(first) << "the first of those who are meant";
+  EXPECT_EQ(first->body, balls[2]);
   BodyDef<D> shy = body<D>(Shape<D>::sphere(1), at<D>(-3, 0));
   shy.shapes[0].mask = 2;
   world.add(shy);
   EXPECT_EQ(metBy<D>(world, {}).size(), 3u) << "it collides with category 2 only";
   EXPECT_EQ(metBy<D>(world, {.category = 2}).size(), 4u);
-  EXPECT_EQ(world.ray(at<D>(-5, 0), at<D>(1, 0), 100, false).size(), 4u) << "without a filter every shape";
+  EXPECT_EQ(world.rayAll(at<D>(-5, 0), at<D>(1, 0), 100).size(), 4u) << "without a filter every shape";
 }
 TEST(Ray, WorldRaysReturnNormalsAndUserDataAndFilter) { worldRays<2>(), worldRays<3>(); }
 
@@ -197,7 +197,7 @@ void refusedRays() {
   threeBalls(world);
   const auto refused = [&](const Vec<D>& p, const Vec<D>& d, Real maxT) {
     try {
-      world.ray(p, d, maxT, false);
+      world.rayAll(p, d, maxT);
       return std::string();
     } catch (const UserError& e) {
       return std::string(e.what());
@@ -208,8 +208,8 @@ void refusedRays() {
   EXPECT_EQ(refused(x, kInfinite * x, 1), "ray: its start or direction is not finite");
   EXPECT_EQ(refused(x, x, -1), "ray: maxT is -1.000000; valid: a number >= 0");
   EXPECT_TRUE(refused(x, x, kNotANumber).ends_with("; valid: a number >= 0"));
-  EXPECT_EQ(world.ray(at<D>(0, 0), at<D>(0, 0), 1, false).size(), 1u) << "no direction: who holds the point";
-  EXPECT_TRUE(world.ray(at<D>(2, 0), at<D>(0, 0), 1, false).empty());
+  EXPECT_EQ(world.rayAll(at<D>(0, 0), at<D>(0, 0), 1).size(), 1u) << "no direction: who holds the point";
+  EXPECT_TRUE(world.rayAll(at<D>(2, 0), at<D>(0, 0), 1).empty());
 }
 TEST(Ray, InvalidRaysAreRefused) { refusedRays<2>(), refusedRays<3>(); }
 
@@ -222,11 +222,11 @@ void compoundNormals() {
   BodyDef<D> def = body<D>(Shape<D>::compound(parts), at<D>(3, 0));
   def.shapes[0].userData = 7;
   world.add(def);
-  const auto above = world.ray(at<D>(3.25, 5), at<D>(0, -1), 100, false);
+  const auto above = world.rayAll(at<D>(3.25, 5), at<D>(0, -1), 100);
   ASSERT_EQ(above.size(), 1u);
   EXPECT_EQ(above[0].userData, 7u);
   EXPECT_LE((above[0].normal - at<D>(0, 1)).norm(), 1e-6);
-  const auto below = world.ray(at<D>(3, -5), at<D>(0, 1), 100, false);
+  const auto below = world.rayAll(at<D>(3, -5), at<D>(0, 1), 100);
   ASSERT_EQ(below.size(), 1u);
   EXPECT_LE((below[0].normal - at<D>(0, -1)).norm(), 1e-6);
 }

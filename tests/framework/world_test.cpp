@@ -51,6 +51,19 @@ TYPED_TEST(WorldTest, HandlesOfRemovedBodiesAreInvalidAndSlotsAreReused) {
   EXPECT_EQ(world.bodyCount(), 2);
 }
 
+TYPED_TEST(WorldTest, TheCentreOfMassIsInTheWorld) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  BodyDef<D> def;
+  def.X_WB.p = at<D>(10, 0);
+  def.shapes = {{.shape = Shape<D>::sphere(1), .X_BS = {at<D>(0, 2)}},
+                {.shape = Shape<D>::sphere(1), .X_BS = {at<D>(0, 6)}}};
+  const BodyHandle two = world.add(def);
+  EXPECT_NEAR((world.centerOfMass(two) - at<D>(10, 4)).norm(), 0, 1e-5);
+  world.remove(two);
+  EXPECT_NE(messageOf([&] { world.centerOfMass(two); }), "");
+}
+
 TYPED_TEST(WorldTest, ASavedWorldMayEndInFreeSlots) {
   constexpr int D = TypeParam::D;
   World<D> saved, loaded;
@@ -99,10 +112,10 @@ TYPED_TEST(WorldTest, QueriesSeeShapesNotBoxesAndPresentPoses) {
   EXPECT_TRUE(world.at(at<D>(0.9, 0.9)).empty());  // in the bounding box, not in the ball
   EXPECT_EQ(world.overlap({at<D>(0.6, 0.6, -1), at<D>(2, 2, 1)}).size(), 1u);
   EXPECT_TRUE(world.overlap({at<D>(0.8, 0.8, -1), at<D>(2, 2, 1)}).empty());
-  auto hits = world.ray(at<D>(-5, 0), at<D>(1, 0), 100, true);
-  ASSERT_EQ(hits.size(), 1u);
-  EXPECT_NEAR(hits[0].t, 4, 1e-5);
-  EXPECT_TRUE(world.ray(at<D>(-5, 0.99, 0.99), at<D>(1, 0), 100, true).size() == (D == 2 ? 1u : 0u));
+  const auto hit = world.rayFirst(at<D>(-5, 0), at<D>(1, 0), 100);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->t, 4, 1e-5);
+  EXPECT_EQ(world.rayFirst(at<D>(-5, 0.99, 0.99), at<D>(1, 0), 100).has_value(), D == 2);
   world.setPose(ball, {at<D>(10, 0)});
   EXPECT_TRUE(world.at(at<D>(0.5, 0.5)).empty());
   EXPECT_EQ(world.at(at<D>(10.5, 0.5)).size(), 1u);

@@ -46,7 +46,7 @@ bool survives(const std::string& pipeline, Real force, double where) {
     }
   }
   // Later queries terminate and find the other bodies.
-  sick.ray(at<D>(-50, 0.3), at<D>(1, 0), 1000, false);
+  sick.rayAll(at<D>(-50, 0.3), at<D>(1, 0), 1000);
   return !sick.at(at<D>(0, -0.5)).empty() && !sick.overlap({at<D>(-30, -30, -30), at<D>(30, 30, 30)}).empty();
 }
 

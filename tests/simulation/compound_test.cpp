@@ -166,10 +166,10 @@ Answered ask(bool all) {
     const auto inside = owners(whole.at(p), false);
     const Aabb<D> box{p, p + (q - p).cwiseAbs() / 8};
     const auto overlapping = owners(whole.overlap(box), false);
-    const auto hits = firstHits(whole.ray(p, q - p, 1, false), false);
+    const auto hits = firstHits(whole.rayAll(p, q - p, 1), false);
     answered.alike = answered.alike && inside == owners(apart.at(p), true) &&
                      overlapping == owners(apart.overlap(box), true) &&
-                     hits == firstHits(apart.ray(p, q - p, 1, false), true);
+                     hits == firstHits(apart.rayAll(p, q - p, 1), true);
     answered.inside += !inside.empty(), answered.overlapping += !overlapping.empty(), answered.hits += !hits.empty();
     for (ProxyId s = 0; s < whole.proxies().size(); ++s) {
       answered.hollow += !whole.proxies().isFree(s) && whole.proxies().box(s).contains(p) && inside.empty();

@@ -105,10 +105,10 @@ void planeAnswers() {
   const Vec<D> one = Vec<D>::Constant(1);
   EXPECT_EQ(world.overlap({low - one, low + one}).size(), 1u);
   EXPECT_EQ(world.overlap({high - one, high + one}).size(), 0u);
-  const auto hits = world.ray(high, Vec<D>(-Vec<D>::Unit(1)), 100, true);
-  ASSERT_EQ(hits.size(), 1u);
-  EXPECT_NEAR(hits[0].t, 5, 1e-4);
-  EXPECT_EQ(world.ray(high, Vec<D>(Vec<D>::Unit(1)), 100, true).size(), 0u);
+  const auto hit = world.rayFirst(high, Vec<D>(-Vec<D>::Unit(1)), 100);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->t, 5, 1e-4);
+  EXPECT_FALSE(world.rayFirst(high, Vec<D>(Vec<D>::Unit(1)), 100));
   addFloor(world, true);  // two planes never make contact
   BodyDef<D> moving;
   moving.shapes.emplace_back();
