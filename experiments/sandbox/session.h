@@ -72,8 +72,7 @@ class Session {
   /// Whether the first competitor's profiler keeps the times of each step. A step back restarts its list.
   void keepFrames(bool keep);
 
-  // --- actions, before the next step, as the last of its events
-  // -------------------------------------------------------
+  // --- actions, before the next step, as the last of its events ------------------------------------------------------
   /// Throws UserError if the first competitor rejects it, without a change. If only another competitor rejects it, that
   /// one has fallen.
   void perform(typename Action<D>::What what);
