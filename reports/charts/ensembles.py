@@ -83,15 +83,16 @@ def found(context, where, groups, error, everyone):
         best, equals = ranks(eligible, error, zero)
         won.append((place, [] if deep or best is None else equals, best, deep, len(candidates(eligible, error))))
         rows.append(_rows(context, place, part, error, None if deep else best, [] if deep else equals, deep, len(groups) > 1))
-    table = pd.concat([cut(part, most=max(3, ROWS // len(rows))) for part in rows], ignore_index=True)
+    table = cut(pd.concat([cut(part, most=max(3, ROWS // len(rows))) for part in rows], ignore_index=True))
     seeds = max(len(seeds) for _, part in groups for seeds in part["seeds"])
     over = f"On {where}, over {seeds} seeds,"
     of = lambda equals, most=2: f"{some(equals, everyone, most)} {verb(len(equals), 'tie for', 'has')}"  # noqa: E731
     place, equals, best, deep, count = won[-1]
+    here = f" at {place}" if len(won) > 1 else ""
     if deep:
-        return Finding(f"On {where} no method has a rank: bodies overlap by up to {si(deep, 'm')} at the start.", table)
+        return Finding(f"On {where}{here} no method has a rank: bodies overlap by up to {si(deep, 'm')} at the start.", table)
     if best is None:
-        return Finding(f"On {where} every ranked method fails under at least half of the {seeds} seeds.", table)
+        return Finding(f"On {where}{here} every ranked method fails under at least half of the {seeds} seeds.", table)
     value = above(float(np.median(measured.of_seeds(best, error))), zero, context.unit(error))
     if len({tuple(sorted(found)) for _, found, *_ in won}) == 1:
         at = " at every perturbation" if len(won) > 1 and all("perturb=" in name for name, *_ in won) else (
@@ -103,7 +104,7 @@ def found(context, where, groups, error, everyone):
     first = won[0]
     named = f"{of(first[1], 1)} the smallest {what} at {first[0]}" if first[1] else f"no method has a rank at {first[0]}"
     return Finding(fits(f"{over} {named}; {of(equals, 1)} it at {place} (median {value}).", f"{over} {named}; {of(equals, 1)} it "
-                        f"at {place}.", f"{over} the smallest {what} depends on the perturbation."), table)
+                        f"at {place}.", f"{over} the ensembles differ in the method with the smallest {what}."), table)
 
 
 def _rows(context, place, part, error, best, equals, deep, several):
