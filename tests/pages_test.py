@@ -72,6 +72,10 @@ class Pages(unittest.TestCase):
         self.assertGreater(len(tests), 500)
         self.assertEqual(heritage_faults((SOURCE / "docs/heritage.md").read_text(), tests), [])
 
+    def test_the_citation_has_the_version(self):
+        built = re.search(r"project\(lpc VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
+        self.assertIn(f"\nversion: {built}\n", (SOURCE / "CITATION.cff").read_text())
+
     def test_planted_faults_are_found(self):
         page = ("# A step\n[a](README.md), [b](#a-step), [c](docs/manual.md#reading-the-report), `tests/run`\n"
                 "```\n[d](x.md)\n```\n")
