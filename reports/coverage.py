@@ -4,6 +4,8 @@
 import numpy as np
 import pandas as pd
 
+import declared
+
 from chart import describe
 from load import NOT_RUN, REPEATS
 from style import OUTCOMES
@@ -38,8 +40,9 @@ def trials(store):
         rows.append({"sweep": entry.sweep, "cell": describe(named, _order(axes)),
                      "timed": bool(entry.axes.get("timed", False)), "outcome": trial.outcome if trial else NOT_RUN,
                      "step": trial.step if trial else np.nan,
-                     "reason": (trial.reason or "") if trial else "planned, no result in the store"})
-    return pd.DataFrame(rows, columns=["sweep", "cell", "timed", "outcome", "step", "reason"])
+                     "reason": (trial.reason or "") if trial else "planned, no result in the store",
+                     declared.COLUMN: declared.methods(store, entry.key) if trial and trial.outcome != "ok" else ""})
+    return pd.DataFrame(rows, columns=["sweep", "cell", "timed", "outcome", "step", "reason", declared.COLUMN])
 
 
 def _order(axes):
@@ -56,6 +59,6 @@ def outcomes(table):
 def not_ok(table):
     """All failed and missing trials; timed and untimed trials of a cell with the same outcome share a row."""
     bad = table[table["outcome"] != "ok"]
-    grouped = bad.groupby(["sweep", "cell", "outcome", "reason"], sort=False, dropna=False)
+    grouped = bad.groupby(["sweep", "cell", "outcome", "reason", declared.COLUMN], sort=False, dropna=False)
     return grouped.agg(step=("step", "max"), trials=("timed", "size")).reset_index()[
-        ["sweep", "cell", "outcome", "step", "reason", "trials"]]
+        ["sweep", "cell", "outcome", "step", "reason", "trials", declared.COLUMN]]

@@ -210,9 +210,9 @@ class Store:
             found.setdefault(self.method_of(entry.sweep, entry.axes), set()).update(filter(None, roles))
         return {label: theirs(roles) for label, roles in found.items() if roles}
 
-    def declared(self, key):
-        """The properties that a trial's methods declare to fail (info().failures). A `when` that begins with a parameter and a
-        colon, "friction=box: ...", applies to this parameter alone. A failure applies to the dimensions that it names."""
+    def declared_by(self, key):
+        """{(stage, name): failures} of a trial's methods that declare any (info().failures). A failure whose `when` begins with a
+        choice and a colon, "friction=box: ...", applies to this choice only; each to the dimensions that it names."""
         canonical = self.by_key[key].canonical
         named, dimension = set(_named(canonical)), canonical.get("dimension")
         def applies(failure):
@@ -220,8 +220,13 @@ class Store:
                 return False
             choice = re.match(r"(\w+)=(\w+):", failure["when"])
             return choice is None or choice.groups() in named
-        return {failure["test"] for entry in self.algorithms if (entry["stage"], entry["name"]) in named
-                for failure in entry.get("failures", ()) if applies(failure)}
+        found = {(entry["stage"], entry["name"]): list(filter(applies, entry.get("failures", ())))
+                 for entry in self.algorithms if (entry["stage"], entry["name"]) in named}
+        return {method: failures for method, failures in found.items() if failures}
+
+    def declared(self, key):
+        """The properties that a trial's methods declare to fail."""
+        return {failure["test"] for failures in self.declared_by(key).values() for failure in failures}
 
     def sweeps(self):
         return list(dict.fromkeys(self.planned["sweep"]))

@@ -13,6 +13,7 @@ import jinja2
 import pandas as pd
 
 import coverage
+import declared
 import headlines
 import metrics
 import table
@@ -187,7 +188,8 @@ def write(context, charts, out, store_argument, out_argument):
         sections=[{"name": name, "id": f"q{i}", "charts": part, "told": told(part)}
                   for i, (name, part) in enumerate(sections.items())],
         first=first, facts=facts(context.store), style=(HERE / "templates" / "style.css").read_text(),
-        not_ok=table.to_html(bad) if len(bad) else "", not_ok_count=len(bad), outcomes=table.to_html(outcomes),
+        not_ok=table.to_html(bad, {declared.COLUMN: declared.linked}) if len(bad) else "", not_ok_count=len(bad),
+        declared=declared.section(context.store, bad), outcomes=table.to_html(outcomes),
         glossary=table.to_html(glossary), missing=missing(context.store, store_argument), store=context.store.path.name,
         mark=MARK)
     path = out / "index.html"

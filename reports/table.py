@@ -46,14 +46,15 @@ def shown(value, unit):
     return str(value)
 
 
-def to_html(table):
-    """The whole table, numbers at the right."""
+def to_html(table, linked={}):
+    """The whole table, numbers at the right. `linked`: {column: its text as HTML}."""
     headings = [heading(name) for name in table.columns]
     head = "".join(f"<th>{html.escape(title)}</th>" for title, _ in headings)
+    cell = {number: linked[name] for number, name in enumerate(table.columns) if name in linked}
     body = []
     for row in table.itertuples(index=False):
-        cells = [f"<td{' class=n' if isinstance(value, numbers.Real) else ''}>{html.escape(shown(value, unit))}</td>"
-                 for value, (_, unit) in zip(row, headings)]
+        cells = [f"<td{' class=n' if isinstance(value, numbers.Real) else ''}>{cell.get(i, html.escape)(shown(value, unit))}</td>"
+                 for i, (value, (_, unit)) in enumerate(zip(row, headings))]
         body.append(f"<tr>{''.join(cells)}</tr>")
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
 
