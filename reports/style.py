@@ -186,7 +186,7 @@ def caption_of_lines(found):
     for panel, words in found:
         if words:
             panels.setdefault(words, []).append(panel)
-    return "".join(f" {', '.join(dict.fromkeys(names))}: {words}." for words, names in panels.items())
+    return "".join(f" In {', '.join(dict.fromkeys(names))}: {words}." for words, names in panels.items())
 
 
 def figures(value, digits=3):

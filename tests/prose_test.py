@@ -110,7 +110,7 @@ def words(text):
 
 
 def sentences(text):
-    return [part for part in re.split(r"(?<=[.!?])[\"')*]*\s+(?=[A-Z0-9\"'(*])", text) if part.strip()]
+    return [part for part in re.split(r"(?<=[.!?])[\"')*]*\s+(?=[A-Z0-9\"'“(*])", text) if part.strip()]
 
 
 def texts(path):

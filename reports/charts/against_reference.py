@@ -251,7 +251,7 @@ def _chart(context, others, runs, own, where):
                  f"{f', at {at}' if at else ''}; the reference takes steps of {si(runs.dt, 's')}. Dotted: its own runs, at half "
                  f"that step and started {si(runs.beside, 'm')} beside it. Dash-dotted: {listing(sorted(runs.unlike))}, with "
                  f"steps as short or shorter. The reference is valid until one of them is farther than {si(APART, 'm')} from it, "
-                 "a tenth of the slop of most methods. Two methods tie whose distances differ by at most twice the largest of "
+                 "a tenth of the slop of most methods. Two methods tie if their distances differ by at most twice the largest of "
                  "these distances until then. Right: each method's largest distance against its cost." +
                  caption_of_lines([("Left", shared)]),
                  headline=entry)

@@ -279,7 +279,7 @@ def _rate_chart(context, cells, refused):
     return Chart(f"{sweep}_bodies_at_rate", SIXTY, "Bodies at sixty steps a second",
                  finding_of_rate(ranked, ranking.unranked(context, cells)), sweep, figure, pd.DataFrame(table),
                  refused + holes(cells, ["scene", "dimension", "method", *_ladders(cells)]),
-                 "Bodies, including the ground, whose steps take a sixtieth of a second of processor time; interpolated between "
+                 "The number of bodies, with the ground, at which a step takes 1/60 s of processor time; interpolated between "
                  "two sizes on logarithmic axes. Hatched bars, ≥: the largest size run, or the last before a failure, is still "
                  "faster.",
                  headline=_headline(ranked))

@@ -136,7 +136,7 @@ def _chart(context, cells, where, refused):
     ratios = compared(cells, base, least)
     figure = _figure(context, cells, everyone, ratios, base)
     note = ("Greener is better. A column is a speed of the bullets, a row a thickness of the wall. A number is the percentage of "
-            "the bullets whose centre came out at the far side, including bullets that the wall pushed out there; a letter is a "
+            "bullets with a centre that came out at the far side, including bullets that the wall pushed out there. A letter is a "
             "failed run. ")
     if any(ratios.values()):
         signs = {text for found in ratios.values() for _, text in found.values()}
