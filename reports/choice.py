@@ -2,9 +2,10 @@
 """The choice of a method for each stage of one scene, the reasons against the others, and the pipeline that combines the choices.
 
 A choice must hold for slightly different starts. So a method errs more only where it does significantly over the seeds
-(ranking.py), is slower only significantly and beyond the noise (noise.py), and ties otherwise. Depths within the slop that methods
-keep on purpose are equal, and so are speeds that count as rest. The fastest of methods that tie would change from run to run. So
-the choice is the method that errs significantly least, else that of the pipeline that all sweeps share, else the fastest.
+(ranking.py), is slower only significantly and beyond the noise (noise.py), and ties otherwise. Depths within the slop that
+methods keep on purpose are equal, and so are speeds that count as rest. The fastest of methods that tie would change from run
+to run. So the choice is the method that errs significantly least, else that of the pipeline that all sweeps share, else the
+fastest.
 """
 
 import math

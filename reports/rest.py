@@ -5,8 +5,8 @@ those of experiments/trial/measure/rest.h. The outcome uses the strictest, so a 
 import math
 
 LIMITS = (0.01, 0.1, 0.5)  # of the smallest body
-WORDS = ("A scene is held if no body has sunk by more than 1 % of the smallest body at the end (sag, penetration, motion in the "
-         "last second, beyond the slop of 5 mm); laxer limits: 10 and 50 %")
+WORDS = ("A scene is held if no body has sunk by more than 1 % of the smallest body at the end. Sinking is the largest of sag, "
+         "penetration and motion in the last second, beyond the slop of 5 mm. Laxer limits: 10 and 50 %")
 
 
 def sunk(outcome, share):

@@ -187,7 +187,7 @@ def _chart(context, cells, questions):
             f"a dot for each value tried. {seeds} seeds ran at the last value that holds and the first that fails, {few} at the "
             f"others, with start positions perturbed by up to {starts} m and rad.")
     if any(found.laxer for _, _, column in columns for found in column.values()):
-        note += f" {rest.WORDS}; the breaking points by these two stand in grey."
+        note += f" {rest.WORDS}; their breaking points are grey."
     if any(about["truth"] for _, about, _ in columns):
         note += " Where a closed form gives the breaking point, colours show the distance from it."
     if any(found.excuse for _, _, column in columns for found in column.values()):

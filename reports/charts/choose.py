@@ -189,7 +189,8 @@ def _chart(context, advice):
                  f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}; {none_of(context, advice)}). "
                  "“Errs more” and “slower” are significant over the seeds, “slower” also beyond the noise; else methods tie. "
                  "Of "
-                 "methods that tie the one with the significantly least error is taken, else that of the sweeps' common pipeline. "
+                 "methods that tie the one with the significantly least error is taken, else that of the sweeps' common "
+                 "pipeline. "
                  f"{' '.join(rules)}{_pasted(context, advice)}", telling=True, headline=_headline(advice),
                  others=tuple(dict.fromkeys([choice.sweep for choice in advice.choices[1:]] +
                                             [cell["sweep"] for _, cell in advice.whole])))

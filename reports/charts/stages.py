@@ -242,7 +242,8 @@ def finding_of_profile(where, runs, cells, floor):
             row[f"{title} [s]"] = run[what]
             if run["repeats"] > 1:
                 row[f"range, {title}"] = ends(*run["spread"][what], "s")
-        row |= {"median step over the first run's": 1.0 if run is runs[0] else told(word), "contact points per body [1]": run["touching"],
+        row |= {"median step over the first run's": 1.0 if run is runs[0] else told(word), "contact points per body "
+                                                                                           "[1]": run["touching"],
                 "awake at the end": f"{run['awake']} of {run['bodies']}", "awake in the second half, least [1]": run["least"],
                 "repeats [1]": run["repeats"]}
         rows.append(row)

@@ -136,8 +136,8 @@ def _chart(context, cells, where, refused):
     ratios = compared(cells, base, least)
     figure = _figure(context, cells, everyone, ratios, base)
     note = ("Greener is better. A column is a speed of the bullets, a row a thickness of the wall. A number is the percentage of "
-            "bullets with a centre that came out at the far side, including bullets that the wall pushed out there. A letter is a "
-            "failed run. ")
+            "bullets with a centre that came out at the far side, including bullets that the wall pushed out there. A letter "
+            "is a failed run. ")
     if any(ratios.values()):
         signs = {text for found in ratios.values() for _, text in found.values()}
         note += (f"Below, the time of a step over that of {base} in the same cell. " + "".join(

@@ -136,7 +136,8 @@ class WithinTolerance(Synthetic):
         rows["wrong"] = np.where(often, rows["asked"] * 7 // 10, rows["asked"] * 32 // 100)
         rows["histogram"] = [{"-14": n - w, "-7" if o else "-1": w} for n, w, o in zip(rows["asked"], rows["wrong"], often)]
         found, entry = tolerances.finding_of_right(rows, 3, "f64")
-        self.assertEqual(found.headline, "In 3D, f64, fcl_libccd fails more often than libccd_mpr at 1e-12 of the size (70% against "
+        self.assertEqual(found.headline, "In 3D, f64, fcl_libccd fails more often than libccd_mpr at 1e-12 of the size (70% "
+                                         "against "
                          "32%), but less at 1e-3 (0 against 32%).")
         self.assertEqual(list(entry.values.values()), [0.7, 0.32, 0.0, 0.32])
         self.assertEqual(list(found.table["outcome"]), ["rank reverses"] * 2)

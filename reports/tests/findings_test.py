@@ -226,10 +226,11 @@ class Findings(with_store.WithStore):
                             maker.world("costs", axes, 1.0, errors[iterations] * contacts)
             return into
         found = self.made(residual, fill(1))[0]
-        self.assertEqual(found.finding.headline, "In 2D on stack, from 10 to 30 iterations, the residual of soft_step falls most, "
-                         "to 0.0001; it falls on 1 of 2 scenes.")
+        self.assertEqual(found.finding.headline, "In 2D on stack, from 10 to 30 iterations, the residual of soft_step falls "
+                                                 "most, to 0.0001; it falls on 1 of 2 scenes.")
         stack, pyramid = found.finding.table.iloc[0], found.finding.table.iloc[1]
-        self.assertEqual((stack["residual before"], stack["residual after"], stack["does not fall"]), ("0.0004", "0.0001", "1 of 3"))
+        self.assertEqual((stack["residual before"], stack["residual after"], stack["does not fall"]),
+                         ("0.0004", "0.0001", "1 of 3"))
         self.assertEqual((pyramid["scene"], pyramid["outcome"]), ("pyramid", "only iterations=10 was run"))
         self.assertIsNone(self.made(residual, fill(0))[0].figure, "no contacts, no residual, no chart")
 

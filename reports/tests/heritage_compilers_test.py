@@ -36,7 +36,8 @@ class Compilers(unittest.TestCase):
     def test_medians_and_ratios(self):
         folder = self.folder()
         found = heritage_compilers.finding(heritage_compilers.builds_of(folder))
-        self.assertEqual(found.headline, "On a resting 2D pyramid of 325 boxes -O3 is 40 times as fast as -O0 with clang++ and 20 times "
+        self.assertEqual(found.headline, "On a resting 2D pyramid of 325 boxes -O3 is 40 times as fast as -O0 with clang++ "
+                                         "and 20 times "
                          "with g++; all builds end in the same bits.")
         table = found.table.set_index(["compiler", "level"])
         self.assertEqual([round(ms, 6) for ms in table["time of a step [s]"]], [20.904e-3, 520e-6, 20.8e-3, 2.08e-3, 1.04e-3])

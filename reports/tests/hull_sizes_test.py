@@ -110,7 +110,8 @@ class Hulls(with_store.WithStore):
 
     def test_the_headline_names_the_fastest_at_both_ends(self):
         made = self.one()
-        self.assertEqual(made.headline.text, "In 3D, on pairs apart, sat is fastest at 8 vertices of each hull, but gjk_epa at 256.")
+        self.assertEqual(made.headline.text, "In 3D, on pairs apart, sat is fastest at 8 vertices of each hull, but gjk_epa "
+                                             "at 256.")
         self.assertIsNone(self.one(of={"sat": METHODS["sat"]}).headline)
 
     def test_a_chart_for_each_dimension(self):

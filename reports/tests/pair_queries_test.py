@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the charts of pair queries: no lead inside the noise, shares with their numbers, every cell explained. Run by ctest, or
-python3 reports/tests/pair_queries_test.py."""
+"""Tests of the charts of pair queries: no lead inside the noise, shares with their numbers, every cell explained. Run by ctest,
+or python3 reports/tests/pair_queries_test.py."""
 
 import math
 import sys
@@ -123,7 +123,8 @@ class PairQueries(undrawn.Undrawn):
         self.assertEqual(set(table.loc[failing, "outcome"]), {"fails on 3 of 3 pairs"})
         self.assertEqual(set(table.loc[failing, "worst error over the size [1]"]), {0.5})
         self.assertIn("3 of 6 methods never fail at 1e-12 of the size", first.finding.headline)
-        self.assertEqual(first.headline.text, "On sphere–sphere in 2D 3 of 6 methods fail, on 8.3% of the queries; fastest without "
+        self.assertEqual(first.headline.text, "On sphere–sphere in 2D 3 of 6 methods fail, on 8.3% of the queries; fastest "
+                                              "without "
                          "a failure are closed_form and sat (50 ns).")
         self.assertTrue(all(math.isnan(first.headline.values[m]) for m in failing))
 

@@ -53,7 +53,8 @@ class Peers(with_store.WithStore):
         made = self.one()
         self.assertEqual(made.finding.headline, "Against the fastest library without failures LPC is faster on 1 of 3 questions, "
                          "slower on 0, tied on 1; on 1 every library fails.")
-        self.assertEqual(self.counts(made), {"LPC faster": 1, "tie: inside the noise": 1, "every library fails, one is faster": 1})
+        self.assertEqual(self.counts(made), {"LPC faster": 1, "tie: inside the noise": 1, "every library fails, one is "
+                                                                                          "faster": 1})
         ahead = made.finding.table.set_index("outcome").loc["LPC faster"]
         self.assertAlmostEqual(ahead["most [1]"], 2.1)
         self.assertEqual((ahead["largest difference on"], ahead["LPC's method"], ahead["library"]),

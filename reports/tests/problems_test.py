@@ -54,14 +54,16 @@ class Problems(with_store.WithStore):
         self.assertAlmostEqual(found.at["catto", "median residual [1]"], 0.99**40 / 2)
         self.assertEqual([ax.get_title("left") or ax.get_title() for ax in curves.figure.axes if ax.get_visible()],
                          ["easy", "hard"])
-        self.assertEqual(profile.finding.headline, "nncg solves the largest share of 2 problems (100 %) and is cheapest most often "
+        self.assertEqual(profile.finding.headline, "nncg solves the largest share of 2 problems (100 %) and is cheapest most "
+                                                   "often "
                          "(100 %).")
         table = profile.finding.table.set_index("method")
         self.assertEqual(list(table.index), ["nncg", "catto"], "unsupported methods have no row")
         self.assertEqual(table.loc["catto", "share solved"], 0.5)
         self.assertEqual(table.loc["catto", "median multiple"], 2)
         # (1 - 0.85) / (1 - 0.9): the planted difference of the rates shows.
-        self.assertEqual(rates.finding.headline, "On 2 frictionless cells the spectral radius predicts catto's number of iterations "
+        self.assertEqual(rates.finding.headline, "On 2 frictionless cells the spectral radius predicts catto's number of "
+                                                 "iterations "
                          "to within 1.5 times.")
         self.assertEqual(rates.finding.table[["order of rows", "iterations, measured over predicted"]].to_numpy().tolist(),
                          [["coloured", "1.5"], ["recorded", "1"]])
@@ -92,7 +94,8 @@ class Problems(with_store.WithStore):
         ns = {"catto": 1000.0, "nncg": 1250.0, "soft_step": 1.0}
         curves, over_time, *_ = self.made(frozen_problems, lambda maker: invented(maker, ns=ns))
         self.assertEqual((curves.id, over_time.id), ("mine_cold_curves", "mine_cold_times"))
-        self.assertEqual(over_time.finding.headline, "nncg solves 2 of 2 problems to 0.001 g dt within 2 times the fastest method's "
+        self.assertEqual(over_time.finding.headline, "nncg solves 2 of 2 problems to 0.001 g dt within 2 times the fastest "
+                                                     "method's "
                          "time.")
         counts = over_time.finding.table.set_index("method")["fastest or tied on [1]"].to_dict()
         self.assertEqual(counts, {"nncg": 2, "catto": 1})

@@ -33,7 +33,8 @@ def cell(*values):
 
 
 def false_ranks(better, methods=5, seeds=20, trials=400):
-    """How often at least one difference is reported among equal methods: each seed shifts all of them, and each method a little."""
+    """How often at least one difference is reported among equal methods: each seed shifts all of them, and each method
+    a little."""
     source, told = random.Random(9), 0
     many = ranking.comparisons(methods)
     for _ in range(trials):
@@ -63,7 +64,8 @@ class Intervals(unittest.TestCase):
             self.assertAlmostEqual(value, 1.01)
         turned = cell(*reversed([1.01 * v for v in starts]))
         self.assertFalse(ranking.better(a, {**turned, "seeds": a["seeds"]}, "e"), "unpaired, the seeds are noise")
-        self.assertTrue(ranking.better(a, {**turned, "seeds": a["seeds"][::-1]}, "e"), "pairs have equal seeds, not equal positions")
+        self.assertTrue(ranking.better(a, {**turned, "seeds": a["seeds"][::-1]}, "e"), "pairs have equal seeds, not equal "
+                                                                                       "positions")
 
     def test_zeros_and_failures_are_ends_of_the_scale(self):
         nan = math.nan

@@ -54,7 +54,8 @@ class SleepScenes(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding.headline, "In 2D split_average lets a slow roller sleep sooner than millington at 1 of 2 speeds, "
+        self.assertEqual(made.finding.headline, "In 2D split_average lets a slow roller sleep sooner than millington at 1 of "
+                                                "2 speeds, "
                          "later or never at 1 (2009 report, 6.5.1).")
         found = made.finding.table.set_index("policy")
         self.assertEqual(list(found.columns), ["5 boxes: steps until all wake", "touch at 0.05 m/s: boxes woken",

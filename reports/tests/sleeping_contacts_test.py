@@ -46,7 +46,8 @@ class SleepingContacts(with_store.WithStore):
     def test_savings_and_changes(self):
         made = self.made(sleeping.sleeping_contacts, self.stack())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding.headline, "Keeping contacts of sleeping bodies saves up to 80 % of the pair queries (quick on "
+        self.assertEqual(made[0].finding.headline, "Keeping contacts of sleeping bodies saves up to 80 % of the pair queries "
+                                                   "(quick on "
                          "stack); 1 of 2 runs end in the same bits.")
         found = made[0].finding.table.set_index("policy")
         self.assertEqual(list(found.index), ["quick", "slow"])
@@ -63,7 +64,8 @@ class SleepingContacts(with_store.WithStore):
         self.assertAlmostEqual(table.at["slow", "time per step, renewed [s]"], 0.000804)
         self.assertEqual(list(table["same bits"]), ["yes", "no"])
         self.assertEqual(len(made[0].figure.axes), 3)
-        self.assertEqual(made[0].headline.text, "On stack a step of quick takes 4.0 times as long where contacts of sleeping bodies are "
+        self.assertEqual(made[0].headline.text, "On stack a step of quick takes 4.0 times as long where contacts of sleeping "
+                                                "bodies are "
                          "renewed; the final state is the same.")
 
     def test_the_planted_bug_that_the_first_poses_are_compared_would_be_seen(self):
@@ -100,7 +102,8 @@ class SleepingContacts(with_store.WithStore):
     def test_without_sleeping_bodies_nothing_is_ranked(self):
         awake = {name: (100, 100, 1.0, 1.0, 0.0, (0, 0)) for name in POLICIES}
         made = self.made(sleeping.sleeping_contacts, self.stack(awake))[0]
-        self.assertEqual(made.finding.headline, "No body falls asleep in the sweep of kept and renewed contacts of sleeping bodies.")
+        self.assertEqual(made.finding.headline, "No body falls asleep in the sweep of kept and renewed contacts of sleeping "
+                                                "bodies.")
 
     def test_a_sweep_without_the_switch_has_no_chart(self):
         self.assertEqual(self.made(sleeping.sleeping_contacts, self.stack(values=(0,))), [sleeping.sleeping_contacts.absent])

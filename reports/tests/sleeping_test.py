@@ -44,7 +44,8 @@ class Sleeping(with_store.WithStore):
     def test_savings_distances_and_the_wave(self):
         made = self.made(sleeping.sleeping, self.stack())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding.headline, "On stack, 2D slow saves most, 80 % of the multiply-adds; it moves bodies by up to "
+        self.assertEqual(made[0].finding.headline, "On stack, 2D slow saves most, 80 % of the multiply-adds; it moves bodies "
+                                                   "by up to "
                          "30 mm.")
         found = made[0].finding.table.set_index("policy")
         self.assertEqual(list(found.index), ["slow", "quick"])
@@ -74,7 +75,8 @@ class Sleeping(with_store.WithStore):
 
     def test_equal_savings_tie(self):
         made = self.made(sleeping.sleeping, self.stack({**POLICIES, "quick": (20, 1, 5, 0, 0.01)}))[0]
-        self.assertEqual(made.finding.headline, "On stack, 2D quick and slow save most, 80 % of the multiply-adds; they move bodies by "
+        self.assertEqual(made.finding.headline, "On stack, 2D quick and slow save most, 80 % of the multiply-adds; they move "
+                                                "bodies by "
                          "up to 30 mm.")
         self.assertEqual(list(made.finding.table["outcome"]), ["tie with the best"] * 2)
 

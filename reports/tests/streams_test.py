@@ -69,7 +69,8 @@ class Streams(with_store.WithStore):
         self.assertEqual(table.loc[("all methods", "tower"), "outcome"], "no rank changes beyond the noise")
         self.assertEqual(table.loc[("gjk_epa: no cache over cached data", "1 of 2 scenes"), "time, pairs of the world"], "1.3")
         self.assertEqual(len(table), 3)
-        self.assertEqual(made.headline.text, "On pile in 3D gjk_epa is 2.0 times as fast as sat on drawn pairs, but sat is 1.3 times "
+        self.assertEqual(made.headline.text, "On pile in 3D gjk_epa is 2.0 times as fast as sat on drawn pairs, but sat is "
+                                             "1.3 times "
                          "as fast on the pairs of the world.")
         self.assertEqual([made.headline.values[m] for m in ("gjk_epa", "sat")], [120.6, 90.45])
         self.assertNotIn("sat", " ".join(made.holes), "a method without cached data is no hole")
@@ -80,7 +81,8 @@ class Streams(with_store.WithStore):
     def test_the_planted_bug_an_order_within_the_noise_is_no_rank(self):
         about = {"of": {"pile": {"sat": (105, 90, None), "gjk_epa": (100, 95, 95)}}, "noisy": 0.3}
         found = self.one(**about).finding
-        self.assertEqual(found.headline, "In 3D methods change ranks between drawn pairs and a world's pairs on 0 of 1 scene, beyond "
+        self.assertEqual(found.headline, "In 3D methods change ranks between drawn pairs and a world's pairs on 0 of 1 scene, "
+                                         "beyond "
                          "the noise.")
         self.assertEqual(list(found.table["outcome"]), ["no rank changes beyond the noise", "inside the noise"])
         self.assertIsNone(self.one(**about).headline)

@@ -59,7 +59,8 @@ class Tolerance(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.headline.text, "On box–box in 3D a tolerance of 0.001 saves gjk_epa{faces=64} 50 % of its time; its "
+        self.assertEqual(made.headline.text, "On box–box in 3D a tolerance of 0.001 saves gjk_epa{faces=64} 50 % of its time; "
+                                             "its "
                          "worst error is 0.00033 of the size instead of 1e-16.")
         self.assertEqual(made.finding.headline, made.headline.text)
         self.assertEqual(made.finding.table.to_numpy().tolist(), [
@@ -112,7 +113,8 @@ class Tolerance(with_store.WithStore):
 
     def test_no_chart_without_a_curve(self):
         asked = self.made(tolerance_cost, self.loosened(values=(0, 1e-3)))
-        self.assertEqual(asked[0].finding.headline, "The `report` of tolerance_cost lists this chart, but the sweep lacks its data.")
+        self.assertEqual(asked[0].finding.headline, "The `report` of tolerance_cost lists this chart, but the sweep lacks its "
+                                                    "data.")
         self.assertEqual(asked[0].holes, ["The chart needs a method with 3 values of its tolerance."])
         self.assertEqual(self.made(tolerance_cost, synthetic_store.queries), [tolerance_cost.absent])
 

@@ -77,7 +77,8 @@ class Map(with_store.WithStore):
         self.assertAlmostEqual(self.at(made, "cast", 100, 0.01)[RATIO], 3.0)
         self.assertTrue(math.isnan(self.at(made, "none", 25, 0.01)[RATIO]))
         self.assertEqual(self.at(made, "speculative", 25, 0.001)["lost time [s]"], 0.5)
-        self.assertEqual(made.finding.headline, "bullet_wall, 2D: no bullet tunnels with cast, cast+bilateral and 1 more; up to 95 % "
+        self.assertEqual(made.finding.headline, "bullet_wall, 2D: no bullet tunnels with cast, cast+bilateral and 1 more; up "
+                                                "to 95 % "
                          "tunnel with the method none.")
         table = made.finding.table.set_index("method")
         self.assertEqual(list(table.index), ["cast", "cast+bilateral", "ray", "speculative", "none"])

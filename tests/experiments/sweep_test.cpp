@@ -180,7 +180,7 @@ TEST(SweepRun, scenesNameForcesOfPlugins) {
   EXPECT_NEAR(std::stod(run.text.substr(at + 9)), 3, 1e-6) << "3 N on 1 kg for a second";
   const Outcome without = w.lpc("run push.toml");
   EXPECT_EQ(without.code, 2);
-  EXPECT_NE(without.text.find("no force 'planted_push' in 2D"), without.text.npos) << without.text;
+  EXPECT_NE(without.text.find("unknown force 'planted_push' in 2D"), without.text.npos) << without.text;
 }
 
 // A script is an axis, found as scenes are; its parameters belong to the scene.

@@ -61,8 +61,8 @@ TYPED_TEST(DefinitionsTest, InvalidBodiesAreRefusedByName) {
   EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = -1; }), "density"));
   EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].shape = Shape<D>::plane(); }), "plane"));
   EXPECT_TRUE(says(refusal([](auto& d) { d.gravityScale = std::numeric_limits<Real>::infinity(); }), "gravity"));
-  EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = std::numeric_limits<Real>::max(); }), "beyond"));
-  EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = std::numeric_limits<Real>::denorm_min(); }), "inverse"));
+  EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = std::numeric_limits<Real>::max(); }), "too large"));
+  EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = std::numeric_limits<Real>::denorm_min(); }), "too small to invert"));
 }
 
 TYPED_TEST(DefinitionsTest, TwoMergedHaveTheMomentaOfBoth) {

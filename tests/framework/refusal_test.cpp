@@ -88,8 +88,8 @@ std::vector<Refusal<D>> refusals() {
       }));
     }
   }
-  list.push_back(ball<D>("beyond", [=](BodyDef<D>& b) { b.shapes[0].density = most; }));
-  list.push_back({"beyond", [=](W x) { x.add(body<D>(Shape<D>::box(most / 4 * Vec<D>::Ones()), at<D>(0, 0))); }});
+  list.push_back(ball<D>("too large", [=](BodyDef<D>& b) { b.shapes[0].density = most; }));
+  list.push_back({"too large", [=](W x) { x.add(body<D>(Shape<D>::box(most / 4 * Vec<D>::Ones()), at<D>(0, 0))); }});
   list.push_back(ball<D>("rotation", [](BodyDef<D>& b) { b.X_WB.q = scaled(b.X_WB.q, 2); }));
   list.push_back({"rotation", [](W x) { x.setPose(x.handle(1), {Vec<D>::Zero(), scaled(Rot<D>{}, 2)}); }});
   list.push_back({"fixed", [](W x) { x.setMotion(x.handle(0), {}); }});
@@ -99,22 +99,22 @@ std::vector<Refusal<D>> refusals() {
   };
   joint("pivot", "glue");
   joint("motor_speed", "hinge{speed=1}");
-  joint("cross", "hinge{lower=1,upper=-1}");
+  joint("lower above upper", "hinge{lower=1,upper=-1}");
   joint("a number from", "hinge{motor_torque=-1}");
-  joint("no spring", "distance{mode=rope,damping=1}");
-  joint("no spring", "distance{stiffness=5}");
+  joint("mode is not spring", "distance{mode=rope,damping=1}");
+  joint("mode is not spring", "distance{stiffness=5}");
   joint("no motor", "hinge{motor_speed=1}");
-  joint("no spring", "hinge{rest=1}");
+  joint("mode is not spring", "hinge{rest=1}");
   for (const std::string kind : {"prismatic", "wheel"}) {
-    joint("cross", kind + "{lower=1,upper=-1}");
+    joint("lower above upper", kind + "{lower=1,upper=-1}");
     joint("no motor", kind + "{motor_speed=1}");
-    joint("no spring", kind + "{rest=1,stiffness=0}");
+    joint("mode is not spring", kind + "{rest=1,stiffness=0}");
   }
   joint("swing 0", "cone_twist{swing=0}");
   joint("ratio 0", "gear{ratio=0}");
   joint("mode=friction", "motor{mode=friction,x=1}");
   joint("mode=friction", "motor{mode=friction,angular_damping=1}");
-  joint("no length", "distance");
+  joint("length 0", "distance");
   joint("negative length", "distance{length=-0.5}");
   joint("stiffness", "distance{mode=spring,stiffness=inf,damping=1}");
   list.push_back({"cannot move", [](W x) { x.add(JointDef<D>{.bodyB = x.handle(0)}); }});
@@ -134,7 +134,7 @@ std::vector<Refusal<D>> refusals() {
   force("itself", "spring", 1, 1);
   force("cannot move", "spring", -1, 0);
   force("cannot move", "drag", -1, 0);
-  force("one body", "spring", 1, -1);
+  force("needs a body", "spring", 1, -1);
   force("takes no body a", "drag", 1, 2);
   force("has a body a but no body b", "torque", 1, -1);
   force(D == 2 ? "negative limit" : "a zero axis", D == 2 ? "torque{mode=speed,torque=-1}" : "torque{z=0}", -1, 1);
