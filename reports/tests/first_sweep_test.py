@@ -67,7 +67,7 @@ class FirstSweep(unittest.TestCase):
         self.assertEqual(re.findall(r"^choose_(\w+)", done.stdout, re.M), ["broadphase", "contacts", "resolver"])
         run = HERE.parent.parent / "experiments" / "run"
         for arguments, said in ((("choose", "--bodies", "many"), "--bodies needs a number, not 'many'"),
-                                (("quick", "--bodies", "50"), "are for choose"), (("choose", "full"), "one set")):
+                                (("quick", "--bodies", "50"), "valid with: choose"), (("choose", "full"), "one set")):
             done = subprocess.run([run, *arguments], capture_output=True, text=True, check=False)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
             self.assertIn(said, done.stderr)

@@ -326,7 +326,7 @@ TEST(BadInput, InvalidStores) {
     refused(w, "merge all.db whole.db " + c.text, c.parts);
   }
   refused(w, "merge all.db empty.db", {"empty.db: ", "not a result store"});
-  refused(w, "merge whole.db whole.db", {"whole.db", "itself"});
+  refused(w, "merge whole.db whole.db", {"whole.db", "also a store to read"});
   refused(w, "merge all.db absent.db", {"absent.db: ", "this store does not exist"});
   refused(w, "sweep s.toml --store text.db/s.db", {"text.db/s.db: ", "cannot be created", "Not a directory"});
   refused(w, "sweep s.toml --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: "});

@@ -301,7 +301,7 @@ TEST(Breaking, TheCommandAgreesWithTheFormula) {
       "4 "
       "--perturb 0 --ratio 1.01 --truth 0.4 --quiet --store truth.db " +
       pipeline);
-  EXPECT_TRUE(std::regex_search(told.text, std::regex("closed form: 0.4,  [0-9.]+ % (below|above)"))) << told.text;
+  EXPECT_TRUE(std::regex_search(told.text, std::regex("closed form: 0.4, [0-9.]+ % (below|above)"))) << told.text;
 
   const Outcome missing = w.lpc(kSlope + "--limit \"joint_error_max<1\" " + pipeline);
   EXPECT_EQ(missing.code, 2) << missing.text;
@@ -442,7 +442,7 @@ break = { parameter = "n", from = 2, to = 8, seeds = 1, perturb = 0 }
 scene = "bridge"
 steps = 20
 )");
-  const std::string plan = w.lpc("sweep s.toml --store s.db --dry-run").text, before = "of at most ";
+  const std::string plan = w.lpc("sweep s.toml --store s.db --dry-run").text, before = "with at most ";
   ASSERT_NE(plan.find(before), std::string::npos) << plan;
   ASSERT_EQ(w.lpc("sweep s.toml --store s.db --quiet").code, 0);
   const long run = std::stol(ask(w.path("s.db"), "SELECT count(*) FROM trial"));

@@ -355,7 +355,7 @@ TEST(FclibFile, RefusesAMatrixInOneLine) {
     ++all, able += r->info.matrixAlone;
   }
   EXPECT_EQ(count("outcome='ok'"), std::to_string(able));
-  EXPECT_EQ(count("outcome='unsupported' AND reason LIKE '%pushes bodies%'"), std::to_string(all - able));
+  EXPECT_EQ(count("outcome='unsupported' AND reason LIKE '%needs bodies%'"), std::to_string(all - able));
 }
 
 TEST(FclibFile, IsRecordedAndSwept) {

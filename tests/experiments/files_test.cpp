@@ -25,22 +25,22 @@ TEST(Files, NoOutputIsWrittenOverAnInput) {
   const char* valid = "valid: another file";
   for (const char* option : {"--record", "--profile"}) {
     for (const char* path : {"r.toml", "./folder/../r.toml", "link", "other"}) {
-      refused(w, std::string("run r.toml ") + option + " " + path, {option, "over the scene r.toml", valid});
+      refused(w, std::string("run r.toml ") + option + " " + path, {option, "overwrite the scene r.toml", valid});
     }
-    refused(w, "run " + w.path("r.toml") + " " + option + " r.toml", {option, "over the scene", valid});
+    refused(w, "run " + w.path("r.toml") + " " + option + " r.toml", {option, "overwrite the scene", valid});
     // An output is first written under another name, but not under this one.
     EXPECT_EQ(w.lpc(std::string("run r.partial ") + option + " r").code, 0);
   }
-  refused(w, "run r.svg --film r.svg", {"--film r.svg", "over the scene r.svg", valid});
+  refused(w, "run r.svg --film r.svg", {"--film r.svg", "overwrite the scene r.svg", valid});
   EXPECT_EQ(readFile(w.path("r.toml")), kScene);
   EXPECT_EQ(readFile(w.path("r.svg")), kScene);
   EXPECT_EQ(readFile(w.path("r.partial")), kScene);
 
   ASSERT_EQ(w.lpc("run r.toml --record a.svg").code, 0);
-  refused(w, "replay a.svg --film ./a.svg", {"--film", "over the recording a.svg", valid});
-  refused(w, "replay r.toml --beside a.svg --film a.svg", {"--film", "over the recording a.svg", valid});
+  refused(w, "replay a.svg --film ./a.svg", {"--film", "overwrite the recording a.svg", valid});
+  refused(w, "replay r.toml --beside a.svg --film a.svg", {"--film", "overwrite the recording a.svg", valid});
   w.write("c.json", "{\"cases\": []}");
-  refused(w, "verify --cases c.json --csv ./c.json", {"--csv", "over the cases c.json", valid});
+  refused(w, "verify --cases c.json --csv ./c.json", {"--csv", "overwrite the cases c.json", valid});
   refused(w, "verify --cases c.json --csv s.db --store s.db", {"--csv s.db", "--store s.db", "are one file"});
 }
 
@@ -93,8 +93,8 @@ TEST(Files, NoInputBlocks) {
     refused(w, "--plugin " + name + " list", {name + ": "});
     if (name != "bench.json") refused(w, "run " + name, {"'" + name + "'"});
     if (name != "pipe") refused(w, "import-benchmark --store s.db " + name, {name + ": "});
-    if (name != "bench.json") refused(w, "needs r.toml --store " + name, {name + ": ", "no file"});
-    if (name != "bench.json") refused(w, "merge s.db " + name, {name + ": ", "no file"});
+    if (name != "bench.json") refused(w, "needs r.toml --store " + name, {name + ": ", "not a regular file"});
+    if (name != "bench.json") refused(w, "merge s.db " + name, {name + ": ", "not a regular file"});
   }
   refused(w, "replay absent.rec", {"absent.rec: cannot be read"});
 }

@@ -464,7 +464,7 @@ TEST(RecordPairs, RefusesInOneLine) {
     refused(w, std::string("record vertical_stack --problems p.json --steps ") + steps, {"--steps"});
   }
   refused(w, "record s.toml" + p, {"no boxes of 's.toml' come near each other"});
-  refused(w, "record s.toml --pairs s.toml", {"over the scene s.toml"});
+  refused(w, "record s.toml --pairs s.toml", {"overwrite the scene s.toml"});
   refused(w, "record vertical_stack --steps 0:3 --pairs none/p.pairs", {"none/p.pairs: cannot be written"});
   refused(w, "record vertical_stack --steps 0:3 --pipeline engine=box2d" + p, {"an engine gives no access to"});
   refused(w, "record tumbler --steps 0:299" + p, {"have more than 1000000 pairs", "valid: fewer steps"});

@@ -81,12 +81,12 @@ TEST(Presets, ANumberIsAName) {
   };
   for (const char* wrong : {"12", "05", "99999999999999999999"}) {
     const std::string message = refusal("scenes", wrong);
-    EXPECT_TRUE(message.starts_with("there is no preset_" + std::string(wrong) + "; valid: 0, 1, 2, 3")) << message;
+    EXPECT_TRUE(message.starts_with("no preset_" + std::string(wrong) + "; valid: 0, 1, 2, 3")) << message;
     EXPECT_TRUE(message.ends_with("9, 10, 11")) << message;
   }
-  EXPECT_EQ(refusal("scripts", "3"), "there is no director_3; valid: 0, 1, 2");
-  EXPECT_NE(refusal("scenes", "-1").find("nothing of that name"), std::string::npos) << "a sign is no number";
-  EXPECT_NE(refusal("sweeps", "1").find("nothing of that name"), std::string::npos) << "sweeps have no numbers";
+  EXPECT_EQ(refusal("scripts", "3"), "no director_3; valid: 0, 1, 2");
+  EXPECT_NE(refusal("scenes", "-1").find("no such name"), std::string::npos) << "a sign is no number";
+  EXPECT_NE(refusal("sweeps", "1").find("no such name"), std::string::npos) << "sweeps have no numbers";
 }
 
 TEST(Presets, ANumberRuns) {

@@ -219,7 +219,7 @@ TEST(ProblemFile, HoldsAMatrix) {
       {"0.25]", "0.25,1]", {"impulse is a list of 4", "valid: a list of 3"}},
       {"\"velocity\"", "\"speed\"", {"matrix lacks 'velocity'"}},
       {"[0,0,2.0],", "", {"problems 0, matrix: the entry at 2, 0 is too large", "valid: a matrix without negative"}},
-      {"[2,0,0.5]", "[2,0,2.5]", {"the entry at 2, 0 is larger"}},
+      {"[2,0,0.5]", "[2,0,2.5]", {"the entry at 2, 0 is too large"}},
       {"[2,0,0.5],[1,1,1.0],[2,2,3.0]],\"friction\":[0.4],\"impulse\":[0.0,0.0,0.25],\"velocity\":[-1.0,0.125,0.0]",
        "[1,1,1.0]],\"friction\":[0.4],\"impulse\":[0,0,0],\"velocity\":[-1,0.125,0.5]",
        {"velocity 2 is 0.5", "valid: 0 or more for a row without moving bodies"}},
@@ -266,7 +266,7 @@ TEST(Record, RefusesInOneLine) {
   refused(w, "record vertical_stack --hardest 0" + p, {"0"});
   refused(w, "record no_scene --steps 3" + p, {"no_scene"});
   refused(w, "record s.toml --steps 3" + p, {"no step of 's.toml' has a velocity problem"});
-  refused(w, "record s.toml --steps 3 --problems s.toml", {"over the scene s.toml"});
+  refused(w, "record s.toml --steps 3 --problems s.toml", {"overwrite the scene s.toml"});
   refused(w, "record vertical_stack --steps 3 --pipeline solver=soft_step" + p,
           {"a solver without a separate velocity stage"});
   refused(w, "record vertical_stack --steps 3 --pipeline engine=box2d" + p,

@@ -63,7 +63,7 @@ TEST(SavedScene, MistakesAreOneLine) {
   refused("pyramid --save 20", "valid: a step and a file name");
   refused("pyramid --save x:b.toml", "valid: a step and a file name");
   refused("pyramid --save 20:b.world", "valid: NAME.toml");
-  refused("pyramid --steps 10 --save 20:b.toml", "no step 20");
+  refused("pyramid --steps 10 --save 20:b.toml", "asked: step 20");
   refused("./a.toml --save 1:a.toml", "a.toml");  // it would be overwritten
   refused("./a.toml --param perturb=0.01", "perturb = 0");
   refused("./a.toml --dimension 3", "3D");
@@ -72,8 +72,8 @@ TEST(SavedScene, MistakesAreOneLine) {
     w.write("b.toml", line + scene);
     refused("./b.toml", said);
   };
-  with("gravity = [0, -1]\n", "'gravity' beside 'saved'");
-  with("settings = \"2009\"\n", "'settings' beside 'saved'");
+  with("gravity = [0, -1]\n", "'gravity' is given with 'saved'");
+  with("settings = \"2009\"\n", "'settings' is given with 'saved'");
   w.write("b.toml", scene.substr(0, scene.find("dt = ")) + "\n");
   refused("./b.toml", "'saved' needs 'dt'");
   w.write("a.world", world.substr(0, world.size() / 2));

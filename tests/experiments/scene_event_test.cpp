@@ -414,7 +414,7 @@ TEST(SceneEvent, MistakesAreOneLine) {
       {"do = \"joint\"\nstep = 3\nkind = \"pivot\"\na = \"box\"\nb = \"peg\"\n",
        {"t.toml:16: ", "'anchor' is missing"}},
       {"do = \"remove\"\nstep = 3\nbody = \"box\"\n[[event]]\ndo = \"remove\"\nstep = 4\nbody = \"box\"\n",
-       {"t.toml:23: ", "removed at step 3 already"}},
+       {"t.toml:23: ", "already removed at step 3"}},
       {"do = \"remove\"\nstep = 3\nbody = \"box\"\n[[event]]\ndo = \"push\"\nstep = 4\nbody = \"box\"\nimpulse = "
        "[1, 0]\n",
        {"t.toml:20: ", "at step 4 'box' does not exist: it is removed at 3"}},
@@ -426,7 +426,7 @@ TEST(SceneEvent, MistakesAreOneLine) {
        {"t.toml:25: ", "at step 5 'box' does not exist: it is removed at 3"}},
       {"do = \"merge\"\nstep = 3\ninto = \"box\"\nother = \"peg\"\n",
        {"t.toml:20: ", "valid: both dynamic, or both fixed"}},
-      {"do = \"merge\"\nstep = 3\ninto = \"box\"\nother = \"box\"\n", {"t.toml:20: ", "valid: two bodies"}},
+      {"do = \"merge\"\nstep = 3\ninto = \"box\"\nother = \"box\"\n", {"t.toml:20: ", "valid: two different bodies"}},
       {"do = \"take_apart\"\nstep = 3\nbody = \"box\"\n", {"t.toml:16: ", "'names' is missing"}},
       {"do = \"take_apart\"\nstep = 3\nbody = \"box\"\nnames = [\"a[0]\"]\n", {"t.toml:20: ", "'a[0]'", "without '['"}},
       {"do = \"push\"\nstep = 3\nbody = \"#2\"\nimpulse = [1, 0]\n",
@@ -442,7 +442,8 @@ TEST(SceneEvent, MistakesAreOneLine) {
       {"do = \"material\"\nstep = 3\nbody = \"box\"\nfriction = -1\n", {"t.toml:20: ", "'friction' is -1"}},
       {"do = \"set\"\nstep = 3\nbody = \"box\"\nrotation = [1, 1]\n", {"t.toml:20: ", "does not have length 1"}},
       {"do = \"set\"\nstep = 3\nbody = \"box\"\nrotation = [1, 0, 0, 0]\n", {"t.toml:20: ", "cosine and sine"}},
-      {"do = \"set\"\nstep = 3\nbody = \"box\"\nangle = 1\nrotation = [1, 0]\n", {"t.toml:21: ", "beside 'angle'"}},
+      {"do = \"set\"\nstep = 3\nbody = \"box\"\nangle = 1\nrotation = [1, 0]\n",
+       {"t.toml:21: ", "'angle' are both given"}},
       {"do = \"clear\"\nstep = 3\n[[event]]\ndo = \"push\"\nstep = 4\nbody = \"box\"\nimpulse = [1, 0]\n",
        {"t.toml:19: ", "at step 4 'box' does not exist: it is cleared at 3"}},
       {"do = \"push\"\nstep = 5\nbody = \"new\"\nimpulse = [1, 0]\n[[event]]\ndo = \"add\"\nstep = 5\nname = \"new\"\n"

@@ -328,7 +328,7 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       {joints + kNamed +
            "[[event]]\ndo = \"joint\"\nstep = 1\nkind = \"pivot\"\na = \"a\"\nb = \"a\"\nanchor = [0, 0]\n",
        {"t.toml:8: ", "a joint between a body and itself"}},
-      {kNamed + force("spring", "a = \"a\"\nb = \"a\"\n"), {"t.toml:7: ", "'spring' between a body and itself"}},
+      {kNamed + force("spring", "a = \"a\"\nb = \"a\"\n"), {"t.toml:7: ", "'spring' acts between a body and itself"}},
       {kNamed + "[[body]]\nname = \"wall\"\n" + fixed + kBall + force("spring", "a = \"world\"\nb = \"wall\"\n"),
        {"t.toml:11: ", "'spring' acts on bodies that cannot move; valid: at least one dynamic body"}},
       {kNamed + force("spring", "a = \"a\"\n"), {"t.toml:7: ", "'spring' needs a body to act on", "valid: b"}},

@@ -62,7 +62,8 @@ TYPED_TEST(DefinitionsTest, InvalidBodiesAreRefusedByName) {
   EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].shape = Shape<D>::plane(); }), "plane"));
   EXPECT_TRUE(says(refusal([](auto& d) { d.gravityScale = std::numeric_limits<Real>::infinity(); }), "gravity"));
   EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = std::numeric_limits<Real>::max(); }), "too large"));
-  EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = std::numeric_limits<Real>::denorm_min(); }), "too small to invert"));
+  EXPECT_TRUE(says(refusal([](auto& d) { d.shapes[0].density = std::numeric_limits<Real>::denorm_min(); }),
+                   "too small to invert"));
 }
 
 TYPED_TEST(DefinitionsTest, TwoMergedHaveTheMomentaOfBoth) {
