@@ -46,6 +46,7 @@ endfunction()
 # The output that the page promises, a line each: texts quoted in lines that begin with `It prints`.
 function(page_prints page out)
   file(READ ${page} text)
+  string(REPLACE ";" "<semicolon>" text "${text}")  # it separates entries of a list
   string(REGEX MATCHALL "\nIt prints [^\n]*" lines "${text}")
   set(said "")
   foreach(line IN LISTS lines)
@@ -55,6 +56,7 @@ function(page_prints page out)
       string(APPEND said "${part}\n")
     endforeach()
   endforeach()
+  string(REPLACE "<semicolon>" ";" said "${said}")
   set(${out} "${said}" PARENT_SCOPE)
 endfunction()
 

@@ -104,11 +104,11 @@ std::vector<Refusal<D>> refusals() {
   joint("mode is not spring", "distance{mode=rope,damping=1}");
   joint("mode is not spring", "distance{stiffness=5}");
   joint("no motor", "hinge{motor_speed=1}");
-  joint("mode is not spring", "hinge{rest=1}");
+  joint("no spring", "hinge{rest=1}");
   for (const std::string kind : {"prismatic", "wheel"}) {
     joint("lower above upper", kind + "{lower=1,upper=-1}");
     joint("no motor", kind + "{motor_speed=1}");
-    joint("mode is not spring", kind + "{rest=1,stiffness=0}");
+    joint("no spring", kind + "{rest=1,stiffness=0}");
   }
   joint("swing 0", "cone_twist{swing=0}");
   joint("ratio 0", "gear{ratio=0}");
