@@ -228,7 +228,7 @@ def _cost_chart(context, cells, groups, refused):
     table = _table(context, cells, setting, costs, errors)
     reached = at_equal_cost(ranking.eligible(context, cells), costs[0], errors[0])
     compared = 0 if reached is None else int(reached[2]["error"].notna().sum())
-    order = f"Larger markers have a larger {setting}. " if setting else ""
+    order = f"Markers grow with {setting}. " if setting else ""
     what, entry = found(context, cells, where, costs[0], errors[0])
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), RIGHT_FOR_COST, f"Cost against error: {where}",
                  what, cells["sweep"].iloc[0], figure, table, refused + noise.idle_seeds(cells) +
