@@ -44,12 +44,6 @@ def verb(count, many, one=""):
     return many if count != 1 else one or IRREGULAR.get(many) or many + "s"
 
 
-def does(names, many, everyone=(), one=""):
-    """Subjects with their verb: "a fails", "a and b fail", of `everyone` "all 3 catto variants fail"."""
-    names = list(names)
-    return f"{methods(names, everyone)} {verb(len(names), many, one)}"
-
-
 def span(*ends):
     """A range from the texts of its ends: "1 to 3"; one text where both are equal."""
     return " to ".join(dict.fromkeys(ends))
@@ -58,8 +52,3 @@ def span(*ends):
 def clauses(*parts, between="; "):
     """The clauses that are not empty, joined."""
     return between.join(part for part in parts if part)
-
-
-def sentence(text):
-    """The text with a capital and a full stop."""
-    return f"{text[0].upper()}{text[1:]}."
