@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Debug drawing: a world, or any simulation, as points, lines, shapes and text, in metres. Films, the sandbox window
-// and a user's own program each implement `DebugDraw`. A step does not depend on drawing, and costs nothing when
-// unused.
+// and a user's own program each implement `DebugDraw`. Drawing does not affect a step, and costs nothing when unused.
 #pragma once
 
 #include <algorithm>

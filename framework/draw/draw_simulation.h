@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Draws a simulation as the last step left it. Calls nothing that would update it, so that drawing does not affect any
-// step.
+// Draws a simulation in the state after its last step. Calls no function that would update the simulation, so that
+// drawing does not affect any step.
 #pragma once
 
 #include <array>
@@ -78,8 +78,8 @@ bool isPlace(const Pose<D>& X_WC) {
   return X_WC.p.allFinite() && (X_WC.q * Vec<D>(Vec<D>::UnitX())).allFinite();
 }
 
-/// Data that a simulation does not report is not drawn: contacts and islands of an engine; boxes, structure and pairs
-/// of anything but a `World`.
+/// Draws a simulation. Data that the simulation does not report is not drawn: contacts and islands of an engine; boxes,
+/// structure and pairs of anything but a `World`.
 template <int D>
 void drawSimulation(const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw);
 

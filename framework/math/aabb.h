@@ -7,8 +7,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Axis-aligned box in the world, closed: boxes that only touch do overlap. A default box is empty and overlaps
-/// nothing.
+/// Axis-aligned box in the world, closed: boxes that only touch do overlap. A default box is empty and overlaps no
+/// finite box.
 template <int D>
 struct Aabb {
   Vec<D> lo = Vec<D>::Constant(std::numeric_limits<Real>::infinity());
@@ -30,12 +30,12 @@ struct Aabb {
   Vec<D> center() const { return Real(0.5) * (lo + hi); }
 };
 
-/// Parameter at which a ray enters a box, or a negative number when it misses within maxT.
+/// Parameter at which a ray enters a box. Negative when the ray does not hit the box within maxT.
 template <int D>
 Real castRay(const Aabb<D>& box, const Vec<D>& p, const Vec<D>& direction, Real maxT);
 
-/// First t, 0 <= t <= maxT, at which `box` moved by t * displacement touches `target`; negative when there is none. For
-/// a target that contains another one, t is never later, whatever the rounding: each step of the computation is
+/// First t, 0 <= t <= maxT, at which `box` moved by t * displacement touches `target`; negative when there is none. A
+/// larger target that contains `target` never gives a later t, even with rounding: each step of the computation is
 /// monotone. Trees rely on this.
 template <int D>
 Real castBox(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target);

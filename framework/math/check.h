@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Two kinds of mistake. A programming error stops the program where it happens. A user's error becomes one clear line
-// at the boundary. Numerical outcomes are neither: they are statuses in the answers.
+// A programming error stops the program where it happens. A user's error becomes one clear line at the boundary.
+// Numerical outcomes are neither: they are statuses in the answers.
 #pragma once
 
 #include <cstdio>

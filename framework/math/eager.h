@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Eager arithmetic of small matrices. In Eigen each sum and product returns an expression with a type of its own. Each
-// file compiles these nested expressions again, which takes a sixth to a fifth of a kernel's compile time. These
-// operators are preferred to Eigen's for plain matrices of fixed sizes, inside namespace lpc, where no nearer namespace
-// has operators. They compute the same values as Eigen's.
+// file compiles these nested expressions again, which takes a sixth to a fifth of a kernel's compile time. Inside
+// namespace lpc the compiler prefers these operators to Eigen's for plain matrices of fixed sizes, unless a nearer
+// namespace declares operators. They compute the same values as Eigen's.
 //
 // A scalar factor is applied where it is written; Eigen computes s * (A * B) as (s * A) * B.
 #pragma once

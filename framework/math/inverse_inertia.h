@@ -9,8 +9,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Inverts an inertia, scaled by a power of two, so that the determinant stays a float for bodies of a millimetre or a
-/// kilometre. NaN gives NaN. Precondition: the trace is not <= 0.
+/// Inverts an inertia, scaled by a power of two, so that the determinant of a body of a millimetre or a kilometre stays
+/// in the range of a float. NaN gives NaN. Precondition: the trace is positive or NaN.
 template <class Matrix>
 Matrix inverseAtItsScale(const Matrix& inertia) {
   const auto trace = inertia.trace();
@@ -21,9 +21,9 @@ Matrix inverseAtItsScale(const Matrix& inertia) {
   return scaled(Matrix(scaled(inertia).inverse()));
 }
 
-/// Inverts an inertia. Empty when the inverse is not representable. Either the body is too small; or it is a thin
-/// needle in a rotated frame, and the rounding of the other entries exceeds the inertia about its own axis.
-/// Precondition: the trace is > 0.
+/// Inverts an inertia. Empty when the inverse is not representable: the body is too small, or it is a thin needle in a
+/// rotated frame. Then the rounding of the other entries exceeds the inertia about the needle's axis. Precondition: the
+/// trace is > 0.
 template <int D>
 std::optional<Inertia<D>> inverseInertia(const Inertia<D>& inertia) {
   const Inertia<D> inverse = inverseAtItsScale(inertia);

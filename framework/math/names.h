@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Names in messages: the valid names, and which one a wrong name probably meant.
+// Names in messages: the valid names, and the name that a wrong one probably meant.
 #pragma once
 
 #include <string>

@@ -11,7 +11,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// Assigns the slots of a table, the lowest free slot first: the same calls give the same slots, and the table stays as
-/// short as possible. Free slots are a heap; `visits` counts the heap elements visited.
+/// short as possible. Free slots are a heap; `visits` counts calls of take() and comparisons in the heap.
 class SlotTable {
   struct Higher {
     std::uint64_t& visits;
@@ -34,7 +34,7 @@ class SlotTable {
   }
   std::size_t size() const { return m_size; }
   int inUse() const { return static_cast<int>(m_size - m_free.size()); }
-  /// For a table that was loaded.
+  /// Reads the free slots of a table that was loaded.
   template <class Table, class IsFree>
   void read(const Table& table, const IsFree& isFree) {
     m_size = table.size();

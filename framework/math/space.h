@@ -187,13 +187,13 @@ Pose<D> poseBetween(const Pose<D>& X_WA, const Pose<D>& X_WB) {
   return {back * (X_WB.p - X_WA.p).eval(), back * X_WB.q};
 }
 
-/// The rotation after a further rotation by `turn` (rad, world frame). Exact for a constant angular velocity.
+/// The rotation `q` followed by a rotation by `turn` (rad, world frame). Exact for a constant angular velocity.
 inline Rot<2> integrateRotation(const Rot<2>& q, const Ang<2>& turn) {
   return (Rot<2>::angle(turn[0]) * q).normalized();
 }
 inline Rot<3> integrateRotation(const Rot<3>& q, const Ang<3>& turn) { return (Rot<3>::vector(turn) * q).normalized(); }
 
-/// The inverse: the shortest rotation vector (rad, world frame) of `q`.
+/// The shortest rotation vector (rad, world frame) of `q`: the inverse of integrateRotation() on the identity.
 inline Ang<2> turnOf(const Rot<2>& q) { return Ang<2>(static_cast<Real>(angleOf(q.s, q.c))); }
 inline Ang<3> turnOf(const Rot<3>& q) {
   const double w = q.w, n = std::sqrt(double(q.x) * q.x + double(q.y) * q.y + double(q.z) * q.z);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Checks of numbers from the user. Each throws UserError with the owner, the number, and what is valid.
+// Checks of numbers from the user. Each throws UserError with the owner, the number, and the valid values.
 #pragma once
 
 #include <cmath>

@@ -25,11 +25,11 @@ enum class WorkCount {
   detections,     // collision detections requested by a solver inside its step
   eventVisits,    // slots, shapes and contacts visited for the user's changes between steps and for waking bodies
   graphVisits,    // bodies, manifolds and joints visited by the contact graph
-  impactLimits,   // phases of impacts, and pairs, that stopped at their limit
+  impactLimits,   // impact phases, and pairs in impact, that reached their limit of iterations
   fallbacks,      // rows that a direct method left to Gauss-Seidel
   sweptPairs,     // pairs of convex parts, one of them fast, that may touch during a step
   stops,          // bodies stopped by continuous collision
-  multiplyAdds,   // of constraint rows, factorisations, solves and residuals: the one cost that ranks all resolvers
+  multiplyAdds,   // of constraint rows, factorisations, solves and residuals: the only cost that ranks all resolvers
   kCount
 };
 

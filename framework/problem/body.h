@@ -31,16 +31,16 @@ enum class BodyType : std::uint8_t {
   dynamic
 };
 
-/// A body as a user adds it. Mass, centre of mass and inertia follow from the shapes and their densities, unless they
-/// are given. A body without shapes has no contacts: with a given mass it is a point moved by forces and joints;
-/// without, it must be static.
+/// A body as a user adds it. Mass, centre of mass and inertia follow from the shapes and their densities, unless `mass`
+/// gives them. A body without shapes has no contacts. With a given mass such a body is a point moved by forces and
+/// joints; without a mass it must be static.
 template <int D>
 struct BodyDef {
   BodyType type = BodyType::dynamic;
   Pose<D> X_WB{};
   Vec<D> velocity = Vec<D>::Zero();         // of the centre of mass, m/s
   Ang<D> angularVelocity = Ang<D>::Zero();  // rad/s, world frame
-  bool pinned = false;                      // its centre of mass does not move; the body may turn
+  bool pinned = false;                      // its centre of mass does not move; the body may rotate
   bool rotatable = true;
   bool canSleep = true;
   bool awake = true;
@@ -48,7 +48,7 @@ struct BodyDef {
   std::string name = {};       // for messages and displays; may be empty
   std::uint64_t userData = 0;  // the user's own number, as in ShapeDef
   Real gravityScale = 1;       // factor of the world's gravity: 0 floats, negative rises
-  /// In the body frame, replaces the values computed from the shapes. Zero inertia: the body does not rotate. For a
+  /// Replaces the values computed from the shapes; in the body frame. Zero inertia: the body does not rotate. For a
   /// body that is not dynamic only the centre is used.
   std::optional<MassProperties<D>> mass = {};
 
@@ -62,9 +62,9 @@ struct BodyDef {
 
 /// All bodies, by slot. A free slot has `used` = 0 and zeros elsewhere.
 ///
-/// invMass and invInertia are the values that a solver uses: the world refreshes them before each solve. They are zero
-/// for static, kinematic and sleeping bodies. Inertia is also zero for bodies that may not rotate, mass also for pinned
-/// ones. So a solver needs no branch for these cases.
+/// invMass and invInertia are the values that a solver uses; the world refreshes them before each solve. Both are zero
+/// for static, kinematic and sleeping bodies. invInertia is also zero for bodies that may not rotate, invMass for
+/// pinned bodies. So a solver needs no branch for these cases.
 template <int D>
 struct Bodies {
   IndexedVector<Pose<D>> pose;  // X_WC of the centre-of-mass frame C: body axes, origin at the centre of mass

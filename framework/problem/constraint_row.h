@@ -10,7 +10,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 enum class RowLaw : std::uint8_t {
-  rigid,   // error = 0; a stop when one limit of the force is 0: error >= 0 or error <= 0
+  rigid,   // error = 0; a stop, which has one limit of the force at 0, keeps error >= 0 or error <= 0
   spring,  // force = -stiffness x error - damping x v
   motor    // v = speed
 };
@@ -49,12 +49,12 @@ struct ConstraintRow {
   bool absent() const { return lo == 0 && hi == 0; }
   /// True when the row's error must be corrected.
   bool binds() const { return law == RowLaw::rigid && !absent() && !open(); }
-  /// True for a stop that is not reached yet. It may be reached within the step, but does not push before. |error| is
-  /// the remaining distance.
+  /// True for a stop that is not reached yet. |error| is the remaining distance. The stop may be reached within the
+  /// step, but exerts no force before.
   bool open() const { return law == RowLaw::rigid && (lo == 0) != (hi == 0) && (lo == 0 ? error > 0 : error < 0); }
 };
 
-/// Velocity v of the row. The sums are ordered as for velocities of points: b, then a.
+/// Velocity v of the row. The sum adds the terms of B, then subtracts those of A, as for velocities of points.
 template <int D>
 Real rowSpeed(const ConstraintRow<D>& row, const Vec<D>& vA, const Ang<D>& wA, const Vec<D>& vB, const Ang<D>& wB) {
   return row.d.dot(vB) + row.armB.dot(wB) - row.d.dot(vA) - row.armA.dot(wA);

@@ -20,16 +20,16 @@ struct ContactPoint {
   std::uint64_t feature = 0;        // the same pair of features has the same number in the next step
   IndexedArray<Real, D> impulse{};  // N s, along n, then along tangents(n); warm starts the next step. Zero: cold
   IndexedArray<Real, D> memory{};   // data of the solver, carried with the point
-  /// Total impulse along n over the whole step, N s. Each solver writes it; impacts of a separate impact law
+  /// Total impulse along n over the whole step, N s. Each solver writes it. Impacts of a separate impact law
   /// (split_solver's poisson and sequential) are not included. When sub-steps warm start from each other, `impulse` is
-  /// the last sub-step's times their number, not a sum.
+  /// the impulse of the last sub-step times the number of sub-steps, not a sum.
   Real load = 0;
 };
 
 template <int D>
 inline constexpr int kManifoldPoints = D == 2 ? 2 : 4;
 
-/// The contact points of two convex parts, one of each shape; bodyA < bodyB.
+/// The contact points of two convex parts, one part of each shape; bodyA < bodyB.
 template <int D>
 struct Manifold {
   std::int32_t bodyA = -1, bodyB = -1;
@@ -41,8 +41,8 @@ struct Manifold {
   std::uint8_t begun = 0;                 // 1 in the first step in which the pair has contacts
   std::uint8_t ignored = 0;               // 1 when a listener vetoed it: kept, but not solved
   IndexedArray<ContactPoint<D>, kManifoldPoints<D>> points{};
-  /// Pose of B's centre-of-mass frame in A's, and the normal in A's frame, when the points were made. The world writes
-  /// them.
+  /// Pose of B's centre-of-mass frame in A's, and the normal in A's frame, at the time when the points were made. The
+  /// world writes both.
   Pose<D> X_AB{};
   Vec<D> normalA = Vec<D>::Zero();
 
@@ -58,8 +58,8 @@ Real separationNow(const Manifold<D>& m, const ContactPoint<D>& c, const Pose<D>
   return (X_WB * c.localB - X_WA * c.localA).dot(m.normal);
 }
 
-/// Both arms from the centres of mass to the midpoint between the anchors (m, world axes), and the separation there at
-/// the current poses. Positions are subtracted first: far from the origin the sum would lose digits.
+/// Both arms from the centres of mass to the midpoint between the closest points (m, world axes), and the separation at
+/// the current poses. Positions are subtracted first: far from the origin, position plus arm would lose digits.
 template <int D>
 struct ContactArms {
   Vec<D> rA, rB;
@@ -92,7 +92,7 @@ inline Real mix(MixRule rule, Real a, Real b) {
   }
   return 0;
 }
-/// Rules for friction and for restitution, as in the 2009 engine.
+/// Rules for friction and for restitution. The defaults are those of the 2009 engine.
 struct MixRules {
   MixRule friction = MixRule::geometricMean, restitution = MixRule::arithmeticMean;
   bool operator==(const MixRules&) const = default;

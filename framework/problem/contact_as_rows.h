@@ -13,7 +13,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 /// Appends D rows per point of the manifold: a stop along the normal, then the friction tangents, which refer to the
 /// stop by its index in `out`. Without friction the tangents are inactive. Impulses act at the midpoint between the
-/// anchors, which conserves angular momentum to rounding even while shapes penetrate.
+/// closest points, which conserves angular momentum to rounding even while shapes penetrate.
 template <int D>
 void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<ConstraintRow<D>>& out) {
   const auto a = m.bodyA, b = m.bodyB;
@@ -34,7 +34,8 @@ void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<C
       return rowSpeed(normal, motion[a].v, motion[a].w, motion[b].v, motion[b].w);
     };
     const Real v = speed(in.bodies.motion), arrival = in.arrival.empty() ? v : speed(in.arrival);
-    // Impact within this step: the contact separates with a share of the approach velocity before this step's forces.
+    // Impact within this step: the contact separates with a fraction of its approach velocity before this step's
+    // forces.
     const bool hit = arrival < -in.restitutionThreshold && c.separation + v * in.dt <= 0;
     if (hit && in.model.restitution && m.restitution > 0) normal.bounce = -m.restitution * arrival;
     for (int i = 0; i < D - 1; ++i) {

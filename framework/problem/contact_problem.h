@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Zlib
 // The velocity problem of a whole step, for methods that solve it as a whole and for measuring residuals.
 //
-// With one impulse x_i per row, the row velocities after the step are u = W x + v - target, where W = J M^-1 J^T and v
-// are the current velocities. Find impulses with
+// With one impulse x_i per row, the row velocities after the step, minus their targets, are u = W x + v - target. Here
+// W = J M^-1 J^T, and v are the current velocities. Find impulses with
 //
 //     free       u_i + compliance_i x_i = 0
 //     interval   lo_i <= x_i <= hi_i; u_i >= 0 at lo_i, <= 0 at hi_i, 0 between
 //     contact    |x_t| <= mu x_n and u_n >= 0, x_n u_n = 0, u_t = -s x_t with s >= 0, which is 0 inside the cone
 //
-// The contact law is not that of a convex problem. With De Saxce's correction, which replaces u_n by u_n + mu |u_t|, it
-// reads "x and u lie in two dual cones and are orthogonal". One projection tests this.
+// The contact law is not that of a convex problem. De Saxce's correction replaces u_n by u_n + mu |u_t|. Then the law
+// reads "x and u lie in two dual cones and are orthogonal", which one projection tests.
 //
-// All numbers are double in either precision: redundant contacts make W singular, and rounding of floats would decide.
+// All numbers are double in either precision: redundant contacts make W singular, and float rounding would decide the
+// result.
 #pragma once
 
 #include <algorithm>
@@ -43,20 +44,19 @@ struct ProblemRow {
   double compliance = 0;  // of a spring, velocity per impulse
   double lo = 0, hi = 0;  // of the impulse, N s or N m s
   double mass = 0;        // 1 / (W_ii + compliance)
-  double unit = 0;        // one mass for all directions of a contact or of a joint's equality rows: from their mean
-                          // W_ii
+  double unit = 0;        // one mass for all directions of a contact or of a joint's equality rows: 1 / mean W_ii
   double friction = 0;    // of a normal row, which is followed by its D - 1 tangent rows
   ProblemLaw law = ProblemLaw::free;
   bool ofJoint = false;
-  bool movable = false;                // the centre of mass of at least one body can move
-  std::int32_t owner = 0, number = 0;  // joint and row, or manifold and D x point + direction
+  bool movable = false;                // an impulse can move the centre of mass of at least one body
+  std::int32_t owner = 0, number = 0;  // joint and its row, or manifold and D x point + direction
 
   /// True for equality rows that a joint solves together: no limits, no compliance.
   bool holds() const { return ofJoint && law == ProblemLaw::free && !(compliance > 0); }
 };
 
-/// Distance of the impulses from a solution, in m/s (rad/s for angular rows): the impulse error times W_ii, the inverse
-/// of the row's effective mass. Divided by g dt it is relative to the row's own weight.
+/// Distance of the impulses from a solution, in m/s (rad/s for angular rows): the impulse error divided by the row's
+/// effective mass. Divide it by g dt for an error relative to the row's own weight.
 struct ProblemResidual {
   double natural = 0;  // residual of the natural map, maximum over all rows
   double cone = 0;     // how far an impulse lies outside its cone or interval, maximum over all rows
@@ -83,8 +83,8 @@ class ContactProblem {
   int size() const { return static_cast<int>(m_rows.size()); }
   const Row& row(int i) const { return m_rows[i]; }
 
-  /// Builds the problem. Leaves out rows that nothing can move. Arrays keep their capacity. Keeps a pointer to
-  /// in.given, which must outlive this object.
+  /// Builds the problem, without rows whose velocity no impulse can change. Arrays keep their capacity. Keeps a pointer
+  /// to in.given, which must outlive this object.
   void set(const VelocityInput<D>& in) {
     m_given = in.given;
     m_bodies = m_given ? m_given->size() : in.bodies.size();
@@ -100,7 +100,8 @@ class ContactProblem {
     group(in.bodies);
   }
 
-  /// The last step's impulses, scaled to this step's length and mapped to its rows; projected onto their limits.
+  /// Writes into x the last step's impulses, mapped to this step's rows, times `factor`, scaled to this step's length,
+  /// and projected onto their limits.
   void lastImpulses(const VelocityInput<D>& in, double factor, std::vector<double>& x) const {
     if (in.lastDt > 0) factor *= double(in.dt) / double(in.lastDt);
     impulses(in, x);
@@ -108,7 +109,8 @@ class ContactProblem {
     for (int i = 0; i < size(); ++i) project(i, x.data() + i);
   }
 
-  /// Impulses now stored in the manifolds and joints of set(), or in the given problem: after a solve, its answer.
+  /// Writes into x the impulses stored in the manifolds and joints of set(), or in the given problem. After a solve
+  /// they are the solution.
   void impulses(const VelocityInput<D>& in, std::vector<double>& x) const {
     if (!in.given) return impulses(in.manifolds, in.joints, x);
     x.resize(m_rows.size());
@@ -119,7 +121,7 @@ class ContactProblem {
     for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = double(stored(manifolds, joints, m_rows[i]));
   }
 
-  /// Current row velocities minus their targets: u without impulses.
+  /// Writes into u the current row velocities minus their targets, which is u for x = 0.
   void freeVelocities(const VelocityInput<D>& in, std::vector<double>& u) const {
     u.resize(m_rows.size());
     for (std::size_t i = 0; i < m_rows.size(); ++i) {
@@ -189,8 +191,8 @@ class ContactProblem {
     return r.d.dot(b.v - a.v) + r.armB.dot(b.w) - r.armA.dot(a.w);
   }
 
-  /// Applies the impulses to the velocities, and writes them into manifolds and joints. A joint between immovable
-  /// bodies keeps its old impulses; an inactive row gets zero.
+  /// Adds the effect of the impulses to the velocities, and writes the impulses into manifolds and joints. A joint
+  /// between immovable bodies keeps its old impulses; an inactive row gets zero.
   void apply(const VelocityInput<D>& in, IndexedSpan<const double> x) {
     clearMotion();
     if (in.given) {
@@ -217,7 +219,7 @@ class ContactProblem {
     }
   }
 
-  /// Projects x to the nearest impulse that row i allows. A normal row also projects its tangents; a tangent row is
+  /// Projects x to the nearest impulse that row i allows. For a normal row this includes its tangents; a tangent row is
   /// left unchanged.
   void project(int i, double* x) const {
     const Row& r = row(i);
@@ -225,7 +227,7 @@ class ContactProblem {
     if (r.law == ProblemLaw::normal) projectOnCone<D>(r.friction, x);
   }
 
-  /// Residual of impulses x. With `corrected` false: that of the convex law, without De Saxce's correction.
+  /// Residual of impulses x. With `corrected` false: residual of the convex law, without De Saxce's correction.
   ProblemResidual naturalMap(IndexedSpan<const double> x, IndexedSpan<const double> freeVelocity,
                              bool corrected = true) {
     ProblemResidual worst;
@@ -236,7 +238,7 @@ class ContactProblem {
       const int n = r.law == ProblemLaw::normal ? D : 1;
       IndexedArray<double, D> here{}, u{}, moved{};
       double slide = 0;
-      const double mass = r.unit;  // one mass for all directions: different ones would tilt the cone
+      const double mass = r.unit;  // one mass for all directions: different masses would tilt the cone
       for (int k = 0; k < n; ++k) {
         here[k] = x[i + k], u[k] = m_velocity[i + k] + freeVelocity[i + k];
         if (k > 0) slide += u[k] * u[k];
@@ -257,8 +259,8 @@ class ContactProblem {
     return worst;
   }
 
-  /// Rows that interact through bodies that they can move: the rows of island k are grouped()[islands()[k]] to
-  /// grouped()[islands()[k + 1]], in the order of rows().
+  /// Rows by island, connected by bodies that the rows can move. The rows of island k are grouped()[islands()[k]] up
+  /// to, but not including, grouped()[islands()[k + 1]], in the order of rows().
   std::span<const std::int32_t> grouped() const { return m_grouped; }
   std::span<const std::int32_t> islands() const { return m_islands; }
 
@@ -301,7 +303,7 @@ class ContactProblem {
     return r;
   }
 
-  // Skips rows with W_ii = 0, which nothing can move. A contact with such a tangent row slides without friction.
+  // Skips rows with W_ii = 0, which no impulse can move. A contact with such a tangent row slides without friction.
   void addGiven(bool friction) {
     const auto add = [&](std::int32_t number, ProblemLaw law) {
       Row& r = m_rows.emplace_back();
@@ -373,7 +375,7 @@ class ContactProblem {
         m_rows.resize(first);
         continue;
       }
-      if (!rubs) m_rows.resize(first + 1);  // pinned bodies: no friction when no tangent can move
+      if (!rubs) m_rows.resize(first + 1);  // pinned bodies: no friction when an impulse cannot move a tangent
       Row& normal = m_rows[first];
       normal.law = rubs ? ProblemLaw::normal : ProblemLaw::interval;
       normal.friction = rubs ? double(from[1].friction) : 0.0;

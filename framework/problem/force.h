@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Forces: how a user defines one, what a world stores, and what a kind of force is. A kind is one file in
-// algorithms/force/; no other code uses its name.
+// Forces: how a user defines one, the data that a world stores, and the interface of a kind of force. A kind is one
+// file in algorithms/force/; no other code uses its name.
 #pragma once
 
 #include <memory>
@@ -24,10 +24,10 @@ struct Wrench {
 /// The state on which forces may depend. An integrator may evaluate forces at trial states.
 template <int D>
 struct ForceState {
-  const Bodies<D>& bodies;          // masses, types and flags; not for poses and motions
+  const Bodies<D>& bodies;          // masses, types and flags; for poses and motions read the members below
   IndexedSpan<const Pose<D>> pose;  // X_WC by slot
   IndexedSpan<const Motion<D>> motion;
-  Real dt = 0;  // s, length of the step: a braking force must not reverse the motion within it; 0: any length
+  Real dt = 0;  // s, length of the step, in which a braking force must not reverse the motion; 0: any length
   /// The contacts of the last step with their impulses, and the length of that step (s), for kinds with
   /// readsContacts(). They do not change during a step. Empty in the first step.
   IndexedSpan<const Manifold<D>> contacts = {};
@@ -40,7 +40,7 @@ template <int D>
 class ForceGenerator {
  public:
   virtual ~ForceGenerator() = default;
-  /// Adds to `out` (by body slot) the forces at time t (s).
+  /// Adds the forces at time t (s) to `out`, by body slot.
   virtual void apply(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const = 0;
 };
 
@@ -50,8 +50,8 @@ struct ForceDef {
   std::string kind = "spring{stiffness=10}";
   BodyHandle bodyA = {};  // the source, for kinds that have one; none: the world
   BodyHandle bodyB = {};  // none: every body moved by forces, for kinds that allow it
-  /// Where the force acts, in the body frame; default: the centre of mass. For A = world a point in the world; default:
-  /// its origin.
+  /// Points in the body frames at which the force acts; default: the centre of mass. When A is the world, anchorA is a
+  /// point in the world; default: its origin.
   std::optional<Vec<D>> anchorA = {}, anchorB = {};
 };
 
@@ -68,7 +68,7 @@ struct ForceRecord {
   Vec<D> localB = Vec<D>::Zero();
 };
 
-/// Which ends a kind of force has.
+/// The ends that a kind of force has.
 struct ForceEnds {
   bool from = false;     // has a source A, a body or the world
   bool all = true;       // B may be none, which means all bodies
@@ -83,12 +83,12 @@ class ForceKind : public Stage {
   static constexpr int kDimension = D;
 
   virtual ForceEnds ends() const = 0;
-  /// True when it reads ForceState::contacts. An engine that does not report contacts then rejects the force.
+  /// True when the kind reads ForceState::contacts. An engine that does not report contacts then rejects the force.
   virtual bool readsContacts() const { return false; }
   /// Called for a new force, with the current poses. Throws UserError when its ends are invalid for this kind.
   virtual void begin(const ForceRecord<D>&, const Pose<D>& /*X_WA*/, const Pose<D>& /*X_WB*/) const {}
-  /// Adds to `out` (by body slot) the force at time t (s). Pure, and at any state, as a ForceGenerator. Adds nothing
-  /// for bodies that forces do not move.
+  /// Adds the force at time t (s) to `out`, by body slot. Must be pure, and valid at any state, like
+  /// ForceGenerator::apply. Adds nothing for bodies that forces do not move.
   virtual void apply(const ForceRecord<D>& force, const ForceState<D>& state, Real t,
                      std::span<Wrench<D>> out) const = 0;
 };
@@ -109,7 +109,7 @@ template <int D>
 bool movedByForces(const Bodies<D>& bodies, AnyIndex auto body) {
   return bodies.used[body] && bodies.type[body] == BodyType::dynamic;
 }
-/// Calls f(slot) for each body on which the force acts: B, or all.
+/// Calls f(slot) for each body on which the force acts: B, or all bodies.
 template <int D, class F>
 void forEachActedOn(const ForceRecord<D>& force, const Bodies<D>& bodies, const F& f) {
   const std::size_t first = force.bodyB < 0 ? 0 : static_cast<std::size_t>(force.bodyB);
@@ -119,7 +119,7 @@ void forEachActedOn(const ForceRecord<D>& force, const Bodies<D>& bodies, const 
   }
 }
 
-/// One end of a force: a point of a body, or of the world when -1.
+/// One end of a force: a point of a body, or of the world when `body` is -1.
 template <int D>
 struct ForceEnd {
   Vec<D> p, arm = Vec<D>::Zero(), v = Vec<D>::Zero();  // world; arm is from the centre of mass

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // A velocity problem copied out of its world with all of a resolver's input, so that any resolver can solve it
-// repeatedly. In world axes and without orientations: anchors and rows are already rotated.
+// repeatedly. All vectors are in world axes, and bodies have no orientations: anchors and rows are already rotated.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The rows of a joint, whatever its kind was.
+/// A kind of joint with constant rows, copied from a joint of any kind.
 template <int D>
 class FrozenRows final : public JointKind<D> {
  public:
@@ -26,7 +26,7 @@ class FrozenRows final : public JointKind<D> {
   JointRows<D> m_rows;
 };
 
-/// The target velocities of a position resolver, by separation, on which alone they depend.
+/// A position resolver with stored target velocities. The separation alone determines a target.
 template <int D>
 class FrozenTargets final : public PositionResolver<D> {
  public:
@@ -51,7 +51,7 @@ class FrozenTargets final : public PositionResolver<D> {
 template <int D>
 struct FrozenProblem {
   Real dt = 0, lastDt = 0, restitutionThreshold = 0;
-  Vec<D> gravity = Vec<D>::Zero();  // m/s^2; not used for solving: g dt scales the errors
+  Vec<D> gravity = Vec<D>::Zero();  // m/s^2; no resolver uses it: errors are divided by g dt
   PhysicsModel model;
   Bodies<D> bodies;                  // only bodies with contacts or joints
   IndexedVector<Motion<D>> arrival;  // as in VelocityInput; may be empty
@@ -79,7 +79,7 @@ struct FrozenProblem {
     joint.bodyA = a, joint.bodyB = b, joint.impulse = impulse;
   }
 
-  /// The input for a resolver. Solving changes this problem: solve a copy.
+  /// The input for a resolver. Solving changes this problem, so solve a copy.
   VelocityInput<D> input(WorkDone& work, Profiler& profiler) {
     return {dt,
             lastDt,
@@ -103,8 +103,8 @@ struct FrozenProblem {
   }
 };
 
-/// Copies the problem that is about to be solved. Bodies, contacts and joints keep their order; bodies without contacts
-/// and joints, and free or broken joints, are left out.
+/// Copies a problem before it is solved. Bodies, contacts and joints keep their order. Bodies without contacts and
+/// joints, and free or broken joints, are left out.
 template <int D>
 FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   FrozenProblem<D> out;
@@ -112,7 +112,7 @@ FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   out.model = in.model, out.position.rate = in.position.jointBias(in.dt);
   if (in.given) out.given = *in.given;
   const Bodies<D>& bodies = in.bodies;
-  IndexedVector<std::int32_t> slot(bodies.pose.size(), 0);  // 1: used; then its number + 1
+  IndexedVector<std::int32_t> slot(bodies.pose.size(), 0);  // first 1 for a used body; then its new slot + 1
   const auto name = [&](std::int32_t body) {
     if (body >= 0) slot[body] = 1;
   };

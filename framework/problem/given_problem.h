@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A velocity problem known only by its matrix, as published collections have it, without bodies.
+// A velocity problem that is known only by its matrix, without bodies, as published collections store it.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// u = W x + velocity. Row order: for each contact its normal and its D - 1 orthonormal tangents, then equality rows.
 /// Laws and signs are those of ContactProblem: u_n > 0 separates. Double in either precision, as in ContactProblem.
 struct GivenProblem {
-  // W, symmetric, in compressed columns: column j is at start[j] to start[j + 1], by ascending row.
+  // W, symmetric, in compressed columns: column j is at start[j] to start[j + 1] - 1, by ascending row.
   IndexedVector<std::int32_t> start = {0}, row;
   IndexedVector<double> value;
   IndexedVector<double> friction;  // by contact
   IndexedVector<double> velocity;  // by row, minus the target; a resolver adds the effect of its impulses
-  IndexedVector<double> impulse;   // by row: of the last step, and after a solve its answer
+  IndexedVector<double> impulse;   // by row: impulses of the last step; after a solve, the solution
 
   std::int32_t size() const { return static_cast<std::int32_t>(velocity.size()); }
   double at(std::int32_t i, std::int32_t j) const {
@@ -27,7 +27,7 @@ struct GivenProblem {
     const auto it = std::lower_bound(row.begin() + start[j], end, i);
     return it != end && *it == i ? value[it - row.begin()] : 0;
   }
-  /// Calls f(row, W of it) for all entries of a column.
+  /// Calls f(row, value) for all entries of a column of W.
   template <class F>
   void eachOf(std::int32_t column, const F& f) const {
     const auto end = start[column + 1];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Joints: how a user defines one, what a world stores, and what a kind of joint is. A kind is one file in
-// algorithms/joint/. No other code uses its name, since every resolver takes its rows.
+// Joints: how a user defines one, the data that a world stores, and the interface of a kind of joint. A kind is one
+// file in algorithms/joint/. No other code uses its name, since every resolver takes its rows.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ template <int D>
 struct JointDef {
   std::string kind = "pivot";                                // with parameters: "hinge{lower=-0.5,upper=0.5}"
   BodyHandle bodyA = {}, bodyB = {};                         // bodyA may be the world: BodyHandle{}
-  Pose<D> X_WJ{};                                            // when the joint is added; in 3D its z is a hinge's axis
+  Pose<D> X_WJ{};                                            // when the joint is added; in 3D a hinge turns about its z
   std::optional<Pose<D>> X_WJb = {};                         // the frame on B, when it differs: the far end of a rope
   bool collide = false;                                      // true: the two bodies collide with each other
   Real breakForce = std::numeric_limits<Real>::infinity();   // N: the joint breaks in a step that needs more
@@ -52,14 +52,14 @@ struct JointRecord {
   bool active() const { return kind && !broken; }
 };
 
-/// The rows of one joint. Row numbers never change with what is active, so that impulse i of the last step warm starts
-/// row i.
+/// The rows of one joint. A row keeps its number whether other rows are active or not, so that impulse i of the last
+/// step warm starts row i.
 template <int D>
 struct JointRows {
   IndexedArray<ConstraintRow<D>, kJointRows> row;
   int count = 0;
 
-  /// Adds a row along d at a point: rA and rB from the centres of mass, m.
+  /// Adds a row along d at a point. rA and rB are the arms from the centres of mass to the point, m.
   ConstraintRow<D>& point(const Vec<D>& d, const Vec<D>& rA, const Vec<D>& rB, Real error) {
     ConstraintRow<D>& r = next();
     r.d = d, r.armA = cross(rA, d), r.armB = cross(rB, d), r.error = error;
@@ -71,7 +71,7 @@ struct JointRows {
     r.armA = r.armB = axis, r.error = error, r.angular = true;
     return r;
   }
-  /// Adds an inactive row, which keeps the number of a part that this joint lacks.
+  /// Adds an inactive row, so that the row numbers after a missing part of the joint do not change.
   ConstraintRow<D>& absent() {
     ConstraintRow<D>& r = next();
     r.block = RowBlock::box, r.lo = r.hi = 0;
@@ -108,12 +108,12 @@ class JointKind : public Stage {
 
   /// Called for a new joint; sets `state`. Throws UserError when the frames are invalid for this kind.
   virtual void begin(JointRecord<D>& /*joint*/, const Pose<D>& /*X_WA*/, const Pose<D>& /*X_WB*/) const {}
-  /// The rows at these poses, equality rows first. Only appends to `out`; may be called at any poses, any number of
-  /// times.
+  /// Appends the rows at these poses to `out`, equality rows first. May be called at any poses, any number of times.
   virtual void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const = 0;
   /// Called after a step; may update `state`.
   virtual void finish(JointRecord<D>& /*joint*/, const Pose<D>& /*X_WA*/, const Pose<D>& /*X_WB*/) const {}
-  /// Called for a new joint after begin(), and when one of its bodies has changed: `mass` is massBetween() them, kg.
+  /// Called for a new joint after begin(), and when one of its bodies has changed. `mass` is massBetween() of its
+  /// bodies, kg.
   virtual void weigh(JointRecord<D>& /*joint*/, Real /*mass*/) const {}
 };
 
@@ -122,7 +122,7 @@ class JointKind : public Stage {
 template <int D>
 JointRecord<D> makeJoint(const JointDef<D>& def, const Pose<D>& X_WA, const Pose<D>& X_WB);
 
-/// How far a joint is from its target. Metres and radians are never added.
+/// Distance of a joint from its target. Metres and radians are never added.
 struct JointError {
   double linear = 0;   // m
   double angular = 0;  // rad

@@ -12,24 +12,30 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// Plays a scene's script. Bodies, joints, forces and other events happen at step numbers, never at clock times, so
-/// every run is the same (the 2009 report, 6.6.1). Order within a step: new bodies with their joints and forces; events
-/// in the order of the file; joints and forces of bodies added by these events; removal of bodies.
+/// every run is the same (the 2009 report, 6.6.1). Order within a step:
+///
+/// 1. new bodies, and joints of bodies in the world
+/// 2. removal of forces, then new forces
+/// 3. events in the order of the file
+/// 4. joints and forces of bodies that these events added
+/// 5. removal of bodies
 template <int D>
 class Director {
  public:
   explicit Director(SceneSpec<D> scene);
 
-  /// Performs what is due before the world's next step. Call it once before every Simulation::step. Steps count from
-  /// the first call: a loaded world continues with a new script. Throws UserError with file and line when the
-  /// simulation rejects an event.
+  /// Performs everything that is due before the world's next step. Call it once before every Simulation::step. Steps
+  /// count from the first call, so a loaded world can continue with a new script. Throws UserError with file and line
+  /// when the simulation rejects an event.
   void advance(Simulation<D>& world) { begin(world), finish(world); }
-  /// The two halves of advance(). A caller may act between them, as the last event of the step: a user's actions can
-  /// then be written as a script. At this point all events have happened; joints and forces that wait for the events,
-  /// and scheduled removals, have not.
+  /// The two halves of advance(). A caller may act between them, as the last event of the step, so that a user's
+  /// actions can be written as a script. Between them all events of the step have happened. Joints and forces of bodies
+  /// added by events, and scheduled removals of bodies, follow in finish().
   void begin(Simulation<D>& world);
   void finish(Simulation<D>& world);
   const SceneSpec<D>& scene() const { return m_scene; }
-  // By index in the scene's lists; slot -1 before the object is added. The handle stays known after removal.
+  // Handles by index in the scene's lists. The slot is -1 before the object is added. The handle stays known after
+  // removal.
   BodyHandle body(int spawn) const { return at(m_bodyHandles, spawn); }
   JointHandle joint(int joint) const { return at(m_jointHandles, joint); }
   ForceHandle force(int force) const { return at(m_forceHandles, force); }
@@ -38,7 +44,7 @@ class Director {
   void addBody(Simulation<D>& world, int spawn);
   void addJoint(Simulation<D>& world, int joint);
   void addForce(Simulation<D>& world, int force);
-  /// Sets the body of spawn i, made by an event from another body.
+  /// Sets the body of spawn i, which an event has made from another body.
   void setBody(int spawn, BodyHandle body) { m_bodyHandles.at(static_cast<std::size_t>(spawn)) = body; }
 
  private:
@@ -46,7 +52,7 @@ class Director {
   static H at(const IndexedVector<H>& handles, int i) {
     return i >= 0 && static_cast<std::size_t>(i) < handles.size() ? handles[i] : H{};
   }
-  /// What is due at which step, in order.
+  /// A list of indices with the step at which each is due, in order.
   struct Schedule {
     struct Turn {
       long step;

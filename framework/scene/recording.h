@@ -17,7 +17,8 @@ struct Recording {
     std::uint8_t awake = 1;
     Pose<D> X_WC{};  // of the centre-of-mass frame
   };
-  /// The convex parts of a body's shapes, stored once, in the frame in which the body first appears.
+  /// The convex parts of a body's shapes. They are stored once, in the frame of the recording in which the body first
+  /// appears.
   struct NewBody {
     std::int32_t slot = 0;
     std::uint32_t generation = 0;

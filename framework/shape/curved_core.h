@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Convex cores without a list of corners: a cylinder, an ellipsoid. A kind is one file,
 // framework/shape/core_<kind>.cpp, which registers its constructor, and one name in ShapeKind; no other code uses the
-// name. A plugin registers its own core as ShapeKind::custom; there is only one.
+// name. A plugin registers its own core as ShapeKind::custom; a program has at most one custom core.
 //
 //   template <int D> struct Ball : CurvedBase<D, Ball<D>> {
 //     template <class N> std::array<N, D> extreme(const std::array<N, D>& d) const;   // farthest along d
@@ -30,15 +30,16 @@ class CurvedCore {
   virtual std::span<const Real> sizes() const = 0;
   /// Half extents of its box around the origin of its frame (m).
   virtual Vec<D> half() const = 0;
-  /// Support point: a point of the core farthest along d. d may have any length; for d = 0 any point of the core.
+  /// Support point: a point of the core farthest along d. d may have any length; for d = 0 returns any point of the
+  /// core.
   virtual Vec<D> support(const Vec<D>& d) const = 0;
-  /// The same for the referee. The point is within 8 long-double roundings of half().norm() from the core, and equally
-  /// far along d.
+  /// Support point for the referee. Its error is at most 8 long-double roundings of half().norm(), both in its distance
+  /// from the core and in its height along d.
   virtual CorePoint<long double, D> support(const CorePoint<long double, D>& d) const = 0;
   /// Support feature: the flat or straight part of the surface most nearly perpendicular to d, which contact generators
-  /// clip. One corner when there is none, two corners of a straight line, or a convex polygon inscribed in a flat face,
-  /// with up to 64 corners, counter-clockwise from outside. Corner i stays corner i while d changes little. d may have
-  /// any length.
+  /// clip. It has one corner when the surface is curved there, and two corners for a straight line. For a flat face it
+  /// is an inscribed convex polygon with up to 64 corners, counter-clockwise from outside. Corner i stays corner i
+  /// while d changes little. d may have any length.
   virtual void supportFace(const Vec<D>& d, std::vector<Vec<D>>& corners) const = 0;
   /// Mass properties of the solid core, in its own frame.
   virtual MassProperties<D> massProperties(Real density) const = 0;
@@ -62,7 +63,7 @@ class CurvedBase : public CurvedCore<D> {
   const Core& self() const { return static_cast<const Core&>(*this); }
 };
 
-/// How cores of a kind are made.
+/// A kind of core: its sizes and its constructor.
 template <int D>
 struct CurvedKind {
   std::vector<std::string_view> sizes;  // names of the sizes, all lengths > 0 (m)
@@ -74,9 +75,9 @@ struct CurvedKind {
 template <int D>
 const CurvedKind<D>& curvedKind(ShapeKind kind);
 
-/// Throws UserError, starting with `who`, unless the core is consistent along some hundred fixed directions. It must be
-/// finite, fill its box, have mass, and be equal in both number types. It must be convex: no point is farther along a
-/// direction than its support point. Costs a fraction of a millisecond.
+/// Throws UserError, starting with `subject`, unless the core is consistent along some hundred fixed directions. It
+/// must be finite, fill its box, have mass, and be equal in both number types. It must be convex: no point is farther
+/// along a direction than the support point of that direction. Costs a fraction of a millisecond.
 template <int D>
 void requireConvexCore(const CurvedCore<D>& core, const std::string& subject);
 
@@ -84,7 +85,7 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& subject);
 template <int D>
 std::map<ShapeKind, CurvedKind<D>>& curvedKinds();
 
-namespace {  // as in Registrar
+namespace {  // anonymous for the same reason as in Registrar
 
 template <template <int> class Core, int... D>
 class CurvedRegistrar {

@@ -13,16 +13,16 @@ struct MassProperties {
 };
 
 /// Mass properties of a solid of uniform density (kg/m^D) in its own frame. A segment has no area: its density is kg/m.
-/// Computed about a point of the shape itself, so a small shape far from its frame's origin keeps its digits. The
+/// Computed about a point of the shape itself, so a small shape far from its frame's origin loses no digits. The
 /// rounding of a box, a polytope or a curved core adds no mass. A plane has no mass.
 template <int D>
 MassProperties<D> massProperties(const ShapeView<D>& shape, Real density);
-/// Of a composite shape: the sum over its parts, so overlaps count more than once.
+/// Mass properties of a composite shape: the sum over its parts, so overlaps count more than once.
 template <int D>
 MassProperties<D> massProperties(const Shape<D>& shape, Real density);
 
-/// True when some solid has this inertia, within rounding: not negative; in 3D symmetric, with no principal value above
-/// the sum of the others.
+/// True when a solid with this inertia exists, within rounding. The inertia is not negative. In 3D it is symmetric, and
+/// no principal value exceeds the sum of the other two.
 bool isInertia(const Inertia<2>& inertia);
 bool isInertia(const Inertia<3>& inertia);
 

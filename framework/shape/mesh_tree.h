@@ -23,8 +23,8 @@ class MeshTree {
     if (!m_items.empty()) build(0, m_items.size());
   }
 
-  /// Indices of all boxes for which meets(box) is true, ascending. `meets` must be true for a box that contains one for
-  /// which it is true.
+  /// Indices of all boxes for which meets(box) is true, ascending. When `meets` is true for a box, it must be true for
+  /// every box that contains this box.
   template <class Meets>
   void find(const Meets& meets, std::vector<std::int32_t>& out, WorkDone& work) const {
     out.clear();
@@ -68,8 +68,8 @@ class MeshTree {
     } else {
       Eigen::Index axis = 0;
       (centers.hi - centers.lo).maxCoeff(&axis);
-      const auto before = [&](std::int32_t a, std::int32_t b) {  // never equal: the same order in every standard
-                                                                 // library
+      const auto before = [&](std::int32_t a, std::int32_t b) {  // never equal, so the order is the same in every
+                                                                 // standard library
         return std::pair(m_boxes[a].center()[axis], a) < std::pair(m_boxes[b].center()[axis], b);
       };
       const std::size_t middle = begin + (end - begin) / 2;

@@ -6,7 +6,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A box in frame S that contains `box_W`.
+/// Returns a box in frame S that contains `box_W`.
 template <int D>
 Aabb<D> turnedBox(const Aabb<D>& box_W, const Pose<D>& X_WS) {
   const Vec<D> half = Real(0.5) * (box_W.hi - box_W.lo);
@@ -18,8 +18,8 @@ Aabb<D> turnedBox(const Aabb<D>& box_W, const Pose<D>& X_WS) {
   return Aabb<D>{middle - extent, middle + extent}.grown(kTurnedBox * size);
 }
 
-/// Calls f(number, view, X_AP) for each convex part of a shape posed by X_AS, in the order of their numbers. For a
-/// surface only the parts with boxes that may touch `box_W`, with frame A at X_WA; for any other shape all parts.
+/// Calls f(number, view, X_AP) for each convex part of a shape posed by X_AS, in the order of their numbers. A surface
+/// passes only the parts with boxes that may touch `box_W`, with frame A at X_WA; any other shape passes all parts.
 template <int D, class F>
 void forPartsNear(const Shape<D>& shape, const Pose<D>& X_AS, const Pose<D>& X_WA, const Aabb<D>& box_W,
                   std::vector<std::int32_t>& scratch, WorkDone& work, const F& f) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Shapes are "vertices plus a radius" (the 2009 report, 6.2): a convex core and a rounding radius. The set of shapes is
-// closed: scenes share it, and the algorithms vary. Each core has a class. Code switches over classes without a
-// default, so that a new class is a compile error wherever it matters. A new kind in an existing class is one more file
-// (framework/shape/curved_core.h).
+// Shapes are "vertices plus a radius" (the 2009 report, 6.2): a convex core and a rounding radius. Each core has a
+// class. The set of classes is closed: code switches over classes without a default, so that a new class is a compile
+// error wherever it matters. A new kind in an existing class is one more file (framework/shape/curved_core.h).
 //
 // A composite shape has several convex parts: a compound, or a surface of triangles (3D) or segments (2D). It has no
 // kind and no view: methods get only its parts.
@@ -20,8 +19,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Batches are sorted in this order: a pair of kinds always has kindA <= kindB. Append new kinds: saved worlds contain
-/// the numbers. `custom` is a shape that a plugin defines by its support function.
+/// Batches of pairs are sorted in this order: kindA <= kindB. Append new kinds, because saved worlds contain the
+/// numbers. `custom` is a shape that a plugin defines by its support function.
 enum class ShapeKind : unsigned char {
   sphere,
   capsule,
@@ -37,7 +36,7 @@ enum class ShapeKind : unsigned char {
 };
 inline constexpr int kShapeKinds = 11;
 
-/// What the core of a shape is made of, without its rounding.
+/// The geometry of a shape's core, without its rounding.
 enum class CoreClass : unsigned char {
   point,
   segment,  // along x, half[0] long on each side of the origin
@@ -52,14 +51,15 @@ inline constexpr IndexedArray<CoreClass, kShapeKinds> kCoreClasses = {
     CoreClass::curved, CoreClass::plane,   CoreClass::curved,  CoreClass::hull, CoreClass::curved};
 constexpr CoreClass coreClass(ShapeKind kind) { return kCoreClasses[kind]; }
 /// True when the kind exists in this dimension. A segment has no area, so it is 2D only. Cylinder, cone and triangle
-/// are 3D only: in 2D they are a box and polygons. `custom` exists as soon as a plugin has registered it
+/// are 3D only: their 2D counterparts are a box and polygons. `custom` exists as soon as a plugin has registered it
 /// (framework/shape/curved_core.h).
 bool kindExists(ShapeKind kind, int dimension);
 std::string_view shapeKindName(ShapeKind kind);
 /// The kind with this name. Throws UserError with the valid names.
 ShapeKind shapeKindFromName(std::string_view name);
 
-/// A convex polygon (2D) or polytope (3D), immutable, made by `convexHull`; or a flat triangle (`flatTriangle`).
+/// A convex polygon (2D) or polytope (3D), immutable. It is made by `convexHull`, or is a flat triangle
+/// (`flatTriangle`).
 template <int D>
 struct Polytope;
 
@@ -74,8 +74,8 @@ struct Polytope<3> {
   struct Face {
     Vec<3> normal;  // unit, outward
     Real offset;    // normal . p = offset on the face
-    // Vertices of the face: loop[begin..end), counter-clockwise from outside; coplanar triangles are merged. A side of
-    // a flat triangle has two: it is an edge without area.
+    // Vertices of the face: loop[begin..end), counter-clockwise from outside; coplanar triangles are merged. A side
+    // face of a flat triangle has two vertices and no area.
     int begin, end;
   };
   struct Edge {
@@ -94,8 +94,8 @@ struct Polytope<3> {
   // Derived data (`linkVertices`).
   IndexedVector<Spoke> spokes;    // spokes of vertex i: spokes[firstSpoke[i]..firstSpoke[i + 1])
   IndexedVector<int> firstSpoke;  // one entry more than there are vertices
-  // A vertex is the support point along a unit direction when all its neighbours are at least this much (m) deeper.
-  // Allows for rounding errors of the hull and of the computation. Infinite when convexity is not proved.
+  // A vertex is the support point along a unit direction when all its neighbours are lower along it by at least this
+  // (m). Allows for rounding errors of the hull and of the computation. Infinite when convexity is not proved.
   Real slack = std::numeric_limits<Real>::infinity();
 
   std::span<const Spoke> spokesOf(int vertex) const {
@@ -104,8 +104,8 @@ struct Polytope<3> {
   }
 };
 
-/// Fills the derived data of a hull from its vertices, faces and edges. Leaves it empty for invalid indices, from a
-/// damaged file.
+/// Fills the derived data of a hull from its vertices, faces and edges. Leaves the derived data empty when an index is
+/// invalid, as in a damaged file.
 void linkVertices(Polytope<3>& hull);
 
 /// Convex hull of `points` (m), by monotone chain in 2D and Qhull in 3D. Drops points that lie on the hull within
@@ -113,9 +113,9 @@ void linkVertices(Polytope<3>& hull);
 std::shared_ptr<const Polytope<2>> convexHull(std::span<const Vec<2>> points);
 std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points);
 
-/// A prism of height zero: both sides, and three faces without area, with normals in its plane. So each edge has two
-/// faces, a right angle apart, as in any hull. Throws UserError when corners are not finite or collinear within
-/// rounding; `who` starts the message.
+/// A prism of height zero: both sides, and three side faces without area, with normals in the triangle's plane. So each
+/// edge has two faces, here at a right angle, as in any hull. Throws UserError when corners are not finite or collinear
+/// within rounding; `subject` starts the message.
 std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view subject);
 
 template <int D>
@@ -124,7 +124,7 @@ template <int D>
 class Surface;
 
 /// A shape as algorithms see it: plain data, no ownership. The origin of its frame is its centre, except for a
-/// polytope: its points are used as given.
+/// polytope, whose points are used as given.
 template <int D>
 struct ShapeView {
   ShapeKind kind = ShapeKind::sphere;
@@ -155,26 +155,26 @@ class Shape {
   static Shape segment(Real halfLength);                           // along x, 2D only
   static Shape polytope(std::span<const Vec<D>> points, Real rounding = 0);
   static Shape polytope(std::shared_ptr<const Polytope<D>> hull, Real rounding = 0);
-  /// 3D only; seen from outside, the corners go counter-clockwise. It has no mass.
+  /// 3D only. Seen from outside, the corners are counter-clockwise. A triangle has no mass.
   static Shape triangle(const Vec<D>& p0, const Vec<D>& p1, const Vec<D>& p2, Real rounding = 0);
   /// A shape with a hull as core, from its corners: a polytope or a triangle.
   static Shape ofCorners(ShapeKind kind, std::span<const Vec<D>> corners, Real rounding = 0);
   /// A shape of a curved kind, from its sizes in the order of `curvedKind(kind).sizes`; the rounding is added outside.
   static Shape curved(ShapeKind kind, std::span<const Real> sizes, Real rounding = 0);
   static Shape plane();  // the half-space y <= 0
-  /// Combines several bounded convex shapes, such as those of an L or a gear, in the frame of their poses. The mass of
-  /// an overlap counts once for each part. With `refused` throws UserError when two parts overlap by more than
-  /// kPartOverlap of their sizes.
+  /// Combines several bounded convex shapes, such as those of an L or a gear, at their poses in the compound's frame.
+  /// The mass of an overlap counts once for each part. With `refused`, throws UserError when two parts overlap by more
+  /// than kPartOverlap of their sizes.
   static Shape compound(std::span<const ShapePart<D>> parts, PartOverlap overlap = PartOverlap::counted);
 
   /// 3D only: a surface of triangles, each with three point indices, counter-clockwise seen from outside. The space
   /// behind a triangle is solid: no contact pushes into it. A mesh need not be closed, and may intersect itself,
-  /// because each triangle is handled by itself. For static bodies only. Throws UserError with the place of the error
-  /// for an invalid surface.
+  /// because each triangle is handled by itself. For static bodies only. For an invalid surface throws UserError with
+  /// the place of the error.
   static Shape mesh(std::span<const Vec<D>> points, std::span<const std::array<int, 3>> triangles);
   /// 2D only: a curve of segments from point to point, and from the last to the first when closed. Its left side is
   /// solid, its normals point to the right, as in Box2D's chains: ground runs from right to left, an island
-  /// counter-clockwise. Otherwise as a mesh.
+  /// counter-clockwise. In all other respects it is like a mesh.
   static Shape chain(std::span<const Vec<D>> points, bool closed);
 
   bool convex() const { return !m_compound && !m_surface; }
@@ -190,9 +190,10 @@ class Shape {
   /// Surface of a mesh or chain; null for others.
   const Surface<D>* surface() const { return m_surface.get(); }
   std::span<const PlacedView<D>> surfaceParts() const;
-  /// True when it is unbounded or has no interior: only a static body may have it.
+  /// True when the shape is unbounded or has no interior: only a static body may have it.
   bool staysFixed() const { return isPlane() || m_surface; }
-  /// True for a copy: equal numbers, and the same hull, parts and surface objects, not only equal ones.
+  /// True for a copy: the numbers are equal, and the hull, core, parts and surface are the same objects, not only equal
+  /// ones.
   bool same(const Shape& o) const {
     return m_view.kind == o.m_view.kind && m_view.radius == o.m_view.radius && m_view.half == o.m_view.half &&
            m_hull == o.m_hull && m_curved == o.m_curved && m_compound == o.m_compound && m_surface == o.m_surface;
@@ -218,9 +219,9 @@ std::span<const ShapePart<D>> Shape<D>::parts() const {
   return m_compound ? std::span<const ShapePart<D>>(*m_compound) : std::span<const ShapePart<D>>();
 }
 
-/// Moves the frame of a hull to the hull's middle, and changes its pose so that the hull stays in place. Only for a
-/// hull farther than kFarHull times its size from its frame's origin, where queries would lose digits. Returns any
-/// other part unchanged to the last bit. Shapes of a world and parts of compounds go through here.
+/// Moves the frame of a hull to the hull's middle, and changes its pose so that the hull stays in place. Applies only
+/// to a hull farther than kFarHull times its size from its frame's origin, where queries would lose digits. Returns any
+/// other part unchanged to the last bit. All shapes of a world and parts of compounds pass through it.
 template <int D>
 ShapePart<D> centredPart(const ShapePart<D>& part);
 
@@ -231,8 +232,8 @@ struct PlacedView {
   Pose<D> X_SP{};  // in the surface's frame
 };
 
-/// Calls f(view, X_AP) for each convex part of a shape posed by X_AS, in order. A convex shape is its own only part. A
-/// surface may have millions of parts: see forPartsNear (framework/shape/parts_near.h).
+/// Calls f(view, X_AP) for each convex part of a shape posed by X_AS, in order. A convex shape has a single part,
+/// itself. A surface may have millions of parts: see forPartsNear (framework/shape/parts_near.h).
 template <int D, class F>
 void forParts(const Shape<D>& shape, const Pose<D>& X_AS, F&& f) {
   if (shape.convex()) return f(shape.view(), X_AS);

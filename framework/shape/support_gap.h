@@ -10,7 +10,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Distance of a convex set from the origin, and the unit direction n of it: n . m >= gap for all points m of the set.
+/// Distance of a convex set from the origin, and its unit direction n: n . m >= gap for all points m of the set.
 template <int D>
 struct Gap {
   Real gap = -std::numeric_limits<Real>::infinity();  // <= 0: the set contains the origin, or touches it within
@@ -18,8 +18,8 @@ struct Gap {
   Vec<D> n = Vec<D>::Zero();
 };
 
-/// Moves the corner w to the point nearest to the origin in the plane through w and its edges. Returns false when this
-/// point is outside of the face, or the face is flat. Gram-Schmidt, then back substitution.
+/// Moves the corner w of a face to the point nearest to the origin in the plane through w and its edges. Returns false
+/// when this point is outside of the face, or the face is flat. Gram-Schmidt, then back substitution.
 template <int D>
 bool dropToFace(std::span<const Vec<D>> edges, Vec<D>& w) {
   IndexedArray<Vec<D>, D> q;
@@ -45,8 +45,8 @@ bool dropToFace(std::span<const Vec<D>> edges, Vec<D>& w) {
 }
 
 /// Distance of a convex set from the origin by GJK (Gilbert, Johnson and Keerthi 1988). `support(d)` is the support
-/// point of the set along d. Returns the best bound found, not a difference of points: a small error of the direction
-/// costs only its square. For rare queries of sets without corners: each simplex is searched by testing all its faces.
+/// point of the set along d. Returns the best lower bound found, whose error is only the square of the error of its
+/// direction. Only for rare queries of sets without corners, because each simplex is searched by testing all its faces.
 /// `left`: allowed error of the gap (m), besides rounding. `far`: the search stops when the gap is proved to be larger.
 template <int D, class Support>
 Gap<D> gapToOrigin(const Support& support, Vec<D> start, Real left = 0,

@@ -7,7 +7,8 @@
 namespace lpc { inline namespace LPC_PRECISION {
 
 /// Support point of the shape's core (without its rounding) along `d`, in the shape's frame. `d` may have any length;
-/// for d = 0 any point of the core. Not for a plane. For a polytope `hint`, when given, receives the vertex's index.
+/// for d = 0 returns any point of the core. Not for a plane. For a polytope, `hint` receives the vertex's index unless
+/// it is null.
 template <int D>
 inline Vec<D> coreSupport(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr) {
   switch (shape.core()) {

@@ -15,7 +15,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class Surface {
  public:
-  /// A triangle's edge, from corner `number` to the next corner; of a segment's two ends, the first is number 0.
+  /// An edge of a triangle, from corner `number` to the next corner, or an end of a segment, where number 0 is the
+  /// first end.
   struct Border {
     Vec<D> outward;               // unit, in the part's plane, pointing away from it
     Vec<D> at;                    // a point of the edge
@@ -23,7 +24,7 @@ class Surface {
   };
   static constexpr int kBorders = D;
 
-  /// Builds a surface. Throws UserError, starting with `who`, for what Shape::mesh and Shape::chain reject.
+  /// Builds a surface. Throws UserError, starting with `subject`, for data that Shape::mesh and Shape::chain reject.
   Surface(IndexedSpan<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view subject);
 
   /// As given by the user.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Records what a pair query does, step by step. The query itself writes the record (PairQuery::trace); an ordinary
-// query does not record and has no extra cost.
+// Records the steps of a pair query. The query itself writes the record (PairQuery::trace); an ordinary query does not
+// record and has no extra cost.
 //
 // Most steps are in the space of differences of the two cores, { b - a }, in A's frame. The separation of the cores is
 // the distance of this set from the origin; the cores overlap if it contains the origin. A direction n is unit and
@@ -52,15 +52,16 @@ struct TraceStep {
 
 template <int D>
 struct PairTrace {
-  PairView<D> pair;                 // as the query gets it: kind of A <= kind of B. Hulls are not owned
+  PairView<D> pair;                 // as the query gets it: kind of A <= kind of B. Does not own hulls
   bool swapped = false;             // A is the second shape of the caller
   std::vector<TraceStep<D>> steps;  // the last one is the answer
   PairAnswer<D> answer;             // in the frame of this A
   WorkDone work;
 };
 
-/// Traces a pair, in any order of kinds, with the query of this text ("gjk_epa{simplex=johnson}"). Throws UserError
-/// when the query does not support the kinds or cannot record its steps; the message lists the methods that can.
+/// Traces a pair, in any order of kinds, with the pair query of this spec ("gjk_epa{simplex=johnson}"). Throws
+/// UserError when the query does not support the kinds or cannot record its steps; the message lists the methods that
+/// can.
 template <int D>
 PairTrace<D> tracePair(std::string_view query, const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB);
 
@@ -75,13 +76,13 @@ template <int D>
 class DebugDraw;
 
 /// Draws a step in the space of differences; a cross marks the origin. Grey: the difference, as an outline in 2D, as
-/// points in 3D. Blue: the simplex or EPA's polytope, and its nearest point. Yellow: the direction with the length of
-/// its bound, the support point, and the line or plane through it. Green: the best axis so far.
+/// points in 3D. Blue: the simplex or EPA's polytope, and its point nearest to the origin. Yellow: the direction with
+/// the length of its bound, the support point, and the line or plane through it. Green: the best axis so far.
 template <int D>
 void drawTrace(const PairTrace<D>& trace, std::size_t step, DebugDraw<D>& draw);
 /// Draws the same step on the shapes, with A of the trace at X_WA. Yellow: the support features, and between them the
-/// direction with the length of its bound. Blue: the corners of the simplex on both shapes, and the points that differ
-/// by its nearest point.
+/// direction with the length of its bound. Blue: the corners of the simplex on both shapes, and the two points whose
+/// difference is the nearest point.
 template <int D>
 void drawTraceOnShapes(const PairTrace<D>& trace, std::size_t step, const Pose<D>& X_WA, DebugDraw<D>& draw);
 

@@ -26,7 +26,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// role, not by name.
 enum class ParamRole {
   manner,    // how the method works; also factors of an effort, such as sweeps within each sub-step
-  effort,    // more costs more and is more accurate; a real one counts per contact. Searches use the first
+  effort,    // a larger value costs more and is more accurate; a real number is a multiple of the contacts
   tolerance  // the error at which the method stops
 };
 

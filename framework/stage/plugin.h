@@ -12,8 +12,8 @@
 #define LPC_TEXT_OF_(x) #x
 #define LPC_TEXT_OF(x) LPC_TEXT_OF_(x)
 
-/// What two builds must share: version, precision and compiler. `lpc` searches the file for the prefix before loading
-/// it: even the initialisers of a library of the other precision must not run.
+/// The properties that two builds must share: version, precision and compiler. `lpc` searches the file for the prefix
+/// before loading it, because even the initialisers of a library of the other precision must not run.
 #define LPC_ABI_TEXT "LPC-ABI|" LPC_VERSION_TEXT "|" LPC_TEXT_OF(LPC_PRECISION) "|" __VERSION__
 
 #define LPC_PLUGIN                      \

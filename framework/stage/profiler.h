@@ -28,8 +28,8 @@ struct MemoryUse {
   }
 };
 
-/// Times and counts per stage and step. Costs two clock reads per scope, and is always on; rows are kept only on
-/// request. Memory is counted when the program provides an allocation counter (`countMemory`).
+/// Times and counts per stage and step. It costs two clock reads per scope, and is always on. Frames are kept only on
+/// request (keepFrames). Memory is counted when the program provides an allocation counter (countMemory).
 class Profiler {
  public:
   /// Times a stage or a phase inside one ("solver", "solver.iterate"). Names are string literals: they are kept by
@@ -57,7 +57,7 @@ class Profiler {
   struct Time {
     const char* name;
     double seconds;    // including nested scopes
-    MemoryUse memory;  // excluding nested scopes: the sum over all scopes and `elsewhere` is that of the step
+    MemoryUse memory;  // excluding nested scopes: the sum over all scopes, plus `elsewhere`, is that of the step
   };
   /// One step.
   struct Frame {
@@ -71,8 +71,8 @@ class Profiler {
   };
 
   void keepFrames(bool keep) { m_keep = keep; }
-  /// `counter` returns what this thread has allocated so far, as counted by the program's own `operator new`; null:
-  /// memory is not counted.
+  /// `counter` returns the memory that this thread has allocated so far, as counted by the program's own `operator
+  /// new`; null: memory is not counted.
   void countMemory(MemoryUse (*counter)());
   void beginFrame(long step);
   void endFrame(double seconds);

@@ -23,8 +23,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 enum class Guarantee { exact, conservative, approximate };
 enum class AlgorithmRole { competitor, witness, referee, engine };
 
-/// The friction law that a resolver solves. Two methods are compared by their own laws, and by `coulomb` as the common
-/// one.
+/// The friction law that a resolver solves. Two methods are compared by their own laws, and also by their common
+/// reference, `coulomb`.
 enum class FrictionLaw {
   unstated,   // the algorithm solves no contacts
   coulomb,    // |f| <= mu n, against the sliding velocity (maximum dissipation); sliding does not separate contacts
@@ -36,7 +36,7 @@ enum class FrictionLaw {
 };
 std::string_view frictionLawName(FrictionLaw law);
 
-/// A known failure of a method. The named test is run and must fail.
+/// A known failure of a method. `test` names the property test that shows the failure: this test must fail.
 struct FailureMode {
   std::string when, symptom, test;
 };
@@ -111,7 +111,7 @@ std::unique_ptr<S> createStage(const Spec& spec) {
   return std::unique_ptr<S>(static_cast<S*>(stage.release()));
 }
 
-/// A stage of a world of this dimension: Broadphase<D> or a class derived from it, for instance.
+/// True for a stage of a world of this dimension: Broadphase<D> or a class derived from it, for instance.
 template <class S, int D>
 concept StageOfWorld = (S::kDimension == D) && isWorldStage(stageInfo(S::kStage));
 
@@ -133,16 +133,16 @@ class StageSet {
     m_pipeline[S::kStage] = Spec{std::string(name), {}};
     m_own[S::kStage] = true;
   }
-  /// Whether `set` has replaced this stage.
+  /// True when set() has replaced this stage.
   bool isOwn(StageKind kind) const { return m_own[kind]; }
   const Pipeline& pipeline() const { return m_pipeline; }
-  /// Creates the registered algorithms anew, without their memory. The user's own objects stay.
+  /// Creates the registered algorithms anew, without their internal state. The user's own objects stay.
   void renew() {
     for (const StageKind kind : kWorldStages) {
       if (!m_own[kind]) create(kind);
     }
   }
-  /// For instance get<Broadphase<D>>().
+  /// Returns a stage object, for instance get<Broadphase<D>>().
   template <class S>
   S& get() const {
     static_assert(S::kDimension == D && isWorldStage(stageInfo(S::kStage)));
@@ -160,13 +160,13 @@ class StageSet {
   IndexedArray<std::unique_ptr<Stage>, kStageKinds> m_stages;  // by kind; null for kinds that are not stages of a world
 };
 
-/// Where a method has its effort parameter: its own, otherwise that of its first part, which solves the contacts.
+/// The place of a method's effort parameter: the method itself, otherwise its first part, which solves the contacts.
 struct EffortPlace {
   Spec* method;                // within the given spec
   const Registered* entry;     // of `method`
   const ParamInfo* parameter;  // nullptr: none
 };
-/// Writes out the part of `spec` that has the effort parameter.
+/// Finds the effort parameter of `spec`. Adds the part that has the parameter to `spec`, when the part was a default.
 EffortPlace effortIn(StageKind stage, int dimension, Spec& spec);
 
 /// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.
@@ -176,8 +176,9 @@ std::string canonicalText(const Pipeline& pipeline, int dimension);
 /// solver=split_solver{velocity=catto}". Empty for a stage of a world, which is written directly.
 std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm);
 
-// Internal linkage: otherwise the linker would merge the registrars of two classes of one name in two files. A local
-// template as template argument does not make the instance local, as a type would.
+// Internal linkage: otherwise the linker would merge the registrars of two classes of one name in two files. A class
+// template in an anonymous namespace, passed as a template argument, does not give the registrar internal linkage; a
+// class would.
 namespace {
 
 template <template <int> class StageOf, template <int> class Algorithm, int... D>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The text form of an algorithm with its parameters, and of a pipeline, for reading and writing:
+// The text form of an algorithm with its parameters, and of a pipeline:
 //
 //   broadphase=sort_and_sweep{axis=0} solver=split_solver{velocity=catto{iterations=20},position=split_impulse}
 #pragma once
@@ -59,8 +59,8 @@ class Pipeline {
   IndexedArray<Spec, kStageKinds> m_specs;  // by kind; empty for kinds that are not stages of a world
 };
 
-/// The engine that replaces a pipeline: for "engine=bullet{iterations=10}" the spec after "="; empty for a pipeline of
-/// stages. Throws UserError when the text has anything besides the engine.
+/// The engine that replaces a pipeline: for "engine=bullet{iterations=10}" the spec after "=". Empty for a pipeline of
+/// stages. Throws UserError when the text names anything besides the engine.
 std::optional<Spec> engineOf(std::string_view pipelineText);
 
 }  // namespace lpc

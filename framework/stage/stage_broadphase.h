@@ -22,8 +22,8 @@ struct ProxyPair {
 };
 
 /// One proxy per shape, as a structure of arrays by slot. A free slot has an empty box (lo = +inf, hi = -inf), is not
-/// active and overlaps nothing. The arrays of bounds are padded with free slots to a multiple of kPad, for SIMD. A used
-/// slot may also have an empty box when its body has become NaN; other boxes are finite.
+/// active and overlaps no proxy. The arrays of bounds are padded with free slots to a multiple of kPad, for SIMD. A
+/// used slot has an empty box when its shape is a plane or its body has become NaN; all other boxes are finite.
 template <int D>
 struct Proxies {
   static constexpr int kPad = 16;
@@ -53,9 +53,8 @@ struct Proxies {
   }
 };
 
-/// Changes of the proxies since the last update. A slot that was freed and reused is in `removed` and in `added`. A
-/// slot that was added and removed in between is in neither. `moved` may contain added slots and slots with unchanged
-/// boxes.
+/// Changes of the proxies since the last update. A slot that was freed and reused is in both `removed` and `added`. A
+/// slot that was added and then removed is in neither. `moved` may contain added slots and slots with unchanged boxes.
 struct ProxyChanges {
   std::span<const ProxyId> added, removed, moved;
 };
@@ -75,26 +74,26 @@ struct RayHit {
 };
 
 /// Finds overlapping pairs of boxes. Reports a pair if and only if the tight closed boxes overlap and
-/// Proxies::mayCollide. Each pair has a < b and is reported once, in any order; all pairs of the step, not only new
-/// ones.
+/// Proxies::mayCollide is true. Reports all pairs of the step, not only new ones, each once with a < b, in any order.
 template <int D>
 class Broadphase : public Stage {
  public:
   static constexpr StageKind kStage = StageKind::broadphase;
   static constexpr int kDimension = D;
 
-  /// Reports changes of the proxies. Called at least once between a change and findPairs or a query. A method that
-  /// keeps no state ignores it.
+  /// Reports changes of the proxies. Called at least once between a change and the next findPairs() or query. A method
+  /// that keeps no state ignores it.
   virtual void update(const Proxies<D>&, const ProxyChanges&) {}
   /// Appends the pairs to `out`, which is empty at the call.
   virtual void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) = 0;
 
-  /// Debug drawing: appends the nodes in preorder, each within its parent. Nodes with `holds` each touch a proxy's box,
-  /// and together cover all of these boxes. As of the last update, or of the last findPairs when that builds the
-  /// structure; may be empty for fewer than two boxes. Costs a step neither time nor memory when unused.
+  /// Debug drawing: appends the nodes in preorder, each within its parent. Each node with `holds` touches a proxy's
+  /// box, and together these nodes cover all boxes. The structure is that of the last update(), or of the last
+  /// findPairs() when that builds it. It may be empty for fewer than two boxes. Costs a step neither time nor memory
+  /// when unused.
   virtual void structure(std::vector<StructureBox<D>>&) const {}
 
-  // Queries on boxes, not on shapes; the defaults scan linearly. Filters and activity do not matter.
+  // Queries on boxes, not on shapes. The defaults scan linearly. Filters and activity have no effect.
   virtual void overlap(const Proxies<D>& proxies, const Aabb<D>& box, std::vector<ProxyId>& out) const;
   virtual void at(const Proxies<D>& proxies, const Vec<D>& point, std::vector<ProxyId>& out) const;
   /// Boxes hit by the ray p + t * direction, 0 <= t <= maxT; `firstOnly` keeps only the smallest t.

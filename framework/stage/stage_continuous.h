@@ -11,8 +11,8 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Two spheres for a convex shape: one inside the shape around `center` (in the shape's frame), and one around the
-/// shape, centred at its own origin.
+/// Two spheres for a convex shape: one inside the shape around `center` (in the shape's frame), and one that contains
+/// the shape, around the origin of its frame.
 template <int D>
 struct InnerOuterRadii {
   Vec<D> center = Vec<D>::Zero();
@@ -38,8 +38,8 @@ enum class CcdPhase {
 
 /// Keeps bodies that move far in a step from passing through each other.
 ///
-/// After the solver, a fast body moves until its first time of impact, and loses the rest of the step. Its effect on
-/// the other body is left to the contacts of the next step. A stopped body counts as at rest for all others.
+/// With CcdPhase::after, a fast body moves until its first time of impact, and loses the rest of the step. The contacts
+/// of the next step apply the impact to the other body. For other bodies a stopped body is at rest from then on.
 template <int D>
 class ContinuousCollision : public Stage {
  public:
@@ -48,18 +48,18 @@ class ContinuousCollision : public Stage {
 
   virtual CcdPhase ccdPhase() const = 0;
   /// A part is fast when one of its points may move farther in a step than threshold() (1) times the radius of its
-  /// inner sphere. A smaller radius than kLinearSlop counts as kLinearSlop.
+  /// inner sphere. The radius counts as at least kLinearSlop.
   virtual Real threshold() const { return std::numeric_limits<Real>::infinity(); }
-  /// True when it supports these kinds. Called only with a <= b.
+  /// True when the method supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind, ShapeKind) const { return true; }
-  /// The times (s) at which fast parts must stop, over 0 <= t <= duration; infinite when they need not. Called only
-  /// with CcdPhase::after. `t` has one entry per pair.
+  /// Writes into `t` the times (s) at which fast parts must stop, over 0 <= t <= duration; infinite: no stop. Called
+  /// only with CcdPhase::after. `t` has one entry per pair.
   virtual void timesOfImpact(std::span<const FastPair<D>>, Real /*duration*/, std::span<Real> t, WorkDone&) {
     std::fill(t.begin(), t.end(), std::numeric_limits<Real>::infinity());
   }
 };
 
-/// Throws UserError, "`who` does not support ...", unless every pair of these kinds is supported.
+/// Throws UserError, "`subject` does not support ...", unless every pair of these kinds is supported.
 template <int D>
 void requireCasts(const ContinuousCollision<D>& continuous, const std::array<bool, kShapeKinds>& kinds,
                   const std::string& subject) {

@@ -16,7 +16,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Two shapes as a method gets them, kind of a <= kind of b, expressed in A's frame.
+/// Two shapes as a method gets them, kind of a <= kind of b. All vectors are in A's frame.
 template <int D>
 struct PairView {
   ShapeView<D> a, b;
@@ -36,17 +36,18 @@ template <int D>
 struct PairAnswer {
   QueryStatus status = QueryStatus::refused;
   Real distance = 0;               // m; negative: minus the depth
-  Vec<D> normal = Vec<D>::Zero();  // n_AB, unit, in A's frame; at a tie any correct one; zero: the method gives none
+  Vec<D> normal = Vec<D>::Zero();  // n_AB, unit, in A's frame; any correct one at a tie; zero: the method gives none
   Vec<D> pA = Vec<D>::Zero();      // closest points, in A's frame; pB - pA = distance * normal
   Vec<D> pB = Vec<D>::Zero();
 };
 
-/// What the caller will read. A method may compute less when less is needed: for `boolean` only the sign of the
-/// distance counts.
+/// The part of an answer that the caller will read. A method may compute less when less is needed: for `boolean` only
+/// the sign of the distance counts.
 enum class QueryNeed { boolean, distance, closestPoints };
 
-/// Data that a method keeps for a pair from step to step; owned by the caller, zero = cold. This is the only warm
-/// start. The bytes may come from a file: a method must not trust them, and its answer must be correct for any bytes.
+/// Data that a method keeps for a pair from step to step, owned by the caller; zero = cold. It is the only state from
+/// which a method may warm start. The bytes may come from a file: a method must not trust them, and its answer must be
+/// correct for any bytes.
 struct PairMemory {
   std::array<std::byte, 32> bytes{};
   bool operator==(const PairMemory&) const = default;
@@ -62,27 +63,28 @@ class PairQuery : public Stage {
   static constexpr StageKind kStage = StageKind::pairQuery;
   static constexpr int kDimension = D;
 
-  /// True when it supports these kinds. Called only with a <= b.
+  /// True when the method supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
-  /// True when it computes the distance of separated shapes of these kinds. Otherwise it only reports that they are
-  /// separated: the distance is some lower bound, and is not compared with ground truth. All methods compute depths.
-  /// Called only with a <= b.
+  /// True when the method computes the distance of separated shapes of these kinds. Otherwise it only reports that they
+  /// are separated: the distance is some lower bound, and is not compared with ground truth. All methods compute
+  /// depths. Called only with a <= b.
   virtual bool claimsGap(ShapeKind, ShapeKind) const { return true; }
-  /// True when it reads and writes the memory of pairs.
+  /// True when the method reads and writes the memory of pairs.
   virtual bool remembers() const { return false; }
-  /// Answers any number of pairs of one supported pair of kinds. `answers` has one entry per pair; `memory` has too, or
-  /// is empty (cold).
+  /// Answers any number of pairs, all of the same two kinds, which the method supports. `answers` has one entry per
+  /// pair. So has `memory`, unless it is empty (cold).
   virtual void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
                      std::span<PairMemory> memory, WorkDone& work) = 0;
 
-  /// True when it can record its steps for a supported pair of these kinds.
+  /// True when the method can record its steps for pairs of these kinds.
   virtual bool traces(ShapeKind, ShapeKind) const { return false; }
-  /// Traces one such pair, cold, with closest points: the steps, the answer and the work of `query` (pair_trace.h).
+  /// Traces one pair of kinds for which traces() is true, cold, with closest points: the steps, the answer and the work
+  /// of `query` (pair_trace.h).
   virtual void trace(const PairView<D>&, PairTrace<D>&) { LPC_ASSERT(false); }
 };
 
-/// Queries one pair, in any order of kinds. The answer is in A's frame for (a, b) as given. Unsupported kinds return
-/// QueryStatus::refused.
+/// Queries one pair, in any order of kinds. The answer is for (a, b) as given, in A's frame. For unsupported kinds its
+/// status is QueryStatus::refused.
 template <int D>
 PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB,
                         QueryNeed need = QueryNeed::closestPoints);
@@ -117,14 +119,14 @@ struct PairRecord {
 template <int D>
 class PartPairs {
  public:
-  /// All pairs of parts with boxes within the margin (m), in order. A convex shape is its own only part, number 0; for
-  /// two convex shapes the boxes are not tested again. `pose` is X_WC by body slot.
+  /// All pairs of parts with boxes within the margin (m), in order. A convex shape has a single part, number 0, which
+  /// is the shape itself; for two convex shapes the boxes are not tested again. `pose` is X_WC by body slot.
   std::span<const ConvexPair<D>> of(std::span<const ShapePair> pairs, IndexedSpan<const ShapeRecord<D>> shapes,
                                     IndexedSpan<const Pose<D>> pose, Real margin, WorkDone& work);
 
  private:
   IndexedVector<ConvexPair<D>> m_pairs;
-  /// As `of`, when one of the shapes is a surface.
+  /// The same as `of`, when one of the shapes is a surface.
   void ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const ShapeRecord<D>& b, const Pose<D>& X_WA,
                  const Pose<D>& X_WB, Real margin, WorkDone& work);
 
@@ -149,7 +151,7 @@ template <int D>
 Manifold<D> startManifold(const ContactInput<D>& in, const ConvexPair<D>& pair) {
   const ShapeRecord<D>& a = in.shapes[pair.shapes.a];
   const ShapeRecord<D>& b = in.shapes[pair.shapes.b];
-  static const Manifold<D> kBlank;  // copying takes half the time in which g++ fills it with zeros
+  static const Manifold<D> kBlank;  // copying takes half the time that g++'s zero filling takes
   Manifold<D> m = kBlank;
   m.bodyA = a.body, m.bodyB = b.body, m.shapeA = pair.shapes.a, m.shapeB = pair.shapes.b;
   m.partA = pair.partA, m.partB = pair.partB;
@@ -165,8 +167,8 @@ class ContactGenerator;
 template <int D>
 void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds);
 
-/// Throws UserError, "`who` does not support ...", unless every pair of these kinds is supported. Two planes never
-/// touch.
+/// Throws UserError, "`subject` does not support ...", unless every pair of these kinds is supported. A pair of two
+/// planes is not required, because two planes never touch.
 void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
                   const std::string& subject);
 template <int D>
@@ -174,9 +176,9 @@ void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool,
                      const std::string& subject);
 
 /// Makes contact points. Writes only fresh manifolds: at most one per pair of parts, none without points, in any order.
-/// Impulses are zero, and the material is that of the shapes, which listeners may change. `points` are sorted by
-/// feature. A generator may take over points of the old manifolds. It must renew their separations, and keeps no copies
-/// itself.
+/// Impulses are zero, and the material is that of the shapes, which listeners may change. The points of a manifold are
+/// sorted by feature. A generator may copy points of the old manifolds, but must recompute their separations. It keeps
+/// no copies itself.
 template <int D>
 class ContactGenerator : public Stage {
  public:
@@ -184,10 +186,10 @@ class ContactGenerator : public Stage {
   static constexpr int kDimension = D;
 
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
-  /// True when it reads and writes the memory of pairs. Otherwise the world keeps none.
+  /// True when the generator reads and writes the memory of pairs. Otherwise the world keeps none.
   virtual bool remembers() const { return false; }
-  /// Appends the manifolds of the pairs to `fresh`. Unsupported pairs of kinds do not occur: the world rejects such
-  /// bodies.
+  /// Appends the manifolds of the pairs to `fresh`. Unsupported pairs of kinds do not occur: the world rejects bodies
+  /// that would make such a pair.
   virtual void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) = 0;
 };
 
@@ -207,13 +209,13 @@ class ContactCache : public Stage {
   static constexpr StageKind kStage = StageKind::cache;
   static constexpr int kDimension = D;
 
-  /// Selects the pairs that need new contacts, in their order; default: all. `carry` must bring back the contacts of
-  /// all other pairs.
+  /// Selects the pairs that need new contacts, in their order; default: all pairs. carry() must bring back the contacts
+  /// of all other pairs.
   virtual void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) {
     regenerate.assign(in.pairs.begin(), in.pairs.end());
   }
-  /// Transfers data to `fresh`, which is sorted by Manifold::key and must stay sorted. Called directly after `select`,
-  /// with the same input.
+  /// Transfers data to `fresh`, which is sorted by Manifold::key and must stay sorted. Called after select(), with the
+  /// same input.
   virtual void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) = 0;
 };
 

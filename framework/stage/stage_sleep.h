@@ -42,8 +42,8 @@ struct SleepInput {
   const ContactGraph<D>& graph;  // of `manifolds` and `joints`
 };
 
-/// Decides which bodies are awake, once a step before the solver. Changes `awake` and the two scalars per body. The
-/// world zeroes the velocities of bodies that fall asleep.
+/// Decides which bodies are awake, once a step before the solver. Writes `awake`, and `memory`, which holds two scalars
+/// per body. The world zeroes the velocities of bodies that fall asleep.
 template <int D>
 class SleepPolicy : public Stage {
  public:

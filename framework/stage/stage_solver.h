@@ -17,8 +17,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 
 class Profiler;
 
-/// Parts of the model that a scene needs. Each unneeded part is skipped by one branch per stage. All on is always
-/// correct; an experiment measures the cost of unneeded parts.
+/// Parts of the model that a scene needs. A stage skips an unneeded part by one branch. All parts on is always correct;
+/// an experiment measures the cost of unneeded parts.
 struct PhysicsModel {
   bool friction = true;
   bool rotation = true;  // off: no body rotates
@@ -45,7 +45,7 @@ struct StepInput {
   Real dt;                                // s, > 0
   Real lastDt;                            // of the last step, 0 in the first: impulses scale by dt / lastDt
   Real time;                              // at the start of the step, s
-  Bodies<D>& bodies;                      // invInertia is fresh
+  Bodies<D>& bodies;                      // invMass and invInertia are those of this step
   IndexedVector<Manifold<D>>& manifolds;  // sorted; solve only the active manifolds
   IndexedVector<int>& active;             // indices of manifolds that have an active body and were not vetoed
   IndexedSpan<JointRecord<D>> joints;     // by slot; jointRows() gives the rows of active joints
@@ -91,14 +91,14 @@ struct VelocityInput {
   /// Velocities before this step's forces, by slot, which determine restitution; otherwise gravity would raise an
   /// elastic ball step by step. Empty: the bodies' current velocities.
   IndexedSpan<const Motion<D>> arrival = {};
-  /// Offsets into `order`: contacts from order[colours[c]] to order[colours[c + 1]] share no dynamic body. Empty:
-  /// `order` has no colours.
+  /// Offsets into `order`. Contacts from order[colours[c]] up to, but not including, order[colours[c + 1]] share no
+  /// dynamic body. Empty: `order` has no colours.
   IndexedSpan<const int> colours = {};
   /// A matrix that replaces bodies, contacts and joints, for resolvers with AlgorithmInfo::matrixAlone.
   GivenProblem* given = nullptr;
 };
 
-/// Receives the velocity problems of a step. A solver without velocity problems calls it never.
+/// Receives the velocity problems of a step. A solver without velocity problems never calls it.
 template <int D>
 class VelocityWatcher {
  public:
@@ -107,8 +107,8 @@ class VelocityWatcher {
 };
 
 /// Changes velocities only, so that contacts stop approaching and joints stop drifting. Starts from the impulses in the
-/// manifolds and joints, and writes the accumulated impulses back (a method without accumulation writes the applied
-/// ones).
+/// manifolds and joints, and writes the accumulated impulses back. A method that does not accumulate writes the applied
+/// impulses.
 template <int D>
 class VelocityResolver : public Stage {
  public:
@@ -136,11 +136,11 @@ class PositionResolver : public Stage {
   static constexpr StageKind kStage = StageKind::position;
   static constexpr int kDimension = D;
 
-  /// The normal velocity (m/s, separating is positive) that a velocity resolver must reach at a penetrating contact, >=
-  /// 0. `separation` <= 0. For separation > 0 the target is fixed: see `contactTarget` in
-  /// algorithms/solver/rows/contact_rows.h.
+  /// The normal velocity (m/s, >= 0, separating is positive) that a velocity resolver must reach at a penetrating
+  /// contact. Called only with `separation` <= 0. For separation > 0 every resolver uses the same target: see
+  /// `contactTarget` in algorithms/solver/rows/contact_rows.h.
   virtual Real bias(Real /*separation*/, Real /*dt*/) const { return 0; }
-  /// The rate (1/s) at which a joint's error shall shrink: the target velocity is jointBias() times the error (m or
+  /// The rate (1/s) at which a joint's error must shrink: the target velocity is jointBias() times the error (m or
   /// rad).
   virtual Real jointBias(Real /*dt*/) const { return 0; }
   virtual void correct(const PositionInput<D>&) {}
@@ -157,8 +157,9 @@ struct IntegrateInput {
 
 /// Integrates the free motion under forces for one step. Writes the new velocities into bodies.motion. Writes into
 /// `drift`, by slot, the constant velocity that would move each body from its old to its new pose without contacts. The
-/// solver adds the constraints' velocity changes to `drift` and moves the bodies by drift * dt. So semi-implicit Euler
-/// returns the new velocity, explicit Euler the old one, RK4 its weighted mean, and all integrators work with contacts.
+/// solver adds the constraints' velocity changes to `drift` and moves the bodies by drift * dt. So `drift` is the new
+/// velocity for semi-implicit Euler, the old one for explicit Euler, and a weighted mean for RK4. All integrators work
+/// with contacts.
 template <int D>
 class Integrator : public Stage {
  public:

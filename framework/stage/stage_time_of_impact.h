@@ -31,11 +31,11 @@ struct MovingPair {
 ///
 /// - converged, hit: phi(t) <= 1e-9 s (f32: 1e-4 s), and phi > 0 before. Shapes that touch at the start have t = 0.
 /// - converged, no hit: phi > 0 throughout; t is the duration.
-/// - iterationLimit, or another status of the pair query: phi > 0 is proved before t, not beyond. `hit` is the last
-///   answer of the query.
-/// - failed: a distance or normal that is not a number, or a motion that is not finite; phi > 0 still holds before t.
+/// - iterationLimit, or another status of the pair query: phi > 0 is proved before t, not beyond. `hit` is that of the
+///   last answer of the query.
+/// - failed: a distance or normal is not a number, or a motion is not finite; phi > 0 still holds before t.
 ///
-/// Never late, whatever the status, when the pair query's distances are not too large.
+/// With any status, t is never later than the true time of impact, unless the pair query's distances are too large.
 template <int D>
 struct TimeOfImpactAnswer {
   QueryStatus status = QueryStatus::refused;
@@ -51,7 +51,7 @@ class TimeOfImpact : public Stage {
   static constexpr StageKind kStage = StageKind::timeOfImpact;
   static constexpr int kDimension = D;
 
-  /// True when it supports these kinds. Called only with a <= b.
+  /// True when the method supports these kinds. Called only with a <= b.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
   /// Finds the times of impact of pairs of supported kinds, over 0 <= t <= duration (s). `answers` has one entry per
   /// pair.

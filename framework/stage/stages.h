@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The only list of stages. Folder names, pipeline texts, axes of sweeps, `lpc list`, keys of results and the rule of
-// allowed includes follow from it. A new stage needs a kind, its row, its interface (stage_<name>.h), its first
-// algorithm, and the call in World::step.
+// allowed includes follow from it. A new stage needs a StageKind, a row in kStages, an interface (stage_<name>.h), an
+// algorithm, and a call in World::step.
 #pragma once
 
 #include <array>
@@ -58,7 +58,7 @@ inline constexpr StageInfo kStages[] = {
 inline constexpr int kStageKinds = static_cast<int>(std::size(kStages));
 
 constexpr const StageInfo& stageInfo(StageKind kind) { return kStages[static_cast<std::size_t>(kind)]; }
-/// Engines are complete external simulations, under oracles/engines, not in a folder of algorithms/.
+/// True except for engines, which are complete external simulations in oracles/engines, not in algorithms/.
 constexpr bool isOurs(const StageInfo& stage) { return stage.kind != StageKind::engine; }
 constexpr std::string_view stageName(StageKind kind) { return stageInfo(kind).name; }
 constexpr bool isWorldStage(const StageInfo& stage) { return !stage.worldDefault.empty(); }

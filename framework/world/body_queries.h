@@ -19,17 +19,18 @@ struct BodyRayHit {
   std::uint64_t userData;  // of the shape
 };
 
-/// Which shapes a ray can hit: those that would collide with this category and mask. Without a filter it can hit every
-/// shape.
+/// Selects the shapes that a ray can hit: shapes that collide with this category and mask. Without a filter the ray can
+/// hit every shape.
 template <int D>
 struct RayFilter {
   std::uint32_t category = 1;
   std::uint32_t mask = ~0u;
-  /// Empty: accepts all shapes. Called before the shape is tested, in no promised order.
+  /// Accepts or rejects a shape; empty: accepts all shapes. Called before the ray is tested against the shape, in no
+  /// particular order.
   std::function<bool(BodyHandle body, const ShapeRecord<D>& shape)> accepts = {};
 };
 
-/// Answers queries on exact shapes at the current poses. Uses the boxes of the table, which must be in sync().
+/// Answers queries on exact shapes at the current poses. Uses the boxes of the table: call BodyTable::sync() first.
 template <int D>
 class BodyQueries {
  public:

@@ -51,23 +51,25 @@ class BodyTable {
   std::size_t add(const BodyDef<D>& def, const CheckedBody<D>& checked);
   void remove(std::size_t body);
   void clear();  // bodies added later get the same slots as in a new table
-  /// Adding this definition to an empty table gives the same body.
+  /// Returns a definition of the body. Adding it to an empty table gives the same body.
   BodyDef<D> definition(std::size_t body) const;
 
-  /// How a body's present shapes match a new list of shapes.
+  /// The result of matching a body's present shapes with a new list of shapes.
   struct ShapeMatch {
     std::vector<std::size_t> removed;  // slots of shapes to remove, ascending
     std::vector<std::size_t> kept;     // by index among the new shapes: the matching slot, or kNew
   };
   static constexpr auto kNew = static_cast<std::size_t>(-1);
   ShapeMatch match(std::size_t body, std::span<const ShapeDef<D>> shapes);
-  /// Rewrites the body from the definition. Returns how far its centre of mass has moved in the body frame. Motion that
-  /// `def` leaves as definition() gave it stays bit for bit.
+  /// Rewrites the body from the definition. Returns the displacement of its centre of mass in the body frame. When
+  /// `def` leaves pose or velocity as definition() gave it, the body keeps its rigid motion: bit for bit, unless its
+  /// centre of mass moves.
   Vec<D> rewrite(std::size_t body, const BodyDef<D>& def, const CheckedBody<D>& checked, const ShapeMatch& match);
 
   /// Shape kinds of all convex parts in the table.
   std::array<bool, kShapeKinds> kinds() const;
-  /// The same with the parts of `weighed` replacing those of body `inPlaceOf`; -1: added to all existing parts.
+  /// Shape kinds as in kinds(), with the parts of `checked` in place of those of body `inPlaceOf`; -1: in addition to
+  /// all parts.
   std::array<bool, kShapeKinds> kindsWith(const CheckedBody<D>& checked, std::int32_t inPlaceOf) const;
 
   // --- changes by the user and by a step -----------------------------------------------------------------------------
@@ -77,7 +79,7 @@ class BodyTable {
     if (!bodies.awake[body]) touch(body);
   }
   void wakeAll();
-  /// Updates the inverse masses and inertias that a solver uses. Without rotation, inertias are not rotated to the
+  /// Updates the inverse masses and inertias that a solver uses. With `rotation` false, inertias are not rotated to the
   /// world.
   void refreshMasses(bool rotation);
   /// Zeroes the velocities of bodies that have fallen asleep.
@@ -86,7 +88,7 @@ class BodyTable {
   // --- boxes ---------------------------------------------------------------------------------------------------------
   /// Updates the boxes. With `sleepers`, boxes of sleeping bodies are active too.
   void sync(bool sleepers) const { boxes.sync(shapes, bodies, sleepers); }
-  /// True when neither shape of a manifold or record is active.
+  /// True when neither of the two shapes of a manifold or record is active.
   template <class Pair>
   bool resting(const Pair& p) const {
     return !boxes.active(p.shapeA) && !boxes.active(p.shapeB);
@@ -98,7 +100,7 @@ class BodyTable {
 
  private:
   std::size_t takeSlot();
-  void freeBody(std::size_t body);  // frees the body's row only
+  void freeBody(std::size_t body);  // frees only the slot, not the shapes
   void write(std::size_t body, const BodyDef<D>& def, const CheckedBody<D>& checked);
   void putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index);
   void fillShape(std::size_t slot, const ShapeDef<D>& def, std::int32_t body, std::int32_t index);

@@ -12,20 +12,21 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// Keeps a box for each shape of a world, the broadphase over these boxes, and the changes not yet passed to the
 /// broadphase. Changes are noted immediately. sync() applies them in a single pass over the shapes.
 ///
-/// A plane has no finite box: the broadphase sees an empty box. Each query tests the planes here, each against each
-/// box; there are few planes.
+/// A plane has no finite box, so the broadphase sees an empty box. findPairs() tests each plane against each active
+/// box; the other queries report every plane. Worlds have few planes.
 template <int D>
 class BoxIndex {
  public:
-  /// Boxes grow by half the margin (m) each, so that the boxes of two shapes overlap when the shapes are within the
-  /// margin. The broadphase is not owned, and must be fresh.
+  /// Each box grows by half the margin (m), so two boxes overlap when their shapes are within the margin. Does not own
+  /// the broadphase, which must be fresh.
   BoxIndex(Broadphase<D>& broadphase, Real margin) : m_broadphase(&broadphase), m_margin(margin) {}
 
   void add(std::size_t shape, const ShapeRecord<D>& record);
   void remove(std::size_t shape);
-  /// Marks the boxes of this body as stale, even when the body does not move by itself.
+  /// Marks the boxes of this body as stale, also when the body is static or sleeping.
   void touch(std::size_t body);
-  /// Tells the broadphase that every box is removed: the last call before another index takes over the same object.
+  /// Tells the broadphase that every box is removed. Must be the last call before another index takes over the same
+  /// broadphase.
   void removeAll();
   /// Marks the boxes of all moving bodies as stale.
   void markAllStale() { m_stale = true; }
@@ -35,8 +36,8 @@ class BoxIndex {
   // State of the last sync().
   const Proxies<D>& proxies() const { return m_proxies; }
   bool active(std::int32_t shape) const { return m_proxies.active[static_cast<std::size_t>(shape)] != 0; }
-  // Queries of the broadphase on these boxes (see Broadphase), with planes added. A ray reports each plane with t = 0,
-  // because the exact hit is not known here.
+  // Queries of the broadphase on these boxes (see Broadphase), with all planes added. ray() reports each plane with t =
+  // 0, because the boxes do not give the exact hit.
   void findPairs(std::vector<ProxyPair>& out, WorkDone& work);
   void overlap(const Aabb<D>& box, std::vector<ProxyId>& out) const;
   void at(const Vec<D>& point, std::vector<ProxyId>& out) const;

@@ -15,13 +15,13 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Two shapes that may touch within the step, body of the first < body of the second.
+/// Two shapes that may touch within the step. The body slot of the first is below that of the second.
 struct SpeculativePair {
   ShapePair shapes;
   Real margin;  // m: the generator makes contacts up to this separation
 };
 
-/// The stages that make contacts, and their input.
+/// The stages that make contacts, and the data that these stages read.
 template <int D>
 struct MakerInput {
   ContactCache<D>& cache;
@@ -42,24 +42,26 @@ class ContactMaker {
   std::vector<PairRecord> records;  // sorted by key; empty when the generator keeps no memory of pairs
 
   // --- during a step -------------------------------------------------------------------------------------------------
-  /// Finds pairs of shapes that may collide and have overlapping boxes, body of the first < body of the second.
+  /// Finds pairs of shapes that may collide and have overlapping boxes. The body slot of the first shape is below that
+  /// of the second.
   void findPairs(const BodyTable<D>& table, const NonCollidingPairs& nonColliding, WorkDone& work);
-  /// Adds the pairs of `ahead`, and sorts all pairs by bodies and shapes.
+  /// Adds the pairs of `speculative`, and sorts all pairs by bodies and shapes.
   void sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const SpeculativePair> speculative);
-  /// Makes the manifolds of these pairs. The manifolds of the last call become before().
+  /// Makes the manifolds of pairs(). Then before() returns the manifolds of the last call.
   void make(const MakerInput<D>& in);
-  /// Indices of the manifolds that the solver takes: at least one body moves, and no listener vetoed.
+  /// Indices of the manifolds that the solver takes: at least one body is active (Bodies::active), and no listener
+  /// vetoed.
   IndexedVector<int>& collectActive(const Bodies<D>& bodies);
 
   std::span<const ShapePair> pairs() const { return m_pairs; }
   std::span<const Manifold<D>> before() const { return m_old; }
 
   // --- between steps -------------------------------------------------------------------------------------------------
-  /// Ends contacts and records: endedBy(pair) returns the body that leaves the pair, or a negative number when the pair
-  /// stays. Calls onEnd(manifold, body) once for each ended pair of shapes.
+  /// Removes manifolds and records of pairs that end: endedBy(pair) returns the body that leaves the pair, or a
+  /// negative number when the pair stays. Calls onEnd(manifold, body) once for each such pair of shapes.
   template <class EndedBy, class OnEnd>
   void end(const EndedBy& endedBy, const OnEnd& onEnd);
-  /// Call after the centre of mass of the body has moved by `by` within the body.
+  /// Updates contacts after the centre of mass of the body has moved by `by` within the body.
   void moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t& visits);
   void forgetPairs() { m_pairs.clear(); }
 

@@ -29,23 +29,23 @@ struct ContinuousInput {
   bool runsIn(CcdPhase when) const { return settings.model.continuous && method.ccdPhase() == when; }
 };
 
-/// Continuous collision between the poses of two steps. Depending on the method, pairs that would touch get contacts
-/// before the solver, or bodies that touched are stopped after it.
+/// Continuous collision between the poses of two steps. Depending on the method, it adds contacts before the solver for
+/// pairs that would touch, or after it stops bodies that touched.
 template <int D>
 class ContinuousPass {
  public:
-  /// Forgets the shape of this slot, which has been replaced.
+  /// Drops the data of the shape in this slot, after the shape was replaced.
   void forget(std::size_t shape) { m_fast.forget(shape); }
   void forgetAll() { m_fast = FastParts<D>(); }
 
-  /// Before the solver, with the boxes of the start of the step: fills ahead(), sorted by slots. Leaves it empty for a
-  /// method that works after the solver.
+  /// Call before the solver, with the boxes of the start of the step. Fills speculativePairs(), sorted by slots; a
+  /// method that runs after the solver gets none.
   void findSpeculativePairs(const ContinuousInput<D>& in);
   std::span<const SpeculativePair> speculativePairs() const { return m_speculative; }
-  /// Keeps the poses at the start of the step, for a method that works after the solver.
+  /// Keeps the poses at the start of the step, for a method that runs after the solver.
   void begin(const ContinuousInput<D>& in);
-  /// After the solver: moves fast bodies back to their time of impact, together with all bodies that are jointed to
-  /// them (`joints`, by slot). Ignores pairs that a listener has vetoed.
+  /// Call after the solver. Moves fast bodies back to their time of impact, together with all bodies jointed to them
+  /// (`joints`, by slot). Ignores pairs that a listener has vetoed.
   void stopAtImpacts(const ContinuousInput<D>& in, std::span<const Manifold<D>> manifolds,
                      std::span<const JointRecord<D>> joints, const ContactGraph<D>& graph);
 
@@ -54,8 +54,8 @@ class ContinuousPass {
   struct ToiEvent {
     Real t;  // s after the start
     std::size_t pair;
-    Real asked;  // firstStop() of the pair when this event was computed; a later stop makes the event stale
-    // For a heap: the earliest event is the largest.
+    Real asked;  // earliest stop of the pair's bodies when the event was made; another value now: stale
+    // std::push_heap keeps the largest element on top, so the earliest event compares as the largest.
     bool operator<(const ToiEvent& o) const { return std::tie(o.t, o.pair) < std::tie(t, pair); }
   };
   std::span<const Pair> fastPairs(const ContinuousInput<D>& in, const BodySweeps<D>& sweeps);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Computes what follows from a body's definition alone, before a world has the body.
+// Computes the data that follow from a body's definition alone, before the body is in a world.
 #pragma once
 
 #include <array>
@@ -28,14 +28,14 @@ std::string bodyLabel(const BodyDef<D>& def);
 template <int D>
 CheckedBody<D> checkBody(const BodyDef<D>& def);
 
-/// Merges two bodies into one, in place, with the shapes and the momenta of both. Throws UserError unless both are
-/// dynamic or both are static.
+/// Merges two bodies into one: shapes keep their place in the world, momenta are added. Throws UserError unless both
+/// are dynamic or both are static.
 template <int D>
 BodyDef<D> merged(const BodyDef<D>& a, const BodyDef<D>& b);
 
-/// Makes one body of each shape, in place. Each keeps the motion that it had as a part of the whole; `center` is the
-/// centre of mass of the whole. The first gets the velocity of the whole. Throws UserError when a shape alone makes no
-/// valid body.
+/// Makes one body of each shape, which keeps its place in the world. `center` is the centre of mass of the whole. Each
+/// body moves as it did as a part of the whole. The first definition still has the velocity of the whole's centre:
+/// BodyTable::rewrite() converts it. Throws UserError when a shape alone makes no valid body.
 template <int D>
 std::vector<BodyDef<D>> splitDefinition(const BodyDef<D>& whole, const Vec<D>& center);
 

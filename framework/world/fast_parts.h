@@ -11,7 +11,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Motions of the bodies in a step: body i starts at start[i] and keeps velocity[i].
+/// Motions of all bodies in a step: body i starts at start[i] and moves at constant velocity[i].
 template <int D>
 struct BodySweeps {
   std::span<const Pose<D>> start;  // X_WC
@@ -33,9 +33,9 @@ class FastParts {
     ShapeView<D> view;
     Pose<D> X_CP;
     InnerOuterRadii<D> radii;
-    Real maxTravel;  // m, upper bound of the motion of its points
-    Aabb<D> box;     // of its whole motion
-    bool fast;       // moves farther than the threshold; also set for kinematic parts, which are never stopped
+    Real maxTravel;  // m, upper bound of the distance that its points travel
+    Aabb<D> box;     // of the whole swept part
+    bool fast;       // travels farther than the threshold; also set for kinematic parts, which are never stopped
     bool operator<(const Part& o) const { return std::tie(body, shape, number) < std::tie(o.body, o.shape, o.number); }
   };
   struct Pair {
@@ -44,10 +44,10 @@ class FastParts {
 
   FastParts();
 
-  /// Forgets the shape of this slot, which has been replaced.
+  /// Drops the data of the shape in this slot, after the shape was replaced.
   void forget(std::size_t shape);
-  /// All pairs of a fast part and another part with overlapping swept boxes, on two bodies, if their filters allow it;
-  /// sorted by parts. `boxes` are those of the start of the step.
+  /// Finds all pairs of a fast part and another part with overlapping swept boxes, on two different bodies whose
+  /// filters allow it. Sorted by parts. `boxes` are those of the start of the step.
   std::span<const Pair> find(const BodySweeps<D>& sweeps, Real threshold, const Bodies<D>& bodies,
                              std::span<const ShapeRecord<D>> shapes, const BoxIndex<D>& boxes, WorkDone& work);
 
@@ -57,7 +57,7 @@ class FastParts {
                 const ShapeRecord<D>& record, const Aabb<D>& near, const F& f);
   InnerOuterRadii<D> innerOuterRadii(const ShapeView<D>& part);
 
-  std::unique_ptr<PairQuery<D>> m_query;                 // measures how deep a part's centre lies inside the part
+  std::unique_ptr<PairQuery<D>> m_query;                 // measures the depth of a part's centre
   std::vector<std::vector<InnerOuterRadii<D>>> m_radii;  // by shape slot, for each part; empty: not computed yet
   // Scratch.
   std::vector<Part> m_fast;

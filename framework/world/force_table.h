@@ -19,23 +19,23 @@ class ForceTable {
   std::vector<ForceRecord<D>> records;                                 // state, which a save holds
   std::vector<std::shared_ptr<const ForceGenerator<D>>> generators{};  // not saved
 
-  /// Adds a force and wakes the bodies on which it acts. Throws UserError for an invalid body handle and as
-  /// makeForce().
+  /// Adds a force and wakes the bodies on which it acts. Throws UserError for an invalid body handle, and when
+  /// makeForce() throws.
   ForceHandle add(const ForceDef<D>& def, BodyTable<D>& table);
   /// Removes a force and wakes the bodies on which it acts. Throws UserError for an invalid handle.
   void remove(ForceHandle force, BodyTable<D>& table);
   void removeAllOf(std::size_t body, BodyTable<D>& table);
   void clear(std::uint64_t& visits);
 
-  /// Copies the contacts of the last step when a force reads them: the solver changes impulses while it evaluates
+  /// Copies the contacts of the last step when a force reads contacts: the solver changes impulses while it evaluates
   /// forces.
   void keepContacts(const std::vector<Manifold<D>>& manifolds);
   std::span<const Manifold<D>> lastContacts() const { return m_lastContacts; }
 
   // --- changes of bodies ---------------------------------------------------------------------------------------------
-  /// Call after the centre of mass of the body has moved by `by` within the body.
+  /// Updates anchors after the centre of mass of the body has moved by `by` within the body.
   void moveCenter(std::size_t body, const Vec<D>& by, std::uint64_t& visits);
-  /// Moves the forces of `from` to `into`, except forces between the two.
+  /// Moves the forces of `from` to `into`, except forces between these two bodies.
   void reassign(std::size_t from, std::size_t into, const Bodies<D>& bodies);
   /// Recomputes the derived data after the records were replaced.
   void recount();

@@ -17,8 +17,8 @@ template <int D>
 struct StepContacts {
   std::span<Manifold<D>> now;
   std::span<const Manifold<D>> before;
-  Real lastDt = 0;     // s, between the two
-  bool again = false;  // contacts were made again within the step
+  Real lastDt = 0;     // s, length of the last step
+  bool again = false;  // contacts are made again within the step
 };
 
 /// Stores the listeners for all bodies and the listeners for single bodies.
@@ -32,12 +32,12 @@ class ListenerTable {
   void forget(std::size_t body);
   void forgetBodies() { m_ofBodies.clear(); }
 
-  /// Calls f(listener) once for each listener of this contact: those of all bodies, then those of body A, then those of
-  /// body B.
+  /// Calls f(listener) once for each listener of this contact. The order is: listeners of all bodies, then those of
+  /// body A, then those of body B.
   template <class F>
   void forEach(const Manifold<D>& m, const F& f) const;
 
-  /// Reports contacts that begin, persist and end, after mix(), and writes the listeners' answers into the manifolds.
+  /// Calls mix(), then reports contacts that begin, persist and end. Writes the listeners' answers into the manifolds.
   /// Adds sleep events for sleeping bodies. `world` is passed to the listeners.
   void notify(const World<D>& world, BodyTable<D>& table, const StepContacts<D>& news) const;
 

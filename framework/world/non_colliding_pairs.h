@@ -14,7 +14,7 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// Pairs of jointed bodies that do not collide with each other.
 class NonCollidingPairs {
  public:
-  /// Replaces the pairs by those of these joints.
+  /// Replaces the pairs by the pairs that these joints exclude.
   template <int D>
   void read(std::span<const JointRecord<D>> joints) {
     m_pairs.clear();

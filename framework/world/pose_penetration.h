@@ -10,9 +10,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Measures how deep shapes penetrate at given poses, with the same query for every simulation, whatever that
-/// simulation calls a contact. Pairs are those that may collide: of two bodies, one of them dynamic, allowed by
-/// category and mask, and not excluded by a joint.
+/// Measures how deep shapes penetrate at the current poses. It uses the same query for every simulation, and ignores
+/// the contacts that the simulation reports. Measures the pairs that may collide: of two bodies, one of them dynamic,
+/// allowed by category and mask, and not excluded by a joint.
 template <int D>
 class PosePenetration {
  public:

@@ -131,7 +131,7 @@ void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts
   requireContacts(contacts, kinds, "load: this world's contact generator");
 }
 
-// Checks the owners of a manifold's or record's shapes. `who` names it in messages.
+// Checks the owners of a manifold's or record's shapes. `subject` names the manifold or record in messages.
 template <int D, class Pair>
 void checkPair(const SavedState<D>& saved, const Pair& p, std::string_view subject) {
   const auto isShapeOf = [&](std::int32_t shape, std::int32_t body) {

@@ -34,7 +34,7 @@ struct SavedKind {
   int dimension = 0;
   int realBytes = 0;  // size of its numbers: 8 in f64, 4 in f32
 };
-/// Reads the first bytes. Throws UserError when they are not a saved world, or have another format version.
+/// Reads the first bytes. Throws UserError when the bytes are not a saved world, or have another format version.
 SavedKind savedKind(std::istream& in);
 
 /// Writes a state. The bytes depend on the state only.
@@ -47,7 +47,7 @@ SavedState<D> readState(std::istream& in);
 
 /// Checks that a step can run on this state. Throws UserError for an invalid index, enum value or shape, arrays of
 /// unequal length, and shape kinds that the generator does not support. Poses, velocities and forces may have any
-/// value: a world that has exploded is saved as it is.
+/// value, so that a world that has exploded can be saved and loaded.
 template <int D>
 void requireValidState(const SavedState<D>& saved, const ContactGenerator<D>& contacts);
 

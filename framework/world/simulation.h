@@ -32,7 +32,7 @@ struct WorldSettings {
   PhysicsModel model{};
   MixRules mixing{};
   /// On: contacts of sleeping bodies are made again in each step, as if the bodies were awake. Off: a sleeping pair
-  /// keeps the contacts with which it fell asleep. The 2009 engine called this switch `findSleepingContacts`.
+  /// keeps the contacts of the step in which it fell asleep. The 2009 engine called this switch `findSleepingContacts`.
   bool sleepingContacts = false;
 };
 
@@ -42,13 +42,13 @@ class Simulation {
   virtual ~Simulation() = default;
 
   // --- building, at any time between steps ---------------------------------------------------------------------------
-  /// Adds a body. All add() throw UserError with the reason when the definition is invalid or the simulation does not
+  /// Adds a body. All add() throw UserError, with the reason, when the definition is invalid or the simulation does not
   /// support it.
   virtual BodyHandle add(const BodyDef<D>& def) = 0;
   /// Adds a joint. Also throws for a joint from a body to itself, between two bodies that do not move, or with invalid
   /// frames or limits.
   virtual JointHandle add(const JointDef<D>& def) = 0;
-  /// Adds a force. Also throws for ends that the kind does not have or does not allow.
+  /// Adds a force. Also throws for bodies or anchors that the kind of force does not have or does not allow.
   virtual ForceHandle add(const ForceDef<D>& def) = 0;
   virtual void add(std::shared_ptr<const ForceGenerator<D>> generator) = 0;
   virtual void remove(BodyHandle body) = 0;  // and its joints and forces

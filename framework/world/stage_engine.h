@@ -9,9 +9,9 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A complete external engine that replaces a pipeline of stages: "engine=bullet{iterations=10}". Masses, sizes,
-/// friction and its mixing, restitution and its threshold, gravity and dt are set as in our worlds; sleep and
-/// continuous collision are off.
+/// A complete external engine, which replaces a pipeline of stages: "engine=bullet{iterations=10}". Masses, sizes,
+/// friction and its mixing, restitution and its threshold, gravity and dt are set as in a World. Sleep and continuous
+/// collision are off.
 template <int D>
 class Engine : public Stage {
  public:
@@ -20,11 +20,11 @@ class Engine : public Stage {
 
   /// Starts an empty simulation. Throws UserError, with the reason, when this build or precision lacks the engine.
   virtual std::unique_ptr<Simulation<D>> start(const WorldSettings<D>& settings) const = 0;
-  /// Settings in which the engine differs from our worlds: one line, shown with the engine's rank.
+  /// Settings in which the engine differs from a World: one line, shown with the engine's rank.
   virtual std::string differences() const = 0;
 };
 
-/// Optional interface of an engine's simulation: gravity that changes during a run.
+/// Optional interface of an engine's simulation: it can change gravity during a run.
 template <int D>
 class ChangesGravity {
  public:

@@ -21,7 +21,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// A world of bodies, joints and forces, with one algorithm for each stage. A step: boxes, pairs, cache.select,
+/// A world of bodies, joints and forces, with one algorithm for each stage. A step runs: boxes, pairs, cache.select,
 /// contacts, cache.carry, listeners, sleep, solver, continuous. The same definitions, calls and build give the same
 /// bits.
 template <int D>
@@ -42,22 +42,22 @@ class World final : public Simulation<D> {
   BodyHandle add(const BodyDef<D>& def) override;
   void remove(BodyHandle body) override;
   /// Removes all bodies, joints, forces and force generators, in time linear in their number. Sets time and step number
-  /// to 0. Listeners get end() as with `remove`, by slot. Listeners of the whole world, settings, stages and watcher
-  /// stay. Bodies added later get the same slots and the same results, to the last bit, as in a new world. Old handles
-  /// stay invalid.
+  /// to 0. Listeners get end() as from remove(), in the order of the slots. Listeners of the whole world, settings,
+  /// stages and the watcher stay. Bodies added later get the same slots and, to the last bit, the same results as in a
+  /// new world. Old handles stay invalid.
   void clear();
   JointHandle add(const JointDef<D>& def) override;
   void remove(JointHandle joint) override;
-  /// Adds a force and wakes the bodies on which it acts; remove() wakes them too. The force does not act on bodies that
-  /// have fallen asleep again.
+  /// Adds a force and wakes the bodies on which it acts; remove() wakes them too. The force does not act on a body
+  /// while the body sleeps.
   ForceHandle add(const ForceDef<D>& def) override;
   void remove(ForceHandle force) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
   /// A bare shape becomes a static body.
   BodyHandle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }
-  /// Registers a listener for all contacts, or for the contacts of one body. The listener is not owned. A listener
-  /// registered twice for a pair is called once. The world's listeners are called first, then those of body A, then
+  /// Registers a listener for all contacts, or for the contacts of one body. Does not own the listener. A listener that
+  /// is registered twice for a pair is called once. The world's listeners are called first, then those of body A, then
   /// those of body B.
   void addListener(ContactListener<D>* listener);
   void addListener(BodyHandle body, ContactListener<D>* listener);
@@ -67,29 +67,30 @@ class World final : public Simulation<D> {
   void removeListener(ContactListener<D>* listener);  // removes it from the world and from all bodies
 
   // --- changing bodies and stages, between steps ---------------------------------------------------------------------
-  /// The body's current definition: added to an empty world, it gives the same body.
+  /// Returns the body's current definition. Adding it to an empty world gives the same body.
   BodyDef<D> definition(BodyHandle body) const;
-  /// Changes the body to match `def`. Wakes the body and those that touch it. The handle and the joints stay. Contacts
-  /// stay for each shape that is unchanged, to the last bit; other shapes are new. Values that `def` leaves as
-  /// `definition` gave them stay, so a body continues the same rigid motion when its centre of mass changes. Throws
-  /// UserError, and changes nothing, when add() would reject `def` or a joint would connect two bodies that do not
-  /// move.
+  /// Changes the body to match `def`. Wakes the body and the bodies that touch it. The handle and the joints stay. A
+  /// shape that equals an old shape to the last bit keeps its contacts; all other shapes are new. Values that `def`
+  /// leaves as `definition` gave them stay, so a body continues the same rigid motion when its centre of mass changes.
+  /// Throws UserError, and changes nothing, when add() would reject `def` or a joint would connect two bodies that do
+  /// not move.
   void change(BodyHandle body, const BodyDef<D>& def);
-  /// Merges `other` into `into`; both are dynamic or both static. The shapes of `other` are appended, in place; its
-  /// joints and forces move to `into`; `other` is removed, with the joints and forces between the two. Linear and
+  /// Merges `other` into `into`; both are dynamic or both static. `into` gets the shapes of `other`, at their place in
+  /// the world, and its joints and forces. Removes `other`, with the joints and forces between the two. Linear and
   /// angular momentum are kept unless a body is pinned. Throws UserError, and changes nothing, for other body types and
   /// when change() would throw.
   void merge(BodyHandle into, BodyHandle other);
-  /// Splits the body into one body for each shape, at the same pose and with the same motion. The first keeps handle
-  /// and joints. Returns all bodies, in the order of the shapes. An explicitly given mass is lost. Throws UserError,
-  /// and changes nothing, when a shape alone makes no valid body.
+  /// Splits the body into one body for each shape, at the same pose and with the same motion. The first one keeps the
+  /// handle and the joints. Returns all bodies, in the order of the shapes. An explicitly given mass is lost. Throws
+  /// UserError, and changes nothing, when a shape alone makes no valid body.
   std::vector<BodyHandle> splitByShape(BodyHandle body);
   /// Sets the gravity of later steps and wakes all bodies. Throws UserError when it is not finite.
   void setGravity(const Vec<D>& gravity);
   /// Replaces the algorithms from the next step on. Bodies, joints, and contacts with their impulses stay; internal
-  /// state of the old stages is lost. Throws UserError, and changes nothing, when the constructor or add() would.
+  /// state of the old stages is lost. Throws UserError, and changes nothing, when the constructor or add() would throw
+  /// with this pipeline.
   void setPipeline(const Pipeline& pipeline);
-  /// The same with stage objects. An object of the user's own always counts as another algorithm.
+  /// Replaces the algorithms by stage objects. An object of the user's own always counts as another algorithm.
   void setPipeline(StageSet<D> stages);
 
   // --- running -------------------------------------------------------------------------------------------------------
@@ -116,13 +117,14 @@ class World final : public Simulation<D> {
   void applyAngularImpulse(BodyHandle body, const Ang<D>& impulse);
   void wake(BodyHandle body);
   void wakeAll();
-  /// The user's own number: from BodyDef, or as set last. A step neither reads nor changes it.
+  /// The user's own number, from BodyDef or setUserData(). A step neither reads nor changes it.
   std::uint64_t userData(BodyHandle body) const;
   void setUserData(BodyHandle body, std::uint64_t data);
   /// For a world that displays bodies simulated elsewhere: sets the pose X_WC and motion of each body that is not
   /// static, by slot. Creates no events and wakes no body. Precondition: both have bodies().size() entries.
   void follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion);
-  /// The joint keeps its slot, without rows, until it is removed. Precondition: joints()[slot] is active.
+  /// Breaks the joint in this slot. It keeps its slot, without rows, until it is removed. Precondition: joints()[slot]
+  /// is active.
   void breakJoint(std::size_t slot);
   BodyHandle handle(std::int32_t slot) const { return m_table.handle(slot); }  // of the body now in this slot
   int bodyCount() const override { return m_table.count(); }
@@ -131,7 +133,7 @@ class World final : public Simulation<D> {
   /// Bodies with a shape that contains this world point, or that overlaps this world box.
   std::vector<BodyHandle> at(const Vec<D>& point) const;
   std::vector<BodyHandle> overlap(const Aabb<D>& box) const;
-  /// The same for one body.
+  /// As at() and overlap(), for one body.
   bool contains(BodyHandle body, const Vec<D>& point) const;
   bool intersects(BodyHandle body, const Aabb<D>& box) const;
   /// All hits of the ray p + t * direction, 0 <= t <= maxT, sorted by t. Without a filter the ray can hit every shape.
@@ -139,7 +141,7 @@ class World final : public Simulation<D> {
   std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT) const;
   std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
                                     const RayFilter<D>& filter) const;
-  /// The hit with the smallest t; the same errors.
+  /// The hit with the smallest t. Throws as rayAll().
   std::optional<BodyRayHit<D>> rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT) const;
   std::optional<BodyRayHit<D>> rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT,
                                         const RayFilter<D>& filter) const;
@@ -151,10 +153,10 @@ class World final : public Simulation<D> {
   std::span<const std::int32_t> shapesOf(std::size_t body) const { return m_table.shapesOf(body); }
   std::span<const std::int32_t> jointsOf(std::size_t body) const { return m_joints.of(body); }
   std::span<const Manifold<D>> manifolds() const { return m_contacts.manifolds; }
-  /// Sorted by key. Empty when the contact generator keeps no memory of pairs.
+  /// Memory of the contact generator, sorted by key. Empty when the generator keeps no memory of pairs.
   std::span<const PairRecord> pairRecords() const { return m_contacts.records; }
-  /// Shape pairs passed to the contact generator in the last step, by slots; as many as its profile counts. Slots may
-  /// have been reused since.
+  /// Pairs of shapes with near boxes in the last step, sorted by bodies and shapes; Profiler::Frame::pairs is their
+  /// number. Slots may have been reused since.
   std::span<const ShapePair> pairs() const { return m_contacts.pairs(); }
   std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
   std::span<const JointRecord<D>> joints() const override { return m_joints.records; }
@@ -163,25 +165,26 @@ class World final : public Simulation<D> {
   /// Boxes of the broadphase's internal structure (Broadphase::structure), as of the last step or query.
   void broadphaseStructure(std::vector<StructureBox<D>>& out) const { stage<Broadphase>().structure(out); }
   const WorldSettings<D>& settings() const override { return m_settings; }
-  /// The algorithm of each stage. For a stage of the user's own: the name that StageSet::set gave it, which setPipeline
-  /// refuses unless an algorithm of that name is registered.
+  /// The algorithm of each stage. For a stage of the user's own: the name that StageSet::set gave it. setPipeline()
+  /// throws for such a name unless an algorithm of that name is registered.
   const Pipeline& pipeline() const { return m_stages.pipeline(); }
   Profiler& profiler() override { return m_profiler; }
   const Profiler& profiler() const { return m_profiler; }
 
   std::uint64_t hash() const override { return m_table.hash(); }
 
-  /// Sets the watcher to which the solver shows its velocity problems; nullptr for none. Not owned, not saved.
+  /// Sets the watcher to which the solver shows its velocity problems; nullptr for none. The world neither owns nor
+  /// saves the watcher.
   void watch(VelocityWatcher<D>* watcher) { m_watcher = watcher; }
 
   // --- saving --------------------------------------------------------------------------------------------------------
-  /// Saves all state that determines the trajectory, except force generators and listeners, which the caller adds
-  /// again. The bytes depend on the state only: a loaded world continues exactly as the saved one.
+  /// Saves all state that determines the trajectory, except force generators and listeners: add these again after
+  /// load(). The bytes depend on the state only: a loaded world continues exactly as the saved one.
   void save(std::ostream& out) const;
   /// Replaces this world's state; its pipeline stays. Registered stages are created anew. Stages of the user's own
   /// stay; a broadphase of the user's own is first told that every box is removed. Throws UserError, and changes
-  /// nothing, when the bytes are damaged, are not a world of this dimension, precision and format, or hold shapes that
-  /// the pipeline does not support.
+  /// nothing, when the bytes are damaged, or are not a world of this dimension, precision and format. Also throws when
+  /// the bytes hold shapes that the pipeline does not support.
   void load(std::istream& in);
 
  private:
@@ -195,7 +198,7 @@ class World final : public Simulation<D> {
   std::span<const JointRecord<D>> jointsInUse() const {
     return m_settings.model.joints ? joints() : std::span<const JointRecord<D>>();
   }
-  /// The object of a stage: stage<Solver>() is the solver that the pipeline names.
+  /// Returns the object of a stage: stage<Solver>() is the solver that the pipeline names.
   template <template <int> class S>
   S<D>& stage() const {
     return m_stages.template get<S<D>>();

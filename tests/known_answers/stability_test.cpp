@@ -137,7 +137,7 @@ TEST_F(KnownAnswer, card_house) {
 // A half circle of n equal voussoirs with radial joints: the least thickness over mean radius at which it stands. It is
 // 0.1075 for infinitely many joints (Milankovitch). With few voussoirs the line of thrust may leave the arch between
 // joints, so thinner arches stand. The exact limit for n is the least t for which some line of thrust stays within all
-// joints (thrustLimit).
+// joints (thrustFits).
 bool thrustFits(int n, double t) {
   // Half the arch, angles from the crown. A horizontal thrust H at height `crown` and the accumulated weights cut the
   // joint at angle a at the radius r = (H crown + moment) / (weight sin a + H cos a). This gives two bounds on H for

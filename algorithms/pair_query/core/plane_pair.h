@@ -7,7 +7,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
-/// Whether one of the kinds is unbounded. Then every method uses `answerPlane`.
+/// True when one of the kinds is unbounded. Then every method uses PlanePair.
 inline bool hasPlane(ShapeKind a, ShapeKind b) {
   return coreClass(a) == CoreClass::plane || coreClass(b) == CoreClass::plane;
 }

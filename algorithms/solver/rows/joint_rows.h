@@ -52,8 +52,8 @@ class JointSystem {
   std::span<const JointRow<D>> of(const JointBlock<D>& block) const { return rows.part(block.first, block.count); }
 
   void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}, m_coupled = 0; }
-  /// `compliance` is added to the response of each rigid row per impulse, 1/kg or 1/(kg m^2). `places`, if any, are
-  /// those of joints between two bodies.
+  /// `compliance` is added to the response of each rigid row per impulse, 1/kg or 1/(kg m^2). `displacements`, unless
+  /// empty, replaces the positions of bodies for joints between two bodies.
   void prepare(WorkDone& work, const Bodies<D>& bodies, IndexedSpan<const JointRecord<D>> joints, Real compliance = 0,
                const BodyDisplacements<D>& displacements = {}) {
     clear();
