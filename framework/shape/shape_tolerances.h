@@ -68,24 +68,24 @@ inline constexpr Real kFlatFace = 4 * std::numeric_limits<Real>::epsilon();
 /// small. Smaller: steps only follow rounding, until there is no descent.
 inline constexpr Real kGapRounding = 4 * std::numeric_limits<Real>::epsilon();
 
-/// Largest number of GJK iterations; most queries need about 10. Smaller: the gap is too small, and its direction
-/// wrong. Larger: only more time, since GJK ends when there is no descent.
+/// Largest number of GJK iterations (count); most queries need about 10. Smaller: the gap is too small, and its
+/// direction wrong. Larger: only more time, since GJK ends when there is no descent.
 inline constexpr int kMostGapSteps = 64;
 
 /// A ray has hit a curved core when its remaining distance is at most this fraction of the coordinates (1). Larger:
 /// hits before the surface. Smaller: the ray stops short of the surface and never arrives.
 inline constexpr Real kRayRounding = 4 * std::numeric_limits<Real>::epsilon();
 
-/// Largest number of steps of a ray towards a curved core; then the ray counts as a grazing miss. Smaller: rays that
-/// hit at a low angle miss. Larger: more time for grazing rays.
+/// Largest number of steps (count) of a ray towards a curved core; then the ray counts as a grazing miss. Smaller: rays
+/// that hit at a low angle miss. Larger: more time for grazing rays.
 inline constexpr int kMostRaySteps = 256;
 
 /// Smallest height of a triangle, in multiples of the rounding of its corners (1). Larger: usable slivers are rejected.
 /// Smaller: rounding determines the normal.
 inline constexpr double kFlattestTriangle = 8;
 
-/// Largest number of triangles of a mesh or segments of a chain. Larger: edge indices overflow 32 bits; gigabytes of
-/// memory. Smaller: usable meshes are rejected.
+/// Largest number of triangles of a mesh or segments of a chain (count). Larger: edge indices overflow 32 bits;
+/// gigabytes of memory. Smaller: usable meshes are rejected.
 inline constexpr std::size_t kMostTriangles = std::size_t(1) << 22;
 
 /// A box transformed into a surface's frame grows by this fraction of its coordinates there (1). Larger: more triangles
