@@ -186,7 +186,7 @@ def caption_of_lines(found):
     for panel, words in found:
         if words:
             panels.setdefault(words, []).append(panel)
-    said = [f"{', '.join(dict.fromkeys(names))}: {words}." for words, names in panels.items()]
+    said = [f"{'; '.join(dict.fromkeys(names))}: {words}." for words, names in panels.items()]
     return "".join(f" {text[0].upper()}{text[1:]}" for text in said)
 
 

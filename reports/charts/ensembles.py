@@ -98,7 +98,8 @@ def found(context, where, groups, error, everyone):
         at = " at every perturbation" if len(won) > 1 and all("perturb=" in name for name, *_ in won) else (
             f" in all {len(won)} ensembles" if len(won) > 1 else "")
         all_tie = f"{over} all {count} ranked methods tie for the smallest {what}{at}."
-        text = fits(f"{over} {of(equals)} the smallest {what}{at} (median {value}).",
+        most = "at most " if len(won) > 1 else ""
+        text = fits(f"{over} {of(equals)} the smallest {what}{at} (median {most}{value}).",
                     f"{over} {of(equals)} the smallest {what}{at}.")
         return Finding(all_tie if len(equals) == count > 2 else text, table)
     first = won[0]

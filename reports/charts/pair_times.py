@@ -108,8 +108,10 @@ def finding_of_sizes(context, fits, dimension):
     steep = sorted(set(own["method"][own["verdict"] == STEEPER]))
     linear = [method for method, part in own.groupby("method") if set(part["verdict"]) == {LINEAR}]
     faster = f", faster with {some(steep)}" if steep else ""
-    head = (f"In {dimension}D time grows at most linearly in the vertices with {some(linear) if linear else 'no method'}{faster} "
-            "(2009 claim: O(E + V)).")
+    head = (f"In {dimension}D time grows at most linearly in the vertices with {some(linear)}{faster}" if linear else
+            f"In {dimension}D time grows faster than linearly in the vertices with {some(steep) if steep else 'no method'}; "
+            f"no other "
+            "exponent is told from linear") + " (2009 claim: O(E + V))."
     ends = {i for _, part in fits[~fits["own"]].groupby("drawing") for i in (part["slope"].idxmin(), part["slope"].idxmax())}
     shown = fits[fits["own"] | fits.index.isin(ends)]
     order = list(shown.groupby("method")["slope"].mean().sort_values(kind="stable").index)
@@ -298,8 +300,8 @@ def finding_of_streams(scenes, least, dimension):
         found = parted(ways, least)
         for a, b, drawn, world in found:
             bad = [m for m in (a, b) if fails(ways, m)]
-            rows.append({"comparison": f"{b} over {a}", "scene": scene, "time, drawn pairs": drawn,
-                         "time, pairs of the world": 1 / world,
+            rows.append({"comparison": f"{b} over {a}", "scene": scene, "ratio of times, drawn pairs": drawn,
+                         "ratio of times, pairs of the world": 1 / world,
                          "outcome": f"rank changes; {listing(bad)} {verb(len(bad), 'fail')}" if bad else "rank changes"})
         if not found and len(set(ways[DRAWN]) & set(in_world(ways))) > 1:
             silent += 1
@@ -307,7 +309,7 @@ def finding_of_streams(scenes, least, dimension):
     changed = len({row["scene"] for row in rows}) - silent
     for method, (gains, count) in cache_gains(scenes, least).items():
         rows.append({"comparison": f"{method}: no cache over cached data", "scene": f"{len(gains)} of {plural(count, 'scene')}",
-                     "time, pairs of the world": span(times(min(gains)), times(max(gains))) if gains else None,
+                     "ratio of times, pairs of the world": span(times(min(gains)), times(max(gains))) if gains else None,
                      "outcome": "" if gains else "inside the noise"})
     compared = changed + silent
     head = (f"In {dimension}D methods change ranks between drawn pairs and a world's pairs on {changed} of "

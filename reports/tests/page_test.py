@@ -186,7 +186,7 @@ class Pictures(unittest.TestCase):
         self.figure(lambda ax: told.append(style.one_line(ax, style.same({"a": [1.0], "b": [1.0]}), sentences.listing)))
         self.assertEqual(told[1], "", "named in the picture")
         self.assertEqual(style.caption_of_lines([("left", told[0]), ("middle", ""), ("right", told[0])]),
-                         f" Left, right: {names} coincide.")
+                         f" Left; right: {names} coincide.")
 
 
 def check_titles(charts, name_apart):

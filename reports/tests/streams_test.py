@@ -64,10 +64,12 @@ class Streams(with_store.WithStore):
                          "scenes, beyond the noise.")
         table = made.finding.table.set_index(["comparison", "scene"])
         row = table.loc[("sat over gjk_epa", "pile")]
-        self.assertEqual([round(row[c], 2) for c in ("time, drawn pairs", "time, pairs of the world")], [2.0, 0.75])
+        self.assertEqual([round(row[c], 2) for c in ("ratio of times, drawn pairs", "ratio of times, pairs of the "
+                                                                                    "world")], [2.0, 0.75])
         self.assertEqual(row["outcome"], "rank changes")
         self.assertEqual(table.loc[("all methods", "tower"), "outcome"], "no rank changes beyond the noise")
-        self.assertEqual(table.loc[("gjk_epa: no cache over cached data", "1 of 2 scenes"), "time, pairs of the world"], "1.3")
+        self.assertEqual(table.loc[("gjk_epa: no cache over cached data", "1 of 2 scenes"), "ratio of times, pairs of the "
+                                                                                            "world"], "1.3")
         self.assertEqual(len(table), 3)
         self.assertEqual(made.headline.text, "On pile in 3D gjk_epa is 2.0 times as fast as sat on drawn pairs, but sat is "
                                              "1.3 times "
