@@ -161,7 +161,7 @@ inline constexpr Real kLastBand = 1048576 * kFeatureBand;
 /// How often a curved face is queried for one more point of its rim (count), and how far the direction leans towards it
 /// (tangent): more than the rounding of n, less than any visible angle. Larger: a point of another face, which the band
 /// then rejects. Smaller: the same point again; with fewer, closest points of caps that overlap in a lens lie beside it
-/// (3: 5e-6 of the size, for two cylinders whose rims almost miss each other).
+/// (3: 5e-6 of the size, for two cylinders with rims that almost miss each other).
 inline constexpr int kMostRimPoints = 16;
 inline constexpr Real kTilt = Real(1e-3);
 

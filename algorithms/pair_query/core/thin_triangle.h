@@ -42,8 +42,8 @@ inline void thinTriangle(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& w
     Real half;
   };
   std::array<Side, 3> sides;
-  // A vector between two interior points has rounding along the lines, whose ends are far away: the components along
-  // the lines are removed.
+  // A vector between two interior points has rounding along the lines, because their ends are far away: the
+  // components along the lines are removed.
   const auto attempt = [&](const Vec<3>& v, const Side& side) {
     best.tryDirection(pair, v, work);
     Vec<3> upright = v;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Separating axes of two 3D cores of any kind: face normals, common normals of edges whose Gauss arcs cross (Gregorius
-// 2013), and for cores that are apart the directions between vertices and edges.
+// Separating axes of two 3D cores of any kind: face normals, common normals of edges with Gauss arcs that cross
+// (Gregorius 2013), and for cores that are apart the directions between vertices and edges.
 #pragma once
 
 #include <array>

@@ -45,7 +45,7 @@ inline Ang<3> alignAxes(const JointFrames<3>& at, JointRows<3>& out) {
 inline Real alignment(const JointFrames<2>&) { return 1; }
 inline Real alignment(const JointFrames<3>& at) { return (at.qA * Vec<3>(0, 0, 1)).dot(at.qB * Vec<3>(0, 0, 1)); }
 
-/// Turns a row whose error is B's position into the nearer of two limits, or into both if they are equal.
+/// Turns a row with B's position as its error into the nearer of two limits, or into both if they are equal.
 template <int D>
 void keepBetween(ConstraintRow<D>& row, Real lower, Real upper) {
   const bool low = row.error - lower < upper - row.error;
