@@ -152,7 +152,7 @@ std::array<BodyHandle, 3> threeBalls(World<D>& world) {
   return out;
 }
 template <int D>
-std::vector<std::uint64_t> metBy(const World<D>& world, const RayFilter<D>& filter) {
+std::vector<std::uint64_t> metBy(const World<D>& world, const QueryFilter<D>& filter) {
   std::vector<std::uint64_t> out;
   for (const BodyRayHit<D>& hit : world.rayAll(at<D>(-5, 0), at<D>(1, 0), 100, filter)) out.push_back(hit.userData);
   return out;
@@ -179,7 +179,7 @@ void worldRays() {
   EXPECT_EQ(metBy<D>(world, {.accepts = notMyself}), (Met{201, 202}));
   EXPECT_EQ(metBy<D>(world, {.mask = 3, .accepts = notMyself}), Met{201});
   const auto byData = [](BodyHandle, const ShapeRecord<D>& s) { return s.userData == 202; };
-  const auto first = world.rayFirst(at<D>(-5, 0), at<D>(1, 0), 100, {.accepts = byData});
+  const auto first = world.rayFirst(at<D>(-5, 0), at<D>(1, 0), 100, QueryFilter<D>{.accepts = byData});
   ASSERT_TRUE(first) << "the first of those who are meant";
   EXPECT_EQ(first->body, balls[2]);
   BodyDef<D> shy = body<D>(Shape<D>::sphere(1), at<D>(-3, 0));
