@@ -73,8 +73,7 @@ TYPED_TEST(BodyQueriesTest, ARayMeetsShapesInTheOrderOfTheirEntries) {
   EXPECT_NE(refusalOf([&] { g.queries.rayAll(at<D>(0, 0), at<D>(std::nan(""), 0), 1); }), "");
 }
 
-// --- moved shapes and closest points
-// ----------------------------------------------------------------------------------
+// --- moved shapes and closest points --------------------------------------------------------------------------------
 
 template <int D>
 Pose<D> turnedAt(const Vec<D>& p, Real angle) {
