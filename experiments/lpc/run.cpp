@@ -210,8 +210,10 @@ void runScene(const RunSceneOptions& o, Session& session) {
   const InterruptGuard interrupts;
   // A film needs a recording, which is temporary unless the user asked for it.
   std::optional<TemporaryRecording> temporary;
-  if (o.record.empty() && !o.film.empty()) temporary.emplace();
-  const std::string recording = temporary ? temporary->path() : o.record;
+  const bool asText = o.record.ends_with(".csv") || o.record.ends_with(".json");
+  if (asText) request.trajectory = o.record;
+  if ((asText || o.record.empty()) && !o.film.empty()) temporary.emplace();
+  const std::string recording = temporary ? temporary->path() : asText ? "" : o.record;
   request.record = recording;
   std::vector<std::string> partial;  // left over by a killed worker
   std::vector<std::string> written = {o.record, o.profile};
@@ -244,7 +246,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (!result.memory.empty()) printMemory(result.memory, std::lround(result.metrics.at("steps_done")));
     if (o.plots) printPlots(o, result);
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());
-    if (!o.record.empty()) std::printf("recording %s\n", o.record.c_str());
+    if (!o.record.empty()) std::printf("%s %s\n", asText ? "rows     " : "recording", o.record.c_str());
     for (const SaveRequest& s : saves) {
       const bool reached = result.outcome == "ok" || (result.outcome != "unsupported" && s.step <= result.step);
       std::printf(reached ? "saved     step %ld as %s\n" : "not saved step %ld as %s: the run ended earlier\n", s.step,
@@ -281,7 +283,9 @@ void addRun(CommandLine& app, Session& session) {
   command.option("--profile", o->profile,
                  "writes times and counts per step as CSV; with --memory also the allocations");
   command.flag("--memory", o->memory, "prints the bytes that each stage allocates and holds");
-  command.option("--record", o->record, "writes all poses of all steps to this file");
+  command.option(
+      "--record", o->record,
+      "writes all poses of all steps to this file: for lpc replay, or as rows of text to NAME.csv or NAME.json");
   command.option("--save", o->saves,
                  "AT:FILE.toml: writes the world after AT steps as a scene that starts from it (may be repeated)");
   command.flag("--no-sleeping", o->noSleeping, "keeps every body awake, whatever the pipeline");

@@ -126,6 +126,7 @@ json toJson(const TrialRequest& r) {
           {"plugins", r.plugins},
           {"profile", r.profile},
           {"record", r.record},
+          {"trajectory", r.trajectory},
           {"saves", saves},
           {"memory", r.memory},
           {"progress", r.progress}};
@@ -138,6 +139,7 @@ TrialRequest requestFromJson(const json& j) {
                    .plugins = j.at("plugins"),
                    .profile = j.at("profile"),
                    .record = j.at("record"),
+                   .trajectory = j.at("trajectory"),
                    .memory = j.at("memory"),
                    .progress = j.at("progress")};
   for (const json& s : j.at("saves")) out.saves.push_back({s.at("step"), s.at("scene")});

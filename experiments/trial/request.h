@@ -78,7 +78,7 @@ struct TrialRequest {
   std::string sceneFile = {};   // path of the scene or the problems; empty: none
   std::string scriptFile = {};  // path; empty: none
   std::vector<std::string> plugins = {};
-  std::string profile = {}, record = {};  // output paths; empty: none
+  std::string profile = {}, record = {}, trajectory = {};  // output paths; empty: none
   std::vector<SaveRequest> saves = {};
   bool memory = false;    // whether allocations are counted
   bool progress = false;  // whether it is printed on standard error

@@ -23,6 +23,7 @@
 #include "framework/problem/contact_problem.h"
 #include "framework/scene/director.h"
 #include "framework/scene/recording.h"
+#include "framework/scene/trajectory.h"
 #include "framework/world/pose_penetration.h"
 #include "framework/world/world.h"
 
@@ -89,7 +90,8 @@ class WorldTrial {
     };
     // Not in timed trials: observing takes time within the step.
     if (auto* world = dynamic_cast<World<D>*>(m_simulation.get()); world && !m_timed) world->watch(&m_residual);
-    open(request.record, m_recording), open(request.profile, m_profile);
+    open(request.record, m_recording), open(request.profile, m_profile), open(request.trajectory, m_trajectory);
+    m_asJson = request.trajectory.ends_with(".json");
     for (const SaveRequest& s : request.saves) m_saves.emplace_back(s.step, s.scene);
     m_world.profiler().keepFrames(m_profile != nullptr);
     if (m_memory) m_world.profiler().countMemory(m_memory);
@@ -98,8 +100,14 @@ class WorldTrial {
   TrialResult run() {
     std::unique_ptr<Recorder<D>> recorder;
     if (m_recording) recorder = std::make_unique<Recorder<D>>(m_recording->stream());
+    std::unique_ptr<TrajectoryWriter<D>> rows;
+    if (m_trajectory) {
+      const auto format = m_asJson ? TrajectoryFormat::asJson : TrajectoryFormat::asCsv;
+      rows = std::make_unique<TrajectoryWriter<D>>(m_trajectory->stream(), format);
+    }
     const auto record = [&] {
       if (recorder) recorder->frame(m_world), m_recording->check();
+      if (rows) rows->frame(m_world), m_trajectory->check();
     };
     direct(0);
     start();
@@ -125,7 +133,8 @@ class WorldTrial {
     if (step > 0) keepPoses(step);
     finish(step);
     if (m_profile) m_world.profiler().writeCsv(m_profile->stream()), m_profile->check();  // both files or none
-    for (const auto& file : {m_recording.get(), m_profile.get()}) {
+    if (rows) rows->finish(), m_trajectory->check();
+    for (const auto& file : {m_recording.get(), m_profile.get(), m_trajectory.get()}) {
       if (file) file->finish();
     }
     for (SavedScene& s : m_saves) s.finish();
@@ -399,7 +408,8 @@ class WorldTrial {
   Edge<D> m_edge;
   GhostHits<D> m_ghosts;
   Residual<D> m_residual;
-  std::unique_ptr<OutputFile> m_recording, m_profile;
+  std::unique_ptr<OutputFile> m_recording, m_profile, m_trajectory;
+  bool m_asJson = false;  // the trajectory's format
   std::deque<SavedScene> m_saves;
   std::vector<int> m_dynamic;
   int m_top = -1;

@@ -3,12 +3,13 @@
 #include <numbers>
 
 #include "framework/shape/curved_core.h"
+#include "framework/shape/curved_ray.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 // A solid cone along x, with its base at x = -half_height and its tip at x = half_height.
 template <int D>
-class Cone final : public CurvedBase<D, Cone<D>> {
+class Cone final : public CurvedBase<D, Cone<D>>, public ExactRays<D> {
  public:
   explicit Cone(std::span<const Real> sizes) : m_sizes{sizes[0], sizes[1]} {}
 
@@ -52,7 +53,77 @@ class Cone final : public CurvedBase<D, Cone<D>> {
     return m;
   }
 
+  // Inside of both: the half-space of the base, and the endless cone from the tip.
+  RayEntry<3> ray(const Vec<3>& p, const Vec<3>& d) const override {
+    const Real h = m_sizes[0];
+    // The ray's point nearest to the cone's middle: from there, far rays lose no digits.
+    const Real middle = -p.dot(d) / d.squaredNorm();
+    const Vec<3> q = p + middle * d;
+    RaySpan<3> span;
+    if (d[0] > 0) {
+      span.from((-h - p[0]) / d[0], Vec<3>(-1, 0, 0));
+    } else if (d[0] < 0) {
+      span.until((-h - p[0]) / d[0]);
+    } else if (p[0] < -h) {
+      span.never();
+    }
+    sideRay(q, d, middle, span);
+    return span.entry();
+  }
+  Vec<3> outwards(const Vec<3>& p) const override {
+    const Real h = m_sizes[0], r = m_sizes[1], across = p.tail<2>().norm();
+    const Real x = p[0] + h, y = across - r;  // from the rim, in the plane of p and the axis
+    const Real along = 2 * h * x - r * y, above = r * x + 2 * h * y;
+    if (along > 4 * h * h + r * r) return Vec<3>(p[0] - h, p[1], p[2]).normalized();
+    if (along > 0 && above > 0) return sideNormal(p.tail<2>());
+    if (!(y > 0)) return {-1, 0, 0};
+    return Vec<3>(x, p[1] * (y / across), p[2] * (y / across)).normalized();
+  }
+
  private:
+  Vec<3> sideNormal(const Vec<2>& across) const {
+    const Vec<2> u = 2 * m_sizes[0] * across.normalized();
+    return Vec<3>(m_sizes[1], u[0], u[1]).normalized();
+  }
+
+  // With w the depth below the tip and k the slope, the double cone is y^2 + z^2 <= (k w)^2; the cone has w >= 0. Times
+  // count from q and are told `later`.
+  void sideRay(const Vec<3>& q, const Vec<3>& d, Real later, RaySpan<3>& span) const {
+    const Real h = m_sizes[0], k = m_sizes[1] / (2 * h), kw = k * (h - q[0]), ku = -k * d[0];
+    const Vec<2> m = q.tail<2>(), u = d.tail<2>();
+    const Real length = u.norm(), a = (length - std::abs(ku)) * (length + std::abs(ku)), b = m.dot(u) - kw * ku;
+    const Real c = (m.norm() - kw) * (m.norm() + kw);
+    // b b - a c by Lagrange's identity, which cancels less.
+    const Real round = std::abs(m[0] * u[1] - m[1] * u[0]), steep = (kw * u - ku * m).norm();
+    const Real square = (steep - round) * (steep + round);
+    if (a > 0 && square < 0) return span.never();
+    const Real root = std::sqrt(std::max(square, Real(0)));
+    const Real sum = b < 0 ? root - b : -root - b;  // no cancellation
+    const Real other = sum != 0 ? c / sum : Real(0), first = a != 0 ? sum / a : other;
+    const Real low = std::min(first, other), high = std::max(first, other);
+    const auto enters = [&](Real t) { span.from(later + t, normalAt(q, d, t)); };
+    if (a > 0) {  // both roots are on one of the two cones
+      if (kw + (low + high) / 2 * ku < 0) return span.never();
+      enters(low), span.until(later + high);
+    } else if (ku > 0) {
+      // A ray along a line of the side, for which the equation says nothing, enters at the tip.
+      const bool along = std::abs(sum) <= kTip * ku * (m.norm() + std::abs(kw));
+      enters(along ? -kw / ku : a < 0 ? high : other);
+    } else if (ku < 0) {
+      span.until(later + (a < 0 ? low : other));
+    }
+  }
+
+  // On the side at q + t d. At the tip, the opposite of d if no part of the cone is farther along it.
+  Vec<3> normalAt(const Vec<3>& q, const Vec<3>& d, Real t) const {
+    const Real h = m_sizes[0], r = m_sizes[1];
+    const Vec<2> across = q.tail<2>() + t * d.tail<2>();
+    const Vec<3> side = sideNormal(across);
+    if (across.norm() > kTip * (q.norm() + h + r) && side.dot(d) <= 0) return side;
+    if (-2 * h * d[0] >= r * d.tail<2>().norm()) return -d.normalized();
+    return sideNormal(-d.tail<2>());
+  }
+
   std::array<Real, 2> m_sizes;
 };
 

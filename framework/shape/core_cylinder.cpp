@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
+#include <algorithm>
 #include <numbers>
 
 #include "framework/shape/curved_core.h"
+#include "framework/shape/curved_ray.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace {
 
 // A solid cylinder along x, as the capsule; flat ends at x = -half_length and x = half_length.
 template <int D>
-class Cylinder final : public CurvedBase<D, Cylinder<D>> {
+class Cylinder final : public CurvedBase<D, Cylinder<D>>, public ExactRays<D> {
  public:
   explicit Cylinder(std::span<const Real> sizes) : m_sizes{sizes[0], sizes[1]} {}
 
@@ -47,6 +49,38 @@ class Cylinder final : public CurvedBase<D, Cylinder<D>> {
     m.mass = static_cast<Real>(mass);
     m.inertia.diagonal() << static_cast<Real>(along), static_cast<Real>(side), static_cast<Real>(side);
     return m;
+  }
+
+  // Inside of both: the space between the planes of the ends, and the endless cylinder.
+  RayEntry<3> ray(const Vec<3>& p, const Vec<3>& d) const override {
+    const Real h = m_sizes[0], r = m_sizes[1], way = d[0] < 0 ? Real(-1) : Real(1);
+    RaySpan<3> span;
+    if (d[0] != 0) {
+      span.from((-way * h - p[0]) / d[0], Vec<3>(-way, 0, 0));
+      span.until((way * h - p[0]) / d[0]);
+    } else if (std::abs(p[0]) > h) {
+      span.never();
+    }
+    // The chord is measured from the ray's point nearest to the axis, so that far rays lose no digits.
+    const Vec<2> m = p.tail<2>(), u = d.tail<2>();
+    const Real uu = u.squaredNorm();
+    const Real middle = uu > 0 ? -m.dot(u) / uu : Real(0);
+    const Vec<2> closest = m + middle * u;
+    const Real aside = closest.norm();
+    if (!(aside <= r)) {
+      span.never();
+    } else if (uu > 0) {
+      const Real half = std::sqrt((r - aside) * (r + aside) / uu);
+      const Vec<2> n = (closest - half * u).normalized();
+      span.from(middle - half, Vec<3>(0, n[0], n[1]));
+      span.until(middle + half);
+    }
+    return span.entry();
+  }
+  Vec<3> outwards(const Vec<3>& p) const override {
+    const Real across = p.tail<2>().norm(), beyond = std::max(Real(0), std::abs(p[0]) - m_sizes[0]);
+    const Real share = across > m_sizes[1] ? (across - m_sizes[1]) / across : Real(0);
+    return Vec<3>(p[0] < 0 ? -beyond : beyond, share * p[1], share * p[2]).normalized();
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "framework/math/aabb.h"
+#include "framework/shape/curved_ray.h"
 #include "framework/shape/shape_tolerances.h"
 #include "framework/shape/support_gap.h"
 #include "framework/shape/support_map.h"
@@ -265,17 +266,57 @@ RayEntry<D> planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d,
   return enter.t <= leave ? enter : RayEntry<D>{kInf};
 }
 
+// Solves support(n) + r n = x across n by Newton's steps, for x on the surface of a smooth core. A step that comes no
+// nearer, or to a plane that cuts off x, as on a face or an edge, is not made.
+template <int D>
+void settleNormal(const CurvedCore<D>& core, Real r, const Vec<D>& x, Vec<D>& n) {
+  const Real rounding = kRayRounding * (x.norm() + core.half().norm() + r);
+  const auto offset = [&](const Vec<D>& along) { return Vec<D>(core.support(along) + r * along - x); };
+  for (int step = 0; step < kSettleNormal; ++step) {
+    const RealMatrix<D, D - 1> t = tangents(n);
+    RealMatrix<D - 1, D - 1> turns;
+    for (int k = 0; k < D - 1; ++k) {
+      const Vec<D> change = core.support(n + kNormalTurn * t.col(k)) - core.support(n - kNormalTurn * t.col(k));
+      turns.col(k) = t.transpose() * change / (2 * kNormalTurn);
+    }
+    turns.diagonal().array() += r;
+    const Vec<D> before = offset(n);
+    const RealMatrix<D - 1, 1> aside = t.transpose() * before;
+    const Vec<D> next = (n - t * (turns.inverse() * aside)).normalized();
+    if (!next.allFinite()) return;
+    const Vec<D> after = offset(next);
+    if (after.dot(next) > before.dot(n) + rounding || !((after - after.dot(next) * next).norm() < aside.norm())) return;
+    n = next;
+  }
+}
+
 // Entry of a ray that starts outside a curved core with rounding r. The tangent plane at the nearest point lies before
 // the whole surface, so the ray may advance to that plane. Near the surface this is Newton's iteration.
 template <int D>
 RayEntry<D> curvedRay(const CurvedCore<D>& core, Real r, const Vec<D>& p, const Vec<D>& d) {
+  const auto* exact = dynamic_cast<const ExactRays<D>*>(&core);
+  const Real size = core.half().norm() + r, length = d.norm();
+  if (exact && r <= kRayRounding * size) return exact->ray(p, d);
+  const auto gapAt = [&](const Vec<D>& at) {
+    if (!exact) return pointCurvedGap<D>(core, at);
+    const Vec<D> n = exact->outwards(at);
+    return Gap<D>{n.dot(at - core.support(n)), -n};
+  };
+  // A far ray starts again before the core's ball, where coordinates have the core's own rounding.
+  const Real skipped = std::max(Real(0), -p.dot(d) / (length * length) - 2 * size / length);
+  const Vec<D> start = p + skipped * d;
   Real t = 0;
   for (int step = 0; step < kMostRaySteps; ++step) {
-    const Vec<D> at = p + t * d;
-    const Gap<D> gap = pointCurvedGap<D>(core, at);
-    const Real ahead = gap.gap - r;
-    if (ahead <= kRayRounding * (at.norm() + core.half().norm() + r)) return {t, Vec<D>(-gap.n)};
-    const Real speed = gap.n.dot(d);
+    const Vec<D> at = start + t * d;
+    Gap<D> gap = gapAt(at);
+    const Real ahead = gap.gap - r, speed = gap.n.dot(d);
+    if (ahead <= kRayRounding * (at.norm() + size)) {
+      // On the surface of a core without rounding a gap has no direction: it is that from a little before.
+      if (!exact && !(r > 0)) gap = gapAt(at - kBeforeSurface * size / length * d);
+      Vec<D> n = -gap.n;
+      if (!exact) settleNormal(core, r, at, n);
+      return {skipped + t, n};
+    }
     if (!(speed > 0)) return {kInf};
     t += ahead / speed;
   }

@@ -380,26 +380,32 @@ bool World<D>::intersects(BodyHandle body, const Aabb<D>& box) const {
   return BodyQueries<D>(m_table).intersects(slotOf(body), box);
 }
 template <int D>
-std::vector<BodyRayHit<D>> World<D>::rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT) const {
+std::vector<BodyHandle> World<D>::overlap(const Shape<D>& shape, const Pose<D>& X_WS, const Filter& filter) const {
   sync();
-  return BodyQueries<D>(m_table).rayAll(p, direction, maxT);
+  return BodyQueries<D>(m_table).overlap(shape, X_WS, filter);
+}
+template <int D>
+std::optional<BodyCastHit<D>> World<D>::castFirst(const Shape<D>& shape, const Pose<D>& X_WS,
+                                                  const Vec<D>& displacement, const Filter& filter) const {
+  sync();
+  return BodyQueries<D>(m_table).castFirst(shape, X_WS, displacement, filter);
+}
+template <int D>
+std::optional<ClosestBody<D>> World<D>::closest(const Vec<D>& point, Real maxDistance, const Filter& filter) const {
+  sync();
+  return BodyQueries<D>(m_table).closest(point, maxDistance, filter);
 }
 template <int D>
 std::vector<BodyRayHit<D>> World<D>::rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
-                                            const RayFilter<D>& filter) const {
+                                            const Filter& filter) const {
   sync();
-  return BodyQueries<D>(m_table).rayAll(p, direction, maxT, &filter);
-}
-template <int D>
-std::optional<BodyRayHit<D>> World<D>::rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT) const {
-  sync();
-  return BodyQueries<D>(m_table).rayFirst(p, direction, maxT);
+  return BodyQueries<D>(m_table).rayAll(p, direction, maxT, filter);
 }
 template <int D>
 std::optional<BodyRayHit<D>> World<D>::rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT,
-                                                const RayFilter<D>& filter) const {
+                                                const Filter& filter) const {
   sync();
-  return BodyQueries<D>(m_table).rayFirst(p, direction, maxT, &filter);
+  return BodyQueries<D>(m_table).rayFirst(p, direction, maxT, filter);
 }
 
 template <int D>

@@ -136,15 +136,25 @@ class World final : public Simulation<D> {
   /// As at() and overlap(), for one body.
   bool contains(BodyHandle body, const Vec<D>& point) const;
   bool intersects(BodyHandle body, const Aabb<D>& box) const;
-  /// All hits of the ray p + t * direction, 0 <= t <= maxT, sorted by t. Without a filter the ray can hit every shape.
-  /// maxT may be infinite. Throws UserError when the point or direction is not finite, or maxT is negative.
-  std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT) const;
+  // A filter selects shapes; without one, a query finds every shape.
+  using Filter = std::optional<QueryFilter<D>>;
+  /// Bodies with a shape that overlaps `shape` at this pose. Shapes that touch overlap, except for rounding. Throws
+  /// UserError for a plane, a surface, and a pose that is not finite.
+  std::vector<BodyHandle> overlap(const Shape<D>& shape, const Pose<D>& X_WS, const Filter& filter = {}) const;
+  /// First contact of `shape` moved by t * displacement (m), 0 <= t <= 1, without rotation: where the gap is below the
+  /// one of TimeOfImpactAnswer. Throws as overlap().
+  std::optional<BodyCastHit<D>> castFirst(const Shape<D>& shape, const Pose<D>& X_WS, const Vec<D>& displacement,
+                                          const Filter& filter = {}) const;
+  /// The body nearest to a world point, within maxDistance (m), which may be infinite; its time grows with the number
+  /// of boxes within maxDistance. Throws UserError when the point is not finite, or maxDistance is negative.
+  std::optional<ClosestBody<D>> closest(const Vec<D>& point, Real maxDistance, const Filter& filter = {}) const;
+  /// All hits of the ray p + t * direction, 0 <= t <= maxT, sorted by t. maxT may be infinite. Throws UserError when
+  /// the point or direction is not finite, or maxT is negative.
   std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
-                                    const RayFilter<D>& filter) const;
+                                    const Filter& filter = {}) const;
   /// The hit with the smallest t. Throws as rayAll().
-  std::optional<BodyRayHit<D>> rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT) const;
   std::optional<BodyRayHit<D>> rayFirst(const Vec<D>& p, const Vec<D>& direction, Real maxT,
-                                        const RayFilter<D>& filter) const;
+                                        const Filter& filter = {}) const;
 
   // --- data, for invariants, recordings, drawing; slots as in Bodies -------------------------------------------------
   const Bodies<D>& bodies() const override { return m_table.bodies; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Films of one run: strips, animations and PNG frames from recordings. film_beside_test.cpp tests two runs.
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "experiments/parse/toml_reader.h"
@@ -7,6 +8,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace film_test { namespace {
 
+using nlohmann::json;
 using test::Outcome;
 using test::Workspace;
 
@@ -78,6 +80,37 @@ TEST(Film, MovesOrIsAFolder) {
   EXPECT_EQ(w.lpc("run cylinders --pipeline contacts=query_clip --steps 5 --film c.svg").code, 0);
   EXPECT_EQ(w.lpc("run compounds --dimension 3 --steps 5 --film d.svg").code, 0);
   EXPECT_EQ(w.lpc("run director_1 --steps 40 --film e.svg").code, 0);
+}
+
+// A ball falls from 1 m: after step n at semi-implicit Euler it is g dt^2 n (n + 1) / 2 lower. The rows say so, to the
+// last digits, in CSV and JSON.
+TEST(Trajectory, RowsAreTheRun) {
+  Workspace w;
+  w.write("fall.toml",
+          "name = \"f\"\nsummary = \"s\"\ndimensions = [2, 3]\nsteps = 10\ndt = 0.125\ngravity = [0, -8]\n"
+          "[[body]]\nposition = [0, 100]\nvelocity = [3, 0]\nshapes = [{ kind = \"sphere\", radius = 1 }]\n");
+  for (const std::string dimension : {"2", "3"}) {
+    const std::string run = "run fall.toml --dimension " + dimension + " --record ";
+    const Outcome out = w.lpc(run + "r.csv --film f.svg");
+    ASSERT_EQ(out.code, 0) << out.text;
+    EXPECT_NE(out.text.find("rows      r.csv"), out.text.npos) << out.text;
+    const std::string csv = readFile(w.path("r.csv"));
+    const bool flat = dimension == "2";
+    EXPECT_TRUE(csv.starts_with(flat
+                                    ? "step,time,body,generation,x,y,angle,vx,vy,omega,awake\n0,0,0,0,0,100,0,3,0,0,1\n"
+                                    : "step,time,body,generation,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz,awake\n"))
+        << csv;
+    const std::string last =
+        flat ? "\n10,1.25,0,0,3.75,93.125,0,3,-10,0,1\n" : "\n10,1.25,0,0,3.75,93.125,0,1,0,0,0,3,-10,0,0,0,0,1\n";
+    EXPECT_TRUE(csv.ends_with(last)) << csv;
+    ASSERT_EQ(w.lpc(run + "r.json").code, 0);
+    const json all = json::parse(readFile(w.path("r.json")));
+    EXPECT_EQ(all.at("rows").size(), 11u);
+    EXPECT_EQ(all.at("columns").size(), all.at("rows")[0].size());
+    EXPECT_EQ(all.at("rows")[10][5], 93.125);
+    EXPECT_EQ(all.at("dimension"), flat ? 2 : 3);
+  }
+  EXPECT_EQ(w.lpc("replay r.csv").code, 2) << "rows are for other programs";
 }
 
 // The rotation of a shape in its body has unit length only to the rounding of the precision that wrote it.

@@ -44,7 +44,8 @@ std::string difference(const json& a, const json& b) { return a == b ? "" : json
 TEST(Request, ReachesItsWorkerUnchanged) {
   for (const auto& trial : everyKind()) {
     TrialRequest request{.trial = trial, .sceneFile = "a.toml", .scriptFile = "b.toml"};
-    request.plugins = {"c.so"}, request.profile = "d.csv", request.record = "e.lpcr", request.saves = {{4, "f.toml"}};
+    request.plugins = {"c.so"}, request.profile = "d.csv", request.record = "e.lpcr", request.trajectory = "h.csv",
+    request.saves = {{4, "f.toml"}};
     request.memory = request.progress = true;
     const json sent = toJson(request);
     const TrialRequest got = requestFromJson(json::parse(sent.dump()));

@@ -140,9 +140,10 @@ struct RayPerStep {
   void observe(const World<D>& world) {
     const Vec<D> now = world.bodies().pose[1].p;
     const bool enters =
-        before != now &&
-        !world.rayAll(before, Vec<D>(now - before), 1, {.accepts = [](BodyHandle h, auto&) { return h.slot == 0; }})
-             .empty();
+        before != now && !world
+                              .rayAll(before, Vec<D>(now - before), 1,
+                                      QueryFilter<D>{.accepts = [](BodyHandle h, auto&) { return h.slot == 0; }})
+                              .empty();
     const auto inside = [&](const Vec<D>& p) { return std::ranges::count(world.at(p), world.handle(0)) > 0; };
     hits += kEnds ? enters && !inside(before) && !inside(now) : enters;
   }

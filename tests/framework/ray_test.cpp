@@ -114,6 +114,78 @@ TEST(Ray, NormalsInClosedForm) {
             "3D");
 }
 
+// A point of a surface and the normal there: a ray that comes from the outer side enters at that point, from any
+// distance. No ray is solved for; the point of the surface is chosen first. `bend`: largest curvature there (1/m).
+template <int D>
+void entersAt(const Shape<D>& shape, const Vec<D>& at, const Vec<D>& n, Real bend, Draw& draw) {
+  Vec<D> d = drawDirection<D>(draw);
+  if (d.dot(n) > 0) d = -d;
+  if (d.dot(n) > Real(-0.1)) d = -n;
+  const Real far = std::pow(Real(10), draw.real(-2, sizeof(Real) == 8 ? 6 : 1)),
+             speed = draw.pick({Real(1), Real(1000)});
+  const RayEntry<D> entry = rayEntry(shape.view(), Pose<D>{}, Vec<D>(at - far * d), Vec<D>(speed * d), kInfinite);
+  const Real slip = 64 * kEps * (far + boundingRadius(shape.view())) / -d.dot(n);
+  ASSERT_NEAR(double(entry.t * speed), double(far), double(slip)) << shapeKindName(shape.kind()) << D;
+  ASSERT_LE((entry.normal - n).norm(), 64 * kEps + slip * bend)
+      << shapeKindName(shape.kind()) << D << ", from " << far << " m along " << d.transpose();
+}
+void entersBodiesOfRevolution(Draw& draw) {
+  const Real h = draw.real(0.2, 3), r = draw.real(0.2, 3), round = draw.pick({Real(0), Real(0.3)});
+  const std::vector<Real> sizes = {h, r};
+  const Real turn = draw.real(0, 6.28), slope = std::hypot(2 * h, r);
+  const auto around = [&](Real x, Real out) { return Vec<3>(x, out * std::cos(turn), out * std::sin(turn)); };
+  const auto enters = [&](ShapeKind kind, const Vec<3>& on, const Vec<3>& n, Real bend) {
+    entersAt<3>(Shape<3>::curved(kind, sizes, round), Vec<3>(on + round * n), n, bend, draw);
+  };
+  const Real share = draw.real(0.01, 0.99), lean = draw.real(0, 1.57);
+  enters(ShapeKind::cylinder, around(h * (2 * share - 1), r), around(0, 1), 1 / r);
+  enters(ShapeKind::cylinder, around(h, r * share), Vec<3>(1, 0, 0), 0);
+  enters(ShapeKind::cone, around(h - 2 * h * share, r * share), around(r, 2 * h) / slope, 1 / (r * share));
+  enters(ShapeKind::cone, around(-h, r * share), Vec<3>(-1, 0, 0), 0);
+  if (!(round > 0)) return;  // on a sharp rim or tip any normal between those of the faces is right
+  const Real tip = std::atan2(r, 2 * h) + lean * (1 - std::atan2(r, 2 * h) / Real(1.5708));
+  enters(ShapeKind::cylinder, around(-h, r), around(-std::sin(lean), std::cos(lean)), 1 / round + 1 / r);
+  enters(ShapeKind::cone, around(-h, r), around(-std::sin(lean), std::cos(lean)), 1 / round + 1 / r);
+  enters(ShapeKind::cone, Vec<3>(h, 0, 0), around(std::sin(tip), std::cos(tip)), 1 / round);
+}
+template <int D>
+void entersEllipsoids(Draw& draw) {
+  const Vec<D> half = drawHalf<D>(draw), on = drawDirection<D>(draw), n = on.cwiseQuotient(half).normalized();
+  const Real round = draw.pick({Real(0), Real(0.3)}), least = half.minCoeff();
+  const std::vector<Real> sizes(half.data(), half.data() + D);
+  entersAt<D>(Shape<D>::curved(ShapeKind::ellipsoid, sizes, round), Vec<D>(on.cwiseProduct(half) + round * n), n,
+              half.maxCoeff() / (least * least), draw);
+}
+TEST(Ray, EntersCurvedKindsAtTheirSurfaceWithItsNormal) {
+  PlainDraw draw(39);
+  for (int i = 0; i < 300 && !testing::Test::HasFatalFailure(); ++i) {
+    entersBodiesOfRevolution(draw), entersEllipsoids<2>(draw), entersEllipsoids<3>(draw);
+  }
+}
+TEST(Ray, CurvedKindsAlongTheirAxesAndEdges) {
+  const std::vector<Real> sizes = {1, Real(0.5)};
+  const auto cylinder = Shape<3>::curved(ShapeKind::cylinder, sizes), cone = Shape<3>::curved(ShapeKind::cone, sizes);
+  const Vec<3> x(1, 0, 0), y(0, 1, 0), side = Vec<3>(1, 4, 0).normalized(), none(0, 0, 0);
+  enters<3>(cylinder, 3 * y + Real(0.3) * x, -y, 2.5, y, "cylinder, from above");
+  enters<3>(cylinder, 3 * x, -x, 2, x, "cylinder, along its axis");
+  enters<3>(cylinder, 3 * x + y / 2, -x, 2, x, "cylinder, along a line of its side");
+  enters<3>(cylinder, 3 * y + x, -y, 2.5, y, "cylinder, in the plane of its end");
+  enters<3>(cylinder, 3 * y + Real(1.001) * x, -y, -1, none, "cylinder, past its end");
+  enters<3>(cylinder, Vec<3>(-3, 0, Real(0.5001)), x, -1, none, "cylinder, past its side");
+  enters<3>(cylinder, Vec<3>(-3, 0, Real(0.4999)), x, 2, -x, "cylinder, inside its side");
+  enters<3>(cylinder, Vec<3>(0, Real(0.2), 0), y, 0, none, "cylinder, from inside");
+  enters<3>(cone, 3 * y, -y, 2.75, side, "cone, from above");
+  enters<3>(cone, 3 * x, -x, 2, x, "cone, onto its tip along its axis");
+  enters<3>(cone, x - 3 * y, y, 3, Vec<3>(1, -4, 0).normalized(), "cone, onto its tip from the side");
+  enters<3>(cone, x + Vec<3>(3, -3, 0), Vec<3>(-1, 1, 0), 3, Vec<3>(1, -1, 0).normalized(), "cone, onto its tip");
+  enters<3>(cone, -3 * x, x, 2, -x, "cone, along its axis");
+  enters<3>(cone, -3 * x + y / 4, x, 2, -x, "cone, onto its base");
+  enters<3>(cone, 3 * x + y / 4, -x, 3, side, "cone, onto its side along its axis");
+  enters<3>(cone, 3 * x - y / 2, Vec<3>(-4, 1, 0), 0.5, Vec<3>(4, -1, 0).normalized(),
+            "cone, along a line of its side");
+  enters<3>(cone, Vec<3>(1, 3, 0), -y + Real(1e-3) * x, -1, none, "cone, past its tip");
+}
+
 // A ray of infinite length misses what a finite ray misses.
 template <int D>
 void missedForEver() {
@@ -152,7 +224,7 @@ std::array<BodyHandle, 3> threeBalls(World<D>& world) {
   return out;
 }
 template <int D>
-std::vector<std::uint64_t> metBy(const World<D>& world, const RayFilter<D>& filter) {
+std::vector<std::uint64_t> metBy(const World<D>& world, const QueryFilter<D>& filter) {
   std::vector<std::uint64_t> out;
   for (const BodyRayHit<D>& hit : world.rayAll(at<D>(-5, 0), at<D>(1, 0), 100, filter)) out.push_back(hit.userData);
   return out;
@@ -179,7 +251,7 @@ void worldRays() {
   EXPECT_EQ(metBy<D>(world, {.accepts = notMyself}), (Met{201, 202}));
   EXPECT_EQ(metBy<D>(world, {.mask = 3, .accepts = notMyself}), Met{201});
   const auto byData = [](BodyHandle, const ShapeRecord<D>& s) { return s.userData == 202; };
-  const auto first = world.rayFirst(at<D>(-5, 0), at<D>(1, 0), 100, {.accepts = byData});
+  const auto first = world.rayFirst(at<D>(-5, 0), at<D>(1, 0), 100, QueryFilter<D>{.accepts = byData});
   ASSERT_TRUE(first) << "the first of those who are meant";
   EXPECT_EQ(first->body, balls[2]);
   BodyDef<D> shy = body<D>(Shape<D>::sphere(1), at<D>(-3, 0));
