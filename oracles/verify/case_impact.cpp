@@ -31,8 +31,9 @@ double errorOf(const CaseGeometry<D>& g, double time, double expected) {
 template <int D>
 void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows) {
   const bool shapes = g.a.shape && g.b.shape;
+  double expected = c.expected.impact;
   const auto tell = [&](CaseResult& row, double time) {
-    row.value = time, row.error = errorOf(g, time, row.expected);
+    row.value = time, row.error = std::isnan(row.expected) ? 0 : errorOf(g, time, row.expected);
     row.verdict = row.error <= kImpactBand ? CaseVerdict::ok : CaseVerdict::wrong;
   };
   if (shapes) {
@@ -43,11 +44,12 @@ void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>&
     tell(row, bracket.free < static_cast<double>(g.duration) ? bracket.free : bracket.met);
     if (!bracket.decided) row.verdict = CaseVerdict::refused, row.reason = "undecided";
     if (row.verdict == CaseVerdict::wrong) row.reason = "the file's expected time is wrong";
+    if (row.verdict == CaseVerdict::wrong || (bracket.decided && std::isnan(expected))) expected = row.value;
   }
   for (const Registered* r : Registry::instance().list(StageKind::timeOfImpact, D)) {
     const auto method = createStage<TimeOfImpact<D>>(Spec::parse(r->info.name));
-    CaseResult& row = rows.emplace_back(
-        CaseResult{.id = c.id, .method = r->info.name, .role = r->info.role, .expected = c.expected.impact});
+    CaseResult& row =
+        rows.emplace_back(CaseResult{.id = c.id, .method = r->info.name, .role = r->info.role, .expected = expected});
     const MovingPair<D> pair = shapes ? movingPair(g) : MovingPair<D>{};
     if (!shapes || !method->supports(pair.a.kind, pair.b.kind)) {
       row.reason = "unsupported_shape";
@@ -57,8 +59,10 @@ void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>&
     WorkDone work;
     method->cast({&pair, 1}, g.duration, {&answer, 1}, work);
     tell(row, answer.hit ? static_cast<double>(answer.t) : kNever);
+    if (std::isnan(expected)) row.verdict = CaseVerdict::refused;
     if (answer.status != QueryStatus::converged) row.verdict = CaseVerdict::failed;
     if (row.verdict != CaseVerdict::ok) row.reason = queryStatusName(answer.status);
+    if (row.verdict == CaseVerdict::refused) row.reason = "undecided";
   }
 }
 

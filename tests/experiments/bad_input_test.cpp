@@ -403,8 +403,8 @@ TEST(BadInput, CaseFiles) {
       {"{\"cases\": []}", {"'cases' is empty"}},
       {"{\"cases\": [{\"id\": 3}]}", {"number 0", "'id' holds 3", "a text"}},
       {start + "4, \"expected\": {}}]}", {"'c1'", "'dim' holds 4", "2, 3"}},
-      {start + "2}]}", {"'c1'", "'expected' is missing"}},
-      {start + "2, \"expected\": {}}]}", {"'c1'", "'poseA' is missing"}},
+      {start + "2}]}", {"'c1'", "'poseA' is missing"}},
+      {start + "2, \"expected\": 3, \"poseA\": {\"t\": [0]}}]}", {"'c1'"}},
       {start + "2, \"expected\": {}, \"poseA\": {\"t\": [0, \"x\"]}}]}", {"'c1'", "'t' holds \"x\"", "a number"}},
       {start + "3, \"expected\": {}, \"poseA\": {\"t\": [0, 0, 0], \"q_wxyz\": [0, 0, 0, 0]}}]}", {"'c1'", "unit"}},
       {start + "3, \"expected\": {}, \"poseA\": {\"t\": [0, 0, 1e999]}}]}", {"1e999"}},
@@ -415,8 +415,9 @@ TEST(BadInput, CaseFiles) {
     parts.push_back("c.json: ");
     refused(w, "verify --cases c.json", parts);
   }
-  refused(w, "verify --cases absent.json", {"absent.json: ", "cannot be read"});
-  refused(w, "verify --cases folder", {"folder: ", "cannot be read"});
+  refused(w, "verify --cases absent.json", {"absent.json: cannot be read: No such file or directory"});
+  refused(w, "verify --cases folder", {"folder: cannot be read: Is a directory"});
+  refused(w, "verify --cases /dev/null", {"/dev/null: is empty"});
   w.write("c.json", "[]");
   refused(w, "verify --cases c.json --csv absent/t.csv", {"absent/t.csv: ", "No such file"});
   refused(w, "verify --csv t.csv", {"--csv requires --cases"});
