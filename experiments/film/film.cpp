@@ -2,7 +2,9 @@
 #include "experiments/film/film.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -25,7 +27,7 @@ int dimensionOf(const std::string& path) {
     throw UserError(path + ": not a recording: it is not a regular file");
   }
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw UserError(path + ": cannot be read");
+  if (!in) throw UserError(path + ": cannot be read: " + std::strerror(errno));
   try {
     return recordingDimension(in);
   } catch (const UserError& e) {

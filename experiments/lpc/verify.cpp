@@ -140,15 +140,16 @@ void verify(Arguments& a, Session& session) {
   const VerificationSummary done = runVerification(a.options, store);
   const Ledger ledger = ledgerOf(a.options, store);
   const int faults = printLedger(ledger, std::cout);
-  long notOwed = 0;  // wrong answers of ours that are not faults
+  long notOwed = 0, asked = 0;  // wrong answers of ours that are not faults; all of their answers
   for (const auto& [key, entry] : ledger) {
-    if (key.axis == "all" && entry.role == AlgorithmRole::competitor)
-      notOwed += entry.faults() - faultsOfOurs(key, entry);
+    if (key.axis != "all" || entry.role != AlgorithmRole::competitor) continue;
+    notOwed += entry.faults() - faultsOfOurs(key, entry), asked += entry[Tally::asked];
   }
   for (const std::string& line : writeFoundCases(store, a.store)) std::cout << line << "\n";
   std::cout << a.store << ": " << done.asked << " inputs tested, " << done.skipped << " already in the store\n";
-  std::cout << (faults ? "WRONG: " + std::to_string(faults) + " answers of LPC's own methods"
-                       : "LPC's own methods: all correct");
+  std::cout << (faults  ? "WRONG: " + std::to_string(faults) + " answers of LPC's own methods"
+                : asked ? "LPC's own methods: all correct"
+                        : "LPC's own methods: none was tested");
   if (notOwed > 0)
     std::cout << "; approximate pair queries, which guarantee only the side: " << notOwed << " wrong distances";
   std::cout << "\n";

@@ -2,6 +2,8 @@
 #include "experiments/sandbox/input_script.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -24,7 +26,7 @@ constexpr OrderKind kKinds[] = {{"key", 1, 3},  {"down", 1, 3},  {"up", 1, 3},  
 
 InputScript::InputScript(const std::string& path) : m_path(path) {
   std::ifstream in(path);
-  if (!in) throw UserError(path + ": cannot be read");
+  if (!in) throw UserError(path + ": cannot be read: " + std::strerror(errno));
   std::string text;
   for (int line = 1; std::getline(in, text); ++line) {
     std::istringstream words(text.substr(0, text.find('#')));

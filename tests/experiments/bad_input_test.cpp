@@ -434,8 +434,8 @@ TEST(BadInput, BenchmarksPluginsAndScripts) {
   std::filesystem::create_directory(w.path("folder"));
   refused(w, "import-benchmark bench.json --store s.db", {"bench.json: ", "list \"benchmarks\""});
   refused(w, "import-benchmark cut.json --store s.db", {"cut.json: ", "not JSON of Google Benchmark"});
-  refused(w, "import-benchmark folder --store s.db", {"folder: ", "cannot be read"});
-  refused(w, "--plugin absent.so list", {"absent.so: ", "cannot be read"});
+  refused(w, "import-benchmark folder --store s.db", {"folder: cannot be read: Is a directory"});
+  refused(w, "--plugin absent.so list", {"absent.so: cannot be read: No such file or directory"});
   refused(w, "--plugin folder list", {"folder: "});
   for (const char* command : {"experiments/run", "experiments/run slow", "experiments/run quick --jobs",
                               "experiments/run quick full", "tests/run --fast", "tests/run -R"}) {
