@@ -12,6 +12,10 @@ namespace {
 /// that remains slows the body. Smaller: the tolerance decides whether a standing cylinder has one point or four.
 constexpr Real kCurvedLeans = sizeof(Real) == 8 ? Real(1e-6) : Real(5e-3);
 
+/// A normal of which at most this part is left once it does not lean over level neighbours (1) becomes the triangle's
+/// own. Larger: normals that truly lean over a border are lost. Smaller: rounding noise is taken for a direction.
+constexpr Real kRemains = sizeof(Real) == 8 ? Real(1e-2) : Real(1e-1);
+
 /// The correction of a normal, in the surface's frame.
 template <int D>
 struct Correction {
@@ -77,10 +81,8 @@ Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>
   out.normal = n;
   if (out.verdict == Correction<D>::changes) {
     out.normal = own;
-    if (leans[0].by + leans[1].by > 0) {
-      out.normal = (up * own + leans[0].by * leans[0].border.outward + leans[1].by * leans[1].border.outward);
-      out.normal.normalize();
-    }
+    const Vec<D> rest = up * own + leans[0].by * leans[0].border.outward + leans[1].by * leans[1].border.outward;
+    if (leans[0].by + leans[1].by > 0 && rest.norm() > kRemains) out.normal = rest.normalized();
   }
   Real farthest = least;
   const Vec<D> reached = out.normal;
