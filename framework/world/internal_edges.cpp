@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/world/internal_edges.h"
 
+#include <algorithm>
+
 #include "framework/shape/shape_tolerances.h"
 #include "framework/shape/support_map.h"
 #include "framework/shape/surface.h"
@@ -76,6 +78,11 @@ Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>
       if (other.dot(lean.border.outward) > 0 || other.dot(own) < kBackToBack) continue;
       lean.by = 0, out.verdict = Correction<D>::changes;
     }
+  }
+  // At an acute corner the two borders face almost opposite ways, so that either lean may be far greater than the
+  // whole.
+  if (out.verdict == Correction<D>::changes) {
+    for (Lean<D>& lean : leans) lean.by = std::clamp(aside.dot(lean.border.outward), Real(0), lean.by);
   }
   out.at = (leans[0].by > 0 ? leans[0] : leans[1]).border.at;
   out.normal = n;

@@ -3,6 +3,7 @@
 // surface as a whole.
 #include <gtest/gtest.h>
 
+#include "framework/world/internal_edges.h"
 #include "tests/expect_caught.h"
 #include "tests/surfaces.h"
 
@@ -287,6 +288,29 @@ TEST(Surface, BoxesRestAboveEdges) {
     }
     for (int i = 0; i < 10; ++i) world.step(kDt);
     for (const BodyHandle handle : boxes) EXPECT_LT(world.motion(handle).v.norm(), 1e-3) << contacts;
+  }
+}
+
+// Random normals on a level strip with acute corners. A triangle's own normal is always allowed, so the nearest allowed
+// one is at least as near.
+TEST(Surface, CorrectedNormalsAreTheNearest) {
+  const std::vector<Vec<3>> points = {at<3>(0, 0, 0), at<3>(0, 0, 0.4), at<3>(2, 0, 0.4), at<3>(2, 0, 0)};
+  const std::vector<std::array<int, 3>> halves = {{0, 1, 2}, {0, 2, 3}};
+  World<3> world;
+  world.add(body<3>(Shape<3>::mesh(points, halves), Vec<3>::Zero(), BodyType::fixed));
+  world.add(body<3>(Shape<3>::box(at<3>(0.3, 0.2, 0.25)), Vec<3>::Zero()));
+  Random random(39);
+  for (int i = 0; i < 2000; ++i) {
+    const double lean = std::pow(10, random.uniform(-4, 2));
+    const Vec<3> n = at<3>(lean * random.uniform(-1, 1), 1, lean * random.uniform(-1, 1)).normalized();
+    std::vector<Manifold<3>> corrected(1);
+    Manifold<3>& m = corrected[0];
+    m.bodyA = m.shapeA = 0, m.bodyB = m.shapeB = 1, m.partA = i % 2, m.count = 1, m.normal = n;
+    m.points[0].localB = at<3>(1, 0, 0.2);
+    correctSurfaceContacts<3>(world.shapes(), world.bodies().pose, 1, 0, corrected);
+    if (corrected.empty()) continue;
+    ASSERT_GE(m.normal.dot(n), n[1] - 8 * std::numeric_limits<Real>::epsilon())
+        << n.transpose() << " becomes " << m.normal.transpose();
   }
 }
 
