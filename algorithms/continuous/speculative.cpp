@@ -26,8 +26,6 @@ class Speculative final : public ContinuousCollision<D> {
             .complexity = "a broadphase query per fast part, contacts of those pairs",
             .failures = {{"a body that passes by an edge", "it bounces off the extended plane of a neighbouring face",
                           "Continuous.PassesBy"},
-                         {"a floor of tiles", "a sliding body is stopped by the side of the next tile",
-                          "Continuous.SlidesOverSeams"},
                          {"a body that is struck and moves off within the step", "it passes through",
                           "Continuous.SentOnItsWayIsStopped"},
                          {"two bodies of equal speed, one behind the other, and the first is stopped",
