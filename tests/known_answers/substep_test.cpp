@@ -51,5 +51,76 @@ void torsionPendulum() {
 }
 TEST_F(KnownAnswer, torsion_pendulum) { torsionPendulum<2>(), torsionPendulum<3>(); }
 
+// 1 kg at the end of a chain of 9 beads of 10 g, 1 m, swings from half a radian: v = sqrt(2 g l (1 - cos a)) at the
+// bottom if the beads have no mass, 0.3 % more at most with them.
+template <int D>
+void lightChain() {
+  constexpr int n = 10;
+  const double angle = 0.5, speed = std::sqrt(2 * kG * (1 - std::cos(angle)));
+  for (const char* solver : {"avbd", "avbd{iterations=50}"}) {
+    World<D> world = worldOf<D>(solver);
+    const auto place = [&](int i) { return at<D>(std::sin(angle) * i / n, -std::cos(angle) * i / n); };
+    BodyHandle last;
+    for (int i = 1; i <= n; ++i) {
+      const BodyHandle next = world.add(ball<D>(0.01, i == n ? 1 : 0.01, place(i)));
+      world.add(rod<D>(last, next, place(i - 1), place(i)));
+      last = next;
+    }
+    double fastest = 0, reach = 0;
+    while (world.stepCount() < 120) {
+      world.step(Real(1) / 120);
+      fastest = std::max(fastest, double(world.motion(last).v.norm()));
+      reach = std::max(reach, double(world.pose(last).p.norm()));
+    }
+    known(in<D>("speed at the bottom, m/s"), solver, speed, fastest);
+    known(in<D>("longest, m"), solver, 1, reach);
+  }
+}
+TEST_F(KnownAnswer, light_chain) { lightChain<2>(), lightChain<3>(); }
+
+// A rope round a post, 24 discs of 7.9 g over a = 6.02 rad, held by 1 N: it slips if it is pulled by more than e^(mu a)
+// = 6.1 N. By 10 N it begins with mu (F - e^(mu a)) a / m (e^(mu a) - 1) = 7.4 m/s^2, and has 1.8 m/s after a quarter
+// of a second; half of that counts as slipping. Without friction it moves with (F - 1 N) t / m, before its end leaves
+// the post.
+TEST_F(KnownAnswer, capstan) {
+  constexpr int n = 24;
+  const double r = 0.05, mass = kPi * r * r;
+  const auto speed = [&](const std::string& solver, double mu, double pull, int steps) {
+    World<2> world = worldOf<2>(solver, {0, 0});
+    BodyDef<2> post = body<2>(Shape<2>::sphere(1), at<2>(0, 0), BodyType::fixed);
+    post.shapes[0].friction = Real(mu), post.shapes[0].category = 1;
+    world.add(post);
+    std::vector<BodyHandle> rope;
+    const auto place = [&](int i) {
+      const double a = (i + 0.5) * 2 * kPi / n;
+      return at<2>((1 + r) * std::cos(a), (1 + r) * std::sin(a));
+    };
+    for (int i = 0; i < n; ++i) {
+      BodyDef<2> def = ball<2>(r, mass, place(i));
+      def.rotatable = false;
+      def.shapes[0].friction = Real(mu), def.shapes[0].category = 2, def.shapes[0].mask = 1;
+      rope.push_back(world.add(def));
+      if (i > 0) world.add(rod<2>(rope[i - 1], rope[i], place(i - 1), place(i)));
+    }
+    for (int i = 0; i < steps; ++i) {
+      world.applyForce(rope[0], at<2>(0, -1), world.pose(rope[0]).p);
+      world.applyForce(rope[n - 1], at<2>(0, pull), world.pose(rope[n - 1]).p);
+      world.step(kDt);
+    }
+    double fastest = 0;
+    for (const BodyHandle h : rope) fastest = std::max(fastest, double(world.motion(h).v.norm()));
+    return fastest;
+  };
+  for (const char* solver :
+       {"split_solver{velocity=direct_lcp}", "soft_step", "tgs", "tgs_ngs", "xpbd", "avbd", "avbd{tries=5}"}) {
+    known("without friction: speed after 1/12 s, m/s", solver, 9 / (n * mass) / 12, speed(solver, 0, 10, 20));
+    known("pulled by 4 N: slips", solver, 0, speed(solver, 0.3, 4, 60) > 0.9);
+    known("pulled by 10 N: slips", solver, 1, speed(solver, 0.3, 10, 60) > 0.9);
+  }
+  for (const char* solver : {"avbd", "avbd{iterations=50}"}) {
+    known("without friction, 40 N, 1 s: faster than 400 m/s", solver, 0, speed(solver, 0, 40, 240) > 400);
+  }
+}
+
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::substep_test

@@ -46,6 +46,18 @@ struct AvbdJoint {
     }
   }
 
+  /// Adds the geometric stiffness of a loaded line between two points, whose direction follows the bodies. Without it a
+  /// tight line of light bodies throws them across it. That of a pushing line is negative and counts by its magnitude,
+  /// so the matrix stays positive definite; twice the diagonal bounds the coupling of shift and turn. `load`: kg m.
+  template <class Block>
+  void addBend(const ConstraintRow<D>& row, Real load, bool isB, bool shifts, bool rotates, Block& matrix) const {
+    const Real reach = isB ? reachB : reachA;
+    const Real stiffness = (shifts && rotates && reach > 0 ? 2 : 1) * load * row.bend;
+    if (shifts) matrix.template topLeftCorner<D, D>() += stiffness * (Mat<D>::Identity() - row.d * row.d.transpose());
+    if (!rotates) return;
+    matrix.template bottomRightCorner<kAngDim<D>, kAngDim<D>>().diagonal().array() += stiffness * reach * reach;
+  }
+
  private:
   static Real response(const Bodies<D>& bodies, std::int32_t body, const Vec<D>& d, const Ang<D>& arm) {
     if (body < 0) return Real(0);
