@@ -122,5 +122,42 @@ TEST_F(KnownAnswer, capstan) {
   }
 }
 
+// A plank of half thickness b rocks on a fixed ball of radius R without slipping: T = 2 pi sqrt((k^2 + b^2) / g (R
+// - b)), k^2 = (w^2 + b^2) / 3, and its amplitude stays. Contacts of a whole step make n sub-steps explicit by (n - 1)
+// / 2n of the step, so that the amplitude grows by e^(W^2 dt t (n - 1) / 4n), W = 2 pi / T.
+template <int D>
+void rockingPlank() {
+  const double R = 0.5, b = 0.1, w = 0.6, dt = 1.0 / 60, inertia = (w * w + b * b) / 3 + b * b;
+  const double rate = std::sqrt(kG * (R - b) / inertia), spin = 0.3;
+  for (const char* solver : {"split_solver", "avbd", "pgs_soft", "soft_step", "tgs", "tgs_ngs", "xpbd"}) {
+    World<D> world = worldOf<D>(solver);
+    BodyDef<D> def = body<D>(Shape<D>::sphere(Real(R)), at<D>(0, 0), BodyType::fixed);
+    def.shapes[0].friction = 2;
+    world.add(def);
+    Vec<D> half = Vec<D>::Constant(Real(0.4));
+    half[0] = Real(w), half[1] = Real(b);
+    def = body<D>(Shape<D>::box(half), at<D>(0, R + b));
+    def.shapes[0].friction = 2, def.velocity = at<D>(-spin * b, 0);
+    def.angularVelocity[kAngDim<D> - 1] = Real(spin);
+    const BodyHandle plank = world.add(def);
+    double highest = 0, previous = 0, first = 0, last = 0;
+    int crossings = 0;
+    const int steps = 480;
+    for (int i = 0; i < steps; ++i) {
+      world.step(Real(dt));
+      const double a = double(turnOf(world.pose(plank).q)[kAngDim<D> - 1]);
+      if (previous * a < 0) {
+        last = double(world.time()) - dt * a / (a - previous);
+        if (crossings++ == 0) first = last;
+      }
+      if (i >= steps - 90) highest = std::max(highest, std::abs(a));
+      previous = a;
+    }
+    known(in<D>("period, s"), solver, 2 * kPi / rate, 2 * (last - first) / (crossings - 1));
+    known(in<D>("amplitude after 8 s, rad"), solver, spin / rate, highest);
+  }
+}
+TEST_F(KnownAnswer, rocking_plank) { rockingPlank<2>(), rockingPlank<3>(); }
+
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::substep_test
