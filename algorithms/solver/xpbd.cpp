@@ -5,6 +5,7 @@
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/step/free_motion.h"
+#include "algorithms/solver/step/gyroscopic.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -28,6 +29,7 @@ class Xpbd final : public Solver<D> {
     Real contactCompliance = 0, jointCompliance = 0, slop = Real(0.0005);
     // Half in f32: the rounding of a position divided by h would become speed and impulse.
     Real jointShare = 0;
+    bool gyroscopic = false;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each", ParamRole::effort);
       v.real("contact_compliance", contactCompliance, 0, 1, "m/N", "compliance of contacts; 0: rigid");
@@ -36,6 +38,8 @@ class Xpbd final : public Solver<D> {
       v.real("joint_share", jointShare, 0, 1, "1",
              "fraction of a joint's error corrected per sub-step; 0: 1 (published), 0.5 in f32 because of rounding");
       v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
+      v.flag("gyroscopic", gyroscopic,
+             "implicit gyroscopic term, in 3D; published: an explicit one, which gains energy");
     }
   };
   explicit Xpbd(const Params& params) : m_params(params) {
@@ -50,7 +54,8 @@ class Xpbd final : public Solver<D> {
         .complexity = "substeps x 2 x contacts + substeps x joints",
         .guarantee = Guarantee::approximate,
         .failures =
-            {{"a body that rocks or rolls on a curved one",
+            {kNoGyroscopicTerm,
+             {"a body that rocks or rolls on a curved one",
               "its swing grows: contact points stay those of the step's start", "KnownAnswer.rocking_plank"},
              {"boxes deep inside each other",
               "they are thrown apart: depth becomes velocity in one sub-step, and one pass does not remove it",
@@ -102,6 +107,7 @@ class Xpbd final : public Solver<D> {
         Profiler::Scope scope(in.profiler, "solver.integrate");
         m_arrival.assign(motion.begin(), motion.end());
         kick<D>({h, in.time + static_cast<Real>(i) * h, in.bodies, in.forces, in.model, in.work}, m_wrenches);
+        if (m_params.gyroscopic && rotation) gyroscopicStep(in.bodies, h, 1);
       }
       {
         Profiler::Scope scope(in.profiler, "solver.prepare");

@@ -159,5 +159,36 @@ void rockingPlank() {
 }
 TEST_F(KnownAnswer, rocking_plank) { rockingPlank<2>(), rockingPlank<3>(); }
 
+// The axis of a free symmetric top goes round its angular momentum at L / I1, at a constant angle. Without the
+// gyroscopic term it goes round the angular velocity.
+TEST_F(KnownAnswer, free_precession) {
+  std::vector<std::string> solvers;
+  for (const char* s : {"soft_step", "tgs", "tgs_ngs", "pgs_soft", "xpbd", "avbd"}) {
+    solvers.push_back(s), solvers.push_back(std::string(s) + "{gyroscopic=true}");
+  }
+  for (const std::string& solver : solvers) {
+    World<3> world = worldOf<3>(solver, Vec<3>::Zero());
+    const double thin = 0.1, wide = 0.5;
+    BodyDef<3> def = body<3>(Shape<3>::box({Real(wide), Real(thin), Real(wide)}), at<3>(0, 0));
+    def.angularVelocity = {1, 5, 0};
+    const BodyHandle top = world.add(def);
+    const double across = (thin * thin + wide * wide) / 3, along = 2 * wide * wide / 3;
+    const Vec<3> L(Real(across * 1), Real(along * 5), 0);
+    const Vec<3> up = L.normalized(), side = Vec<3>(0, 0, 1), ahead = cross(side, up);
+    double turned = 0, heading = 0, tilt = std::acos(double(up[1])), least = tilt, most = tilt;
+    for (int i = 0; i < 240; ++i) {
+      world.step(kDt);
+      const Vec<3> axis = world.pose(top).q * Vec<3>(0, 1, 0);
+      const double now = std::atan2(double(axis.dot(side)), -double(axis.dot(ahead)));
+      if (i > 0) turned += std::remainder(now - heading, 2 * kPi);
+      heading = now;
+      tilt = std::acos(std::clamp(double(axis.dot(up)), -1.0, 1.0));
+      least = std::min(least, tilt), most = std::max(most, tilt);
+    }
+    known("goes round, rad/s", solver, double(L.norm()) / across, std::abs(turned) * 240 / 239);
+    known("nodding, degrees", solver, 0, (most - least) / kDegree);
+  }
+}
+
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::substep_test

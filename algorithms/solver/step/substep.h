@@ -12,6 +12,7 @@
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/step/free_motion.h"
+#include "algorithms/solver/step/gyroscopic.h"
 #include "framework/math/indexed.h"
 #include "framework/stage/profiler.h"
 
@@ -62,7 +63,7 @@ inline const FailureMode kRollsExplicitly = {
 /// describes how.
 inline std::vector<FailureMode> substepFailures(const std::string& braked, std::vector<FailureMode> own) {
   for (const FailureMode& shared :
-       {kRollsExplicitly,
+       {kNoGyroscopicTerm, kRollsExplicitly,
         FailureMode{
             "bodies that separate within the step",
             "a contact that opened in a sub-step keeps its impulse, so the result depends on the order of contacts",
@@ -89,9 +90,9 @@ template <int D>
 class Substeps {
  public:
   /// Prepares the step, warm started from the impulses of the last step.
-  void prepare(const StepInput<D>& in, int count, bool warmStart, bool armsAsMade = false) {
+  void prepare(const StepInput<D>& in, int count, bool warmStart, bool gyroscopic, bool armsAsMade = false) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
-    m_count = static_cast<Real>(count), m_h = in.dt / m_count;
+    m_count = static_cast<Real>(count), m_h = in.dt / m_count, m_gyroscopic = gyroscopic;
     haltUnmoving(in.bodies, in.model.rotation);
     m_start.resize(in.bodies.pose.size());
     for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
@@ -133,6 +134,7 @@ class Substeps {
   void begin(const StepInput<D>& in, int i) {
     Profiler::Scope scope(in.profiler, "solver.integrate");
     kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.model, in.work}, m_wrenches);
+    if (m_gyroscopic && in.model.rotation) gyroscopicStep(in.bodies, m_h, 1);
     if (!in.model.joints) return;
     m_joints.prepare(in.work, in.bodies, in.joints, 0, displacements());
     m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) { return m_jointImpulse[joint].substep[row]; });
@@ -393,6 +395,7 @@ class Substeps {
   }
 
   Real m_count = 1, m_h = 0;
+  bool m_gyroscopic = false;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
   IndexedVector<Vec<D>> m_start, m_displacement;  // by body: position at the start of the step, displacement since, m
