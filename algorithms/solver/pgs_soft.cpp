@@ -82,7 +82,7 @@ class PgsSoft final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    m_step.prepare(in, 1, m_params.warmStart, m_params.gyroscopic);
+    m_step.prepare(in, {1, m_params.warmStart, m_params.gyroscopic});
     const Real most = Real(0.5) / in.dt, hertz = std::min(m_params.hertz, most), ratio = m_params.dampingRatio;
     const Feedback joints = m_params.joints == Joints::rigid
                                 ? Feedback{.rate = m_params.jointFactor / in.dt}

@@ -19,6 +19,7 @@ class SoftStep final : public Solver<D> {
     Real hertz = 30, dampingRatio = 10, pushSpeed = 3, jointDampingRatio = 2, jointFactor = Real(0.2);
     int relax = 1;
     bool warmStart = true, gyroscopic = false;
+    ContactsOf contacts = ContactsOf::step;
     Joints joints = Joints::soft;
     Arms arms = Arms::turning;
     bool bounceFriction = false;
@@ -34,12 +35,17 @@ class SoftStep final : public Solver<D> {
       v.integer("relax", relax, 0, 100, "relaxation passes without springs after each move");
       v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
       v.flag("gyroscopic", gyroscopic, "implicit gyroscopic term, in 3D; published: false");
+      visitContactsOf(v, contacts);
       v.choice("arms", arms, {"turning", "as_made"},
                "lever arms of cached points: current, or frozen at creation as in Box2D 3, which misses a lean");
       v.flag("bounce_friction", bounceFriction, "friction also acts on restitution impulses; published: false");
     }
   };
-  explicit SoftStep(const Params& params) : m_params(params) {}
+  explicit SoftStep(const Params& params) : m_params(params) {
+    if (params.contacts == ContactsOf::substep && params.arms == Arms::asMade) {
+      throw UserError("'soft_step' has contacts=substep and arms=as_made; valid: contacts=substep with arms=turning");
+    }
+  }
 
   static AlgorithmInfo info() {
     return {.name = "soft_step",
@@ -65,7 +71,8 @@ class SoftStep final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    m_substeps.prepare(in, m_params.substeps, m_params.warmStart, m_params.gyroscopic, m_params.arms == Arms::asMade);
+    m_substeps.prepare(in, {m_params.substeps, m_params.warmStart, m_params.gyroscopic, m_params.arms == Arms::asMade,
+                            m_params.contacts});
     const Real h = m_substeps.h(), hertz = std::min(m_params.hertz, Real(0.25) / h);
     ErrorFeedback errors = springs(hertz, m_params.dampingRatio, m_params.jointDampingRatio, m_params.pushSpeed, h);
     if (m_params.joints == Joints::rigid) errors.joint = {.rate = m_params.jointFactor / in.dt};

@@ -129,7 +129,9 @@ template <int D>
 void rockingPlank() {
   const double R = 0.5, b = 0.1, w = 0.6, dt = 1.0 / 60, inertia = (w * w + b * b) / 3 + b * b;
   const double rate = std::sqrt(kG * (R - b) / inertia), spin = 0.3;
-  for (const char* solver : {"split_solver", "avbd", "pgs_soft", "soft_step", "tgs", "tgs_ngs", "xpbd"}) {
+  for (const char* solver :
+       {"split_solver", "avbd", "pgs_soft", "soft_step", "soft_step{contacts=substep}", "tgs", "tgs{contacts=substep}",
+        "tgs_ngs", "tgs_ngs{contacts=substep}", "xpbd", "xpbd{contacts=substep}"}) {
     World<D> world = worldOf<D>(solver);
     BodyDef<D> def = body<D>(Shape<D>::sphere(Real(R)), at<D>(0, 0), BodyType::fixed);
     def.shapes[0].friction = 2;
