@@ -15,26 +15,6 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// In 3D, 2D points with a `depth` become a prism: one file describes the scene in both dimensions.
-template <int D>
-std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
-  const toml::node& list = shape.require("points");
-  if (!list.is_array()) shape.fail(list, "'points' is " + describe(list) + "; valid: a list of points");
-  const double depth = numbers.between(shape, "depth", 0, 0, kLargest);
-  numbers.count(list, "points", static_cast<long>(list.as_array()->size()));
-  std::vector<Vec<D>> points;
-  for (const toml::node& n : *list.as_array()) {
-    Vec<D> p = numbers.vector<D>(n);
-    if (D == 3 && depth > 0) {
-      p[D - 1] = static_cast<Real>(-depth);
-      points.push_back(p);
-      p[D - 1] = static_cast<Real>(depth);
-    }
-    points.push_back(p);
-  }
-  return points;
-}
-
 // A polytope with the given number of `corners`, at random positions on a circle or ball of this `radius`. Each corner
 // stays in its own sector; otherwise some would be needles: a triangle has at least 0.4 radius^2, a hull of four
 // corners 0.15 radius^3. Two numbers are drawn for each corner in either dimension.
@@ -64,35 +44,6 @@ std::vector<Vec<D>> drawCorners(TableReader& shape, SceneNumbers& numbers) {
     }
   }
   return corners;
-}
-
-template <int D>
-Shape<D> readSurface(TableReader& shape, SceneNumbers& numbers) {
-  if (D == 3 && shape.find("file")) {
-    const MeshFile mesh = readMesh(shape, numbers);
-    if (numbers.rehearsing()) return {};
-    if constexpr (D == 3) return Shape<D>::mesh(mesh.points, mesh.triangles);
-  }
-  const std::vector<Vec<D>> points = readPoints<D>(shape, numbers);
-  const toml::node& list = shape.require("triangles");
-  if (!list.is_array()) shape.fail(list, "'triangles' is " + describe(list) + "; valid: a list of three numbers each");
-  numbers.count(list, "triangles", static_cast<long>(list.as_array()->size()));
-  std::vector<std::array<int, 3>> triangles;
-  for (const toml::node& n : *list.as_array()) {
-    const toml::array* corners = n.as_array();
-    if (!corners || corners->size() != 3) {
-      shape.fail(n, "a triangle is " + describe(n) + "; valid: a list of three point numbers");
-    }
-    auto& triangle = triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      const toml::node& corner = *corners->get(k);
-      const double value =
-          numbers.between(corner, "a corner", 0, std::max(0.0, static_cast<double>(points.size()) - 1));
-      if (value != std::floor(value)) shape.fail(corner, "a corner is " + asText(value) + "; valid: whole numbers");
-      triangle[k] = static_cast<int>(value);
-    }
-  }
-  return Shape<D>::mesh(points, triangles);
 }
 
 // A block that makes nothing in this dimension may belong to the other one: all kinds of both dimensions are valid,
