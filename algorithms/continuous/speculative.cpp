@@ -32,6 +32,8 @@ class Speculative final : public ContinuousCollision<D> {
                           "the second passes through the first", "Continuous.StoppedOnesStandInTheWay"},
                          {"a long body that rotates about its point of impact", "its ends pass through",
                           "Continuous.BulletIsStopped"},
+                         {"a long or pointed body that meets a mesh or chain, and turns about its point of impact",
+                          "its ends pass through, and nothing pushes them back", "Continuous.SurfaceIsNotPassed"},
                          {"several bullets in a row", "a bullet that is hit from behind passes through",
                           "Continuous.QueueIsStopped"}}};
   }
