@@ -169,7 +169,8 @@ class Xpbd final : public Solver<D> {
   void prepareContacts(const StepInput<D>& in, Real h) {
     const NoBias none;
     m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.model, in.restitutionThreshold,
-                        in.work, in.profiler, m_arrival});
+                        in.work, in.profiler, m_arrival},
+                       true);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& of = in.manifolds[m.manifold];
       const auto [atA, atB] = BodyDisplacements<D>{m_start, m_displacement}.pair(in.bodies, m.a, m.b);

@@ -37,6 +37,7 @@ class PlantedSolver final : public Solver<D> {
     heats,          // each step increases every speed by a thousandth
     shares,         // every body gets a little of every speed
     creeps,         // each step moves every body by 0.01 mm
+    turns,          // moving sideways turns a body
     hops,           // every hundredth step lifts every body
     divides,        // divides by a parameter that may be 0
     writesDown      // no bug: its state is in the saved memory of solvers
@@ -47,7 +48,7 @@ class PlantedSolver final : public Solver<D> {
     void visit(ParamVisitor& v) {
       v.choice("bug", bug,
                {"none", "remembers", "remembers_runs", "counts_bodies", "watches", "far_is_coarse", "heats", "shares",
-                "creeps", "hops", "divides", "writes_down"},
+                "creeps", "turns", "hops", "divides", "writes_down"},
                "what is wrong");
       v.real("divisor", divisor, 0, 1, "1", "of bug=divides");
     }
@@ -96,6 +97,9 @@ class PlantedSolver final : public Solver<D> {
         break;
       case Bug::creeps:
         pose.p[0] += Real(1e-5);
+        break;
+      case Bug::turns:
+        pose.q = integrateRotation(pose.q, Ang<D>::Constant(Real(0.01) * motion.v[0] * in.dt).eval());
         break;
       case Bug::hops:
         if (m_steps % 100 == 0) motion.v[1] += Real(0.01);

@@ -159,8 +159,7 @@ class Substeps {
   BodyDisplacements<D> displacements() { return {m_start, m_displacement}; }
 
   /// Turns the arms of contacts with the bodies. Shared: both bodies get the impulse at one point, so it adds no torque
-  /// to the pair. If their anchors have slid apart, the point is nearer to the anchor of the lighter body; beside a
-  /// static body it is the moving body's own. Not shared: each body gets the impulse at its own anchor.
+  /// to the pair (sharedArms()). Not shared: each body gets the impulse at its own anchor.
   void turnArms(const StepInput<D>& in, bool shared) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     if (in.model.restitution && m_detected.empty()) m_detected = m_contacts.points;
@@ -169,13 +168,15 @@ class Substeps {
       const auto a = rows.a, b = rows.b;
       const auto [atA, atB] = displacements().pair(in.bodies, a, b);
       countMadeRows<D>(in.work, rows.rows());
-      const Real sum = rows.invMassA + rows.invMassB, share = sum > 0 ? rows.invMassB / sum : Real(0.5);
       for (int k = 0; k < rows.count; ++k) {
         const ContactPoint<D>& c = m.points[k];
-        const Vec<D> fromA = atA.q * c.localA, fromB = atB.q * c.localB, gap = (atB.p - atA.p) + fromB - fromA;
-        const Vec<D> rA = shared ? Vec<D>(fromA + share * gap) : fromA;
-        const Vec<D> rB = shared ? Vec<D>(fromB - (1 - share) * gap) : fromB;
-        makeRows(in, rows, rA, rB, m_contacts.points[rows.first + k]);
+        if (shared) {
+          const auto& inverse = in.bodies.invInertia;
+          const ContactArms<D> arms = sharedArms(c, m.normal, atA, atB, inverse[a], inverse[b]);
+          makeRows(in, rows, arms.rA, arms.rB, m_contacts.points[rows.first + k]);
+        } else {
+          makeRows(in, rows, atA.q * c.localA, atB.q * c.localB, m_contacts.points[rows.first + k]);
+        }
       }
     }
   }
