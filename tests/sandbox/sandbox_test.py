@@ -335,6 +335,7 @@ class Sandbox(Played):
     def test_mistakes_are_one_line_and_exit_code_2(self):
         (self.folder / "broken.toml").write_text('name = "broken"\nsummary = 3\n')
         (self.folder / "bad.txt").write_text("wait 1\nfly 3\n")
+        (self.folder / "jpg.txt").write_text("shot x.jpg\n")
         (self.folder / "nowhere.txt").write_text("shot nowhere/a.png\n")
         before = sorted(self.folder.iterdir())
         for arguments, env, say in (
@@ -355,7 +356,12 @@ class Sandbox(Played):
                 (("x.db", "--trial", "ab", "2d"), {}, "dimension"),
                 (("x.db", "--trial", "ab", "--dt", "0.1"), {}, "excludes"),
                 (("1", "-o", "p.csv"), {}, "-p or -g"),
+                (("2d", "3d", "-i"), {}, "one dimension"),
+                (("x.db", "--trial", ""), {}, "--trial: the value is empty"),
+                (("-s", ""), {}, "--scene: the value is empty"),
+                (("",), {}, "the scene is ''"),
                 (("1", "--input", "bad.txt"), {}, "bad.txt:2"),
+                (("1", "--input", "jpg.txt"), {}, "jpg.txt:1: 'shot' has 'x.jpg'; valid: FILE.png"),
                 (("1", "--input", "nowhere.txt"), {}, "nowhere/a.png: cannot be written: No such file or directory"),
                 (("1", "--input", "none.txt"), {}, "none.txt")):
             with self.subTest(arguments=arguments, env=env):
