@@ -130,6 +130,24 @@ TEST(CommandLine, runPrintsUnitsByKind) {
   EXPECT_EQ(one.text.find("\nkinetic "), std::string::npos) << one.text;
 }
 
+// After a second of free fall the fastest body, the ball, has 9.81 m/s.
+TEST(CommandLine, drawsARunAsAPicture) {
+  const Workspace w;
+  w.write("fall.toml",
+          "name = \"f\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 100\n[[body]]\nposition = [0, 9]\n"
+          "shapes = [{ kind = \"circle\", radius = 0.5 }]\n");
+  const Outcome ran = w.lpc("run fall.toml --dt 0.01 --plot fall.svg");
+  ASSERT_EQ(ran.code, 0) << ran.text;
+  EXPECT_TRUE(ran.text.ends_with("\nplot      fall.svg\n")) << ran.text;
+  const std::string svg = readFile(w.path("fall.svg"));
+  for (const char* label : {">energy (J)<", ">largest penetration (m)<", ">speed of the fastest body (m/s)<", ">9.81<",
+                            ">1 s<", ">fall.toml, the default pipeline<"}) {
+    EXPECT_NE(svg.find(label), svg.npos) << label;
+  }
+  EXPECT_EQ(svg.find("nan"), svg.npos);
+  EXPECT_EQ(w.lpc("run fall.toml --plot no/fall.svg").code, 2);
+}
+
 // A spring that oscillates within a step: the axis ends at the series' extremes, and a column loses neither a peak nor
 // a dip.
 TEST(CommandLine, plotsPeaksAndDips) {
