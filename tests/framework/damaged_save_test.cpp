@@ -246,7 +246,7 @@ std::vector<Damage<D>> damages() {
       {"a record has a negative part number", [](P p) { p.records[0].partB = -1; }},
       {"pair records out of order", [](P p) { std::swap(p.records[0], p.records[1]); }},
       {"pair records out of order", [](P p) { p.records[1] = p.records[0]; }},
-      {"of unknown kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(6); }},
+      {"of unknown kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(7); }},
       {"an event refers to an invalid body", [](P p) { p.events[0].body = -1; }},
       {"an event refers to an invalid body", [](P p) { p.events[0].other = p.bodies.size(); }},
       {"vertex is not finite", [](P p) { p.hull([](auto& h) { h.vertices[1][0] = kNan; }); }},
