@@ -155,7 +155,7 @@ struct Damaged : SavedState<D> {
 
   std::string refusal() const {
     try {
-      requireValidState<D>(*this, *createStage<ContactGenerator<D>>(Spec{contacts, {}}));
+      requireValidState<D>(*this, *createStage<ContactGenerator<D>>(Spec::parse(contacts)));
     } catch (const UserError& e) {
       return e.what();
     }
@@ -211,7 +211,7 @@ std::vector<Damage<D>> damages() {
       {"a shape's pose", [](P p) { p.shapes[0].X_CS.q = Rot<D>{0}; }},
       {"friction", [](P p) { p.shapes[0].friction = -1; }},
       {"a plane on a body", [](P p) { p.shape(ShapeKind::plane).body = 2; }},
-      {"does not support", [](P p) { p.contacts = "sat_clip"; }},
+      {"does not support", [](P p) { p.contacts = "query_clip{query=closed_form}"; }},
       {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyB = -1; }},
       {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyA = -7; }},
       {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyB = p.bodies.size(); }},
