@@ -129,7 +129,7 @@ class WakeRules {
     const auto drop = [&](const SleepEvent& e) {
       wake(in, awake, e.body);
       // A support that moves by itself wakes the load step by step.
-      if (!dynamic(in, e.other)) m_dropped[e.body] = 1;
+      if (!dynamic(in, e.other) && dynamic(in, e.body)) m_dropped[e.body] = 1;
     };
     in.work[WorkCount::eventVisits] += in.events.size();
     for (const SleepEvent& e : in.events) {
@@ -164,7 +164,11 @@ class WakeRules {
       for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
         if (!m_flag[at]) continue;
         wake(in, awake, other);
-        (dynamic(in, at) ? m_dropped : m_carried)[other] = 1;
+        if (!dynamic(in, at)) {
+          m_carried[other] = 1;
+        } else if (dynamic(in, other)) {  // the ground does not pass it on to everything that stands on it
+          m_dropped[other] = 1;
+        }
       }
     }
     forHeld(in, [&](std::int32_t body, std::int32_t holder) {

@@ -328,5 +328,25 @@ void everyPolicy() {
 TEST(SleepChanges, EveryPolicy2) { everyPolicy<2>(); }
 TEST(SleepChanges, EveryPolicy3) { everyPolicy<3>(); }
 
+// A change beside a sleeper does not wake it through the ground.
+template <int D>
+void farSleepersStayAsleep() {
+  for (const char* policy : {"millington", "split_average", "timer_island"}) {
+    World<D> world(Pipeline::parse(std::string("sleep=") + policy), {});
+    world.add(groundOn<D>(On::box));
+    const BodyHandle sleeper = world.add(body<D>(cube<D>(), at<D>(-3, 0.5)));
+    const BodyHandle changed = world.add(body<D>(cube<D>(), at<D>(3, 0.5)));
+    const BodyHandle lift = world.add(body<D>(cube<D>(), at<D>(0, 0.5), BodyType::kinematic));
+    for (int i = 0; i < 240 && (world.awake(sleeper) || world.awake(changed)); ++i) world.step(kDt);
+    world.applyImpulse(changed, Wrench<D>{at<D>(1, 0), Ang<D>::Zero()});
+    world.setPose(lift, {at<D>(0, 5), {}});
+    for (int i = 0; i < 3; ++i) {
+      world.step(kDt);
+      EXPECT_FALSE(world.awake(sleeper)) << policy << ' ' << D << "D, step " << i;
+    }
+  }
+}
+TEST(SleepChanges, FarSleepersStayAsleep) { farSleepersStayAsleep<2>(), farSleepersStayAsleep<3>(); }
+
 }  // namespace
 }}}}  // namespace lpc::LPC_PRECISION::test::sleep_changes_test
