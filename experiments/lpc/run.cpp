@@ -21,6 +21,7 @@
 #include "experiments/lpc/timeline.h"
 #include "experiments/runner/child.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/plugin_probe.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/formats/output_file.h"
@@ -197,6 +198,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
   cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
+  requireCheckedConstructors();
   TrialRequest request = trial.request;
   request.progress = !o.asJson, request.memory = o.memory, request.profile = o.profile, request.saves = saves;
   for (const std::string& path : session.plugins) {

@@ -12,6 +12,7 @@
 #include "experiments/lpc/scene_options.h"
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/plugin_probe.h"
 #include "experiments/runner/store.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/plugin.h"
@@ -146,6 +147,7 @@ json sceneOpening(const SandboxOptions& o, const Asked& asked) {
     cell.pipeline = pipeline;
     const PlannedTrial trial = planner.world(asked.scene, cell);
     if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
+    requireCheckedConstructors();
     out["pipelines"].push_back(pipeline);
     out["dimension"] = trial.asked().dimension;
     out["parameters"] = trial.world().params, out["dt"] = trial.world().dt;
