@@ -99,7 +99,7 @@ inline bool recentAverage(Real& stored, Real bias, Real now, Real threshold) {
 /// neighbour left asleep would reflect the impact. A moving platform wakes its whole load, at any speed.
 /// - A support that slides away wakes everything on it up to the top, and no body falls asleep on a support that would
 /// wake it in the next step. The distance to such a support does not change, and sleepers would hold it like a wall.
-/// So does a support that the user takes away.
+/// A body on a support that is taken away wakes once its own support leaves it: a stack falls as a wave (6.5.1).
 /// - A body that appears inside a sleeper, slower than an impact, wakes everything that touches the sleeper, and no
 /// body falls asleep while it, or a body that it touches, is pushed out of another.
 /// - Jointed bodies sleep and wake together.
@@ -126,18 +126,13 @@ class WakeRules {
     bool changed = false;
     m_flag.assign(awake.size(), 0), m_carried.assign(awake.size(), 0);
     m_dropped.assign(awake.size(), 0), m_pushedOut.assign(awake.size(), 0), m_met.clear();
-    const auto drop = [&](const SleepEvent& e) {
-      wake(in, awake, e.body);
-      // A support that moves by itself wakes the load step by step.
-      if (!dynamic(in, e.other) && dynamic(in, e.body)) m_dropped[e.body] = 1;
-    };
     in.work[WorkCount::eventVisits] += in.events.size();
     for (const SleepEvent& e : in.events) {
       switch (e.kind) {
         case SleepEvent::bodyRemoved:
         case SleepEvent::jointRemoved:
         case SleepEvent::contactLost:
-          drop(e);
+          wake(in, awake, e.body);
           break;
         case SleepEvent::userChange:
           // A user's change of a body, also of a static one, wakes the bodies that touch it. The world has already
@@ -149,7 +144,7 @@ class WakeRules {
           m_met.push_back(std::minmax(e.body, e.other));
           break;  // an impact is judged by its contact, new or old
         case SleepEvent::separationGrown:
-          if (e.speed > double(m_wakeSeparation)) drop(e);
+          if (e.speed > double(m_wakeSeparation)) wake(in, awake, e.body);
           if (e.speed > double(kRepairSpeed)) m_pushedOut[e.body] = 1;
           break;
         case SleepEvent::bodyAdded:
@@ -162,13 +157,9 @@ class WakeRules {
     for (const Manifold<D>& m : in.manifolds) {
       if (m.ignored) continue;
       for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
-        if (!m_flag[at]) continue;
+        if (!m_flag[at] || !dynamic(in, other)) continue;
         wake(in, awake, other);
-        if (!dynamic(in, at)) {
-          m_carried[other] = 1;
-        } else if (dynamic(in, other)) {  // the ground does not pass it on to everything that stands on it
-          m_dropped[other] = 1;
-        }
+        (dynamic(in, at) ? m_dropped : m_carried)[other] = 1;
       }
     }
     forHeld(in, [&](std::int32_t body, std::int32_t holder) {
