@@ -56,8 +56,8 @@ class SoftStep final : public Solver<D> {
             .failures = substepFailures(
                 "soft contacts and relaxation slow it, not at the Gauss-Seidel rate",
                 {kArmsStay,
-                 {"a hinge's spring that turns a body with a long arm",
-                  "its period is too long, because the pivot is a spring in series; joints=rigid is right",
+                 {"a spring of a hinge or slider that moves a body on a long arm",
+                  "its period is too long, because the joint is another spring in series; joints=rigid is right",
                   "KnownAnswer.torsion_pendulum"},
                  {"a body on a very heavy one", "it sinks deeper than on a static body, which gets stiffer springs",
                   "Symmetry.HeavyIsFixed"},

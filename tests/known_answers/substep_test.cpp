@@ -19,8 +19,26 @@ BodyDef<D> ball(double radius, double mass, const Vec<D>& p) {
   return def;
 }
 
+// Half a period of the ball's motion along `d`, s.
+template <int D>
+double halfPeriod(World<D>& world, BodyHandle ball, const Vec<D>& d) {
+  double previous = 0, last = 0;
+  while (world.stepCount() < 1000) {
+    world.step(kDt);
+    const double x = double(d.dot(world.pose(ball).p));
+    if (previous * x < 0) {
+      const double t = double(world.time()) - double(kDt) * x / (x - previous);
+      if (last > 0) return t - last;
+      last = t;
+    }
+    previous = x;
+  }
+  return 0;
+}
+
 // A ball on a massless arm swings on a hinge's spring: T = 2 pi sqrt((m l^2 + I) / k). The arm turns the ball through
-// the pivot, so a pivot that is a spring is in series with the hinge's.
+// the pivot, so a pivot that is a spring is in series with the hinge's. On a slider T = 2 pi sqrt(m / k), and the arm
+// loads the row that keeps the ball from turning.
 template <int D>
 void torsionPendulum() {
   const double arm = 4, k = 20, r = 0.25, m = 0.1, inertia = (D == 2 ? 0.5 : 0.4) * m * r * r;
@@ -36,17 +54,13 @@ void torsionPendulum() {
     def.angularVelocity[kAngDim<D> - 1] = Real(0.2);
     const BodyHandle h = world.add(def);
     world.add(JointDef<D>{.kind = "hinge{stiffness=20}", .bodyB = h});
-    double previous = 0, last = 0, half = 0;
-    while (half == 0 && world.stepCount() < 1000) {
-      world.step(kDt);
-      const double y = double(world.pose(h).p[1]);
-      if (previous * y < 0) {
-        const double t = double(world.time()) - double(kDt) * y / (y - previous);
-        (last > 0 ? half : last) = last > 0 ? t - last : t;
-      }
-      previous = y;
-    }
-    known(in<D>("period, s"), solver, period, 2 * half);
+    known(in<D>("period, s"), solver, period, 2 * halfPeriod<D>(world, h, at<D>(0, 1)));
+    if (D == 3) continue;
+    World<D> rail = worldOf<D>(solver, Vec<D>::Zero());
+    def.velocity = at<D>(0.2, 0), def.angularVelocity.setZero(), def.X_WB.p = at<D>(0, arm);
+    const BodyHandle slider = rail.add(def);
+    rail.add(JointDef<D>{.kind = "prismatic{stiffness=20}", .bodyB = slider});
+    known("period on a slider, s", solver, 2 * kPi * std::sqrt(m / k), 2 * halfPeriod<D>(rail, slider, at<D>(1, 0)));
   }
 }
 TEST_F(KnownAnswer, torsion_pendulum) { torsionPendulum<2>(), torsionPendulum<3>(); }
