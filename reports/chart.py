@@ -131,7 +131,7 @@ def _made(kind, context):
     if kind.needs is None:
         return kind.make(context) or [kind.absent]
     sweeps = context.store.sweeps()
-    if sweeps:  # a store of benchmarks alone may know no metrics
+    if context.store.metrics:  # none in an old store of benchmarks alone
         context.check(kind)
     found = [chart for sweep in sweeps if context.has(sweep, kind)
              for chart in kind.make(context, context.cells(sweep, kind.needs.metrics))]
