@@ -320,7 +320,7 @@ void everyPolicy() {
       if (!competes(*r) || r->info.name == "none") continue;
       const std::string slow = c.slides && r->info.name == "split_average" ? "{linear=0.02}" : "";
       const Spec spec = Spec::parse(r->info.name + slow);
-      const bool wave = c.falls && declares(*r, spec, "SleepingTrial.TheWaveTakesAStepForEachBodyOrNone");
+      const bool wave = c.falls && declares(*r, spec, "Sleep.StackWakesAsAWhole");
       EXPECT_TRUE(movesAsIfAwake<D>(c, "sleep=" + r->info.name + slow, wave))
           << c.name << ' ' << r->info.name << ' ' << D;
     }
