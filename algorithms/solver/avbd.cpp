@@ -185,17 +185,8 @@ class Avbd final : public Solver<D> {
       if (!record.active() || !(moves(in, record.bodyA) || moves(in, record.bodyB))) continue;
       m_jointAt[j] = static_cast<int>(m_joints.size());
       Joint& joint = m_joints.emplace_back();
-      joint.joint = static_cast<std::int32_t>(j), joint.a = record.bodyA, joint.b = record.bodyB;
+      joint.begin(static_cast<std::int32_t>(j), record, in.bodies, warm);
       joint.linear = kept(record.memory[linearPenalty]), joint.angular = kept(record.memory[angularPenalty]);
-      joint.reachA = record.bodyA < 0 ? Real(0) : record.X_CaJ.p.norm(), joint.reachB = record.X_CbJ.p.norm();
-      jointRows(record, in.bodies, joint.rows);
-      joint.impulse.fill(0), joint.start.fill(0);
-      for (int i = 0; i < joint.rows.count; ++i) {
-        const ConstraintRow<D>& row = joint.rows.row[i];
-        if (row.absent()) continue;
-        joint.impulse[i] = warm * record.impulse[i];
-        if (row.binds()) joint.start[i] = row.error;
-      }
     }
   }
   bool moves(const StepInput<D>& in, std::int32_t body) const {

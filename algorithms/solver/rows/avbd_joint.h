@@ -17,6 +17,20 @@ struct AvbdJoint {
   Real linear, angular;                                 // penalties
   Real reachA, reachB;                                  // from the centres of mass to the frames, m
 
+  /// Starts a step: rows of the present poses, and this multiple of the stored impulses. Penalties stay unset.
+  void begin(std::int32_t number, const JointRecord<D>& record, const Bodies<D>& bodies, Real warm) {
+    joint = number, a = record.bodyA, b = record.bodyB;
+    reachA = a < 0 ? Real(0) : record.X_CaJ.p.norm(), reachB = record.X_CbJ.p.norm();
+    jointRows(record, bodies, rows);
+    impulse.fill(0), start.fill(0);
+    for (int i = 0; i < rows.count; ++i) {
+      const ConstraintRow<D>& row = rows.row[i];
+      if (row.absent()) continue;
+      impulse[i] = warm * record.impulse[i];
+      if (row.binds()) start[i] = row.error;
+    }
+  }
+
   /// Relative speed along a row, m/s or rad/s.
   Real speed(const Bodies<D>& bodies, const ConstraintRow<D>& row) const {
     const Motion<D> from = a < 0 ? Motion<D>{} : bodies.motion[a];
