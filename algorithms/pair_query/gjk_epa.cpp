@@ -25,7 +25,7 @@ class GjkEpa final : public PairQuery<D> {
                           "the closest point is taken from the wrong simplex: off by a few 1/100,000 of the size",
                           "PairQuery.Properties3"},
                          {"deep, nearly coaxial bodies of revolution",
-                          "the depth of one pair in 3,000 is too large by up to 1e-7 of the size",
+                          "the depth of one pair in 3,000 is too large by up to a ten-millionth of the size",
                           "DeepCurvedPairs.SomeNearlyCoaxialBodiesAreAlmostRight"}}};
   }
 
