@@ -331,7 +331,6 @@ TEST(BadInput, InvalidStores) {
   refused(w, "sweep s.toml --store text.db/s.db", {"text.db/s.db: ", "cannot be created", "Not a directory"});
   refused(w, "sweep s.toml --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: "});
   refused(w, "sweep s.toml --dry-run --store text.db/s.db", {"text.db/s.db: ", "cannot be created", "Not a directory"});
-  refused(w, "sweep s.toml --dry-run --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: ", "cannot be created"});
   // Damaged in the middle: without a check, a sweep would notice only when it reads that page.
   std::filesystem::copy(w.path("whole.db"), w.path("torn.db"));
   const auto pages = std::filesystem::file_size(w.path("torn.db")) / 4096;

@@ -341,8 +341,8 @@ TEST(Presets, ScriptOneHasItsThreePhasesInTheFigures) {
   std::set<std::string> pipelines;
   for (const char* sweep : {"heritage_sleeping", "heritage_resolvers"}) {
     for (const PlannedTrial& trial : planSweeps(sweep, {}).at(0).trials) {
-      EXPECT_EQ(trial.canonical.at("scene"), "director_1");
-      const std::string pipeline = trial.canonical.at("pipeline");
+      EXPECT_EQ(trial.request.world().scene, "director_1");
+      const std::string pipeline = trial.request.world().pipeline;
       if (pipeline.find("velocity=catto") != pipeline.npos) pipelines.insert(pipeline);
     }
   }

@@ -301,7 +301,7 @@ void anyLength() {
   };
   PlainDraw draw(3);
   int hits = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 120; ++i) {
     const Vec<D> p = 5 * drawDirection<D>(draw), d = 4 * drawVector<D>(draw) - p;
     const auto expected = world.rayAll(p, d, 2);
     hits += static_cast<int>(expected.size());
