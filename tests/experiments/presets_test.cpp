@@ -6,10 +6,8 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <set>
 
 #include "experiments/runner/locations.h"
-#include "experiments/runner/sweep_file.h"
 #include "experiments/trial/scene/scene_file.h"
 #include "framework/scene/director.h"
 #include "framework/world/settings.h"
@@ -333,36 +331,6 @@ TEST(Presets, JengaStandsAlsoWithoutABlock) {
   EXPECT_LT(moved(report), Real(0.05));
   EXPECT_LT(moved(awake), Real(0.05));
   EXPECT_GT(moved(falls, 59), Real(0.125));
-}
-
-// Figures 7.1, 7.2, 7.4 and 7.5 play script 1 under Catto's resolver: its towers stand until the firework, which fells
-// them.
-TEST(Presets, ScriptOneHasItsThreePhasesInTheFigures) {
-  std::set<std::string> pipelines;
-  for (const char* sweep : {"heritage_sleeping", "heritage_resolvers"}) {
-    for (const PlannedTrial& trial : planSweeps(sweep, {}).at(0).trials) {
-      EXPECT_EQ(trial.request.world().scene, "director_1");
-      const std::string pipeline = trial.request.world().pipeline;
-      if (pipeline.find("velocity=catto") != pipeline.npos) pipelines.insert(pipeline);
-    }
-  }
-  EXPECT_EQ(pipelines.size(), 2u) << "with sleeping and without";
-  for (const std::string& pipeline : pipelines) {
-    Play<2> play("director_1", {{"rain_until", 1000}}, pipeline);
-    const auto aside = [&] {  // the farthest from its line, m
-      Real most = 0;
-      for (int i = 0; i < play.count("rain"); ++i)
-        most = std::max(most, std::abs(play.pose("rain", i).p[0] - play.start("rain", i)[0]));
-      return most;
-    };
-    play.steps(1000);
-    EXPECT_LT(aside(), Real(1e-3)) << pipeline;
-    play.steps(1000);
-    EXPECT_GT(aside(), 1) << pipeline;
-    int awake = 0;
-    for (int i = 0; i < play.count("rain"); ++i) awake += play.world.awake(play.director.body(play.spawn("rain", i)));
-    EXPECT_TRUE(pipeline.find("sleep=none") != pipeline.npos || awake < 5) << awake << " are awake at the end";
-  }
 }
 
 // The report sets small velocities to zero (5.5.2); here sleep alone does.
