@@ -240,7 +240,7 @@ class Sandbox(Played):
                 self.assertEqual(run["hash"], state["lanes"][0]["hash"])
 
     def test_by_hand_beside_events_and_a_script(self):
-        orders = ["until 58", "key p", "key g", *drag((-8, 0.5), (-7, 3)), "key c", *drag((0, 5), (0, 5.5)), "key p", "until 62",
+        orders = ["until 58", "key p", "key g", *drag((-8, 4), (-7, 5)), "key c", *drag((0, 5), (0, 5.5)), "key p", "until 62",
                   "at 6 10", "key d", "wait 20", "key p", "wait 1", "key F4", "wait 2"]
         state = self.play(orders, "script_events", "-S", "firework", "--param", "speed=2", "--param", "x=-3", size=(640, 480))
         self.assertIn("ends bit for bit the same", state["message"])
