@@ -18,6 +18,7 @@
 #include "experiments/runner/child.h"
 #include "experiments/runner/locations.h"
 #include "experiments/runner/store.h"
+#include "experiments/runner/worker_pool.h"
 #include "framework/math/nesting.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace {

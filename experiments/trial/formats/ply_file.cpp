@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "experiments/parse/toml_reader.h"
 #include "experiments/trial/formats/mesh_text.h"
 #include "framework/math/names.h"
 
