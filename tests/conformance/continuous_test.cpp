@@ -109,9 +109,12 @@ bool surfaceIsNotPassed(const std::string& method) {
     for (const Shape<D>& bullet : shot) {
       Range<D> w(method);
       w.world.add(body<D>(surface, Vec<D>(Vec<D>::Zero()), BodyType::fixed));
-      const Vec<D> place = at<D>(random.uniform(-0.9, -0.4), random.uniform(-2, 2), 0.1 * k);
-      const Vec<D> velocity = at<D>(std::pow(10, random.uniform(1, 2)), std::pow(10, random.uniform(0, 2)));
-      const BodyHandle h = w.add(bullet, place, velocity, random.uniform(-3, 3), random.uniform(-10, 10));
+      // One after the other: compilers differ in the order of arguments.
+      const double y = random.uniform(-2, 2), x = random.uniform(-0.9, -0.4);
+      const double along = random.uniform(0, 2), into = random.uniform(1, 2);
+      const double spin = random.uniform(-10, 10), angle = random.uniform(-3, 3);
+      const Vec<D> velocity = at<D>(std::pow(10, into), std::pow(10, along));
+      const BodyHandle h = w.add(bullet, at<D>(x, y, 0.1 * k), velocity, angle, spin);
       w.steps(12);
       if (!(w.x(h) < 0.05)) return false;
     }
