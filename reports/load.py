@@ -8,6 +8,7 @@ outcome, step and reason. The column MEASURED (measured.py) keeps the value of e
 
 import json
 import math
+import os
 import re
 import sqlite3
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ from typing import Callable, Optional
 import numpy as np
 import pandas as pd
 
+import benchmarks
 from measured import MEASURED, Measured
 
 SCHEMA = "3"
@@ -113,15 +115,28 @@ def within_asked(metrics, asked):
     return error is not None and error <= asked and not (metrics.get("wrong_boolean") and metrics.get("side_alone"))
 
 
+def _connected(path):
+    """The database, to be read. On a read-only medium SQLite cannot make the -shm file of WAL; nobody writes there."""
+    uri, pending = path.absolute().as_uri() + "?mode=ro", Path(f"{path}-wal")
+    database = sqlite3.connect(uri, uri=True)
+    try:
+        database.execute("SELECT 1 FROM sqlite_master").fetchone()
+    except sqlite3.OperationalError as error:
+        if "locked" in str(error) or (pending.is_file() and pending.stat().st_size):
+            raise UserError(f"{path}: cannot be read with its file -wal ({error}); valid: a copy of both") from None
+        return sqlite3.connect(uri + "&immutable=1", uri=True)
+    return database
+
+
 class Store:
     """One open store. Series and poses are read on request, all else when the store is opened."""
 
     def __init__(self, path):
         self.path = Path(path)
-        if not self.path.is_file():
+        if not os.path.isfile(self.path):  # false for a name that is too long, too
             raise UserError(f"{path}: no such store; make one with: build/release/bin/lpc sweep NAME --store {path}")
         try:
-            self.db = sqlite3.connect(f"file:{self.path}?mode=ro", uri=True)
+            self.db = _connected(self.path)
             self._read()
         except (sqlite3.DatabaseError, pd.errors.DatabaseError, json.JSONDecodeError) as error:
             reason = " ".join(str(error).split())  # pandas gives several lines
@@ -272,7 +287,9 @@ class Store:
         return None if row is None else json.loads(row[0])
 
     def benchmarks(self):
-        return [(row[0], json.loads(row[1])) for row in self.db.execute("SELECT imported, data FROM benchmark ORDER BY id")]
+        """The imports of `lpc import-benchmark`, oldest first: (when, see benchmarks.read)."""
+        rows = self.db.execute("SELECT imported, data FROM benchmark ORDER BY id")
+        return [(imported, benchmarks.read(imported, text)) for imported, text in rows]
 
     def found_cases(self):
         """The simplest pair of each failure: (case as in a file of cases, its vertices, its size)."""

@@ -148,6 +148,14 @@ def check(charts):
 
 
 def main(arguments=None):
+    try:
+        return main_until_stopped(arguments)
+    except KeyboardInterrupt:
+        print("reports/make.py: stopped", file=sys.stderr)
+        return 130
+
+
+def main_until_stopped(arguments):
     options = parse(arguments)
     try:
         import jinja2  # noqa: F401
@@ -158,12 +166,18 @@ def main(arguments=None):
         print(f"reports/make.py: {sys.executable} has no package {error.name}; on Debian: apt install python3-matplotlib "
               "python3-pandas python3-jinja2", file=sys.stderr)
         return 2
+    import json
+    import sqlite3
     from load import UserError
     try:
         return run(options)
     except UserError as error:
         print(f"reports/make.py: {error}", file=sys.stderr)
-        return 2
+    except OSError as error:
+        print(f"reports/make.py: {error.filename}: {error.strerror}", file=sys.stderr)
+    except (json.JSONDecodeError, sqlite3.DatabaseError) as error:  # of what is read after the store was opened
+        print(f"reports/make.py: {options.store}: a damaged store ({' '.join(str(error).split())})", file=sys.stderr)
+    return 2
 
 
 if __name__ == "__main__":

@@ -147,9 +147,6 @@ SHORTER = {
 # Exit codes other than 0, which the page describes.
 EXIT_CODE = {"lpc run ./leaning_stack.toml --param n=20 --dimension 3 --profile stack.csv --record stack.rec": 1,
              "lpc run 2 --param perturb=1e-3": 1,
-             "lpc run 6 --pipeline 2009": 1,
-             "lpc run 6 --pipeline 2009 --param perturb=1e-3": 1,
-             "lpc run 6 --dimension 3 --pipeline 2009 --param perturb=1e-3": 1,
              "lpc run 6 --dimension 3 --pipeline solver=soft_step": 1,
              "lpc run ./slow_start.toml --pipeline 2009 --no-sleeping": 1,
              "lpc run mass_ratio --param ratio=1000": 1}

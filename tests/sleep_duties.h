@@ -323,6 +323,18 @@ bool nobodySleepsOnASledge(SleepPolicy<D>& policy) {
   return true;
 }
 
+// The ground below a stack of sleepers is gone.
+template <int D>
+bool stackWakesAsAWhole(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ground = s.add(BodyType::fixed), low = s.add(BodyType::dynamic, false);
+  const int middle = s.add(BodyType::dynamic, false), top = s.add(BodyType::dynamic, false);
+  s.stack(low, middle), s.stack(middle, top);
+  s.events.push_back({SleepEvent::contactLost, low, ground});
+  s.decide(policy);
+  return s.awake(low) && s.awake(middle) && s.awake(top);
+}
+
 // A vetoed contact with a fast body has no effect.
 template <int D>
 bool vetoedContactsAreNone(SleepPolicy<D>& policy) {
@@ -409,6 +421,7 @@ constexpr Duty<D> kDuties[] = {{"Sleep.StaysAwakeInFlight", staysAwakeInFlight<D
                                {"Sleep.SlowRollerStaysAwake", slowRollerStaysAwake<D>},
                                {"Sleep.DraggedSupportWakes", draggedSupportWakes<D>},
                                {"Sleep.CreepingSupportWakes", creepingSupportWakes<D>},
+                               {"Sleep.StackWakesAsAWhole", stackWakesAsAWhole<D>},
                                {"Sleep.NobodySleepsOnASledge", nobodySleepsOnASledge<D>},
                                {"Sleep.OthersMaySleep", othersMaySleep<D>},
                                {"Sleep.GentleTouchWakesNobody", gentleTouchWakesNobody<D>},

@@ -26,7 +26,12 @@ struct Inhabitants {
   BodyTable<D> table{*broadphase, settings.margin};
   Profiler profiler;
 
-  std::size_t add(const BodyDef<D>& def) { return table.add(def, checkBody(def)); }
+  /// As it is after the step that follows.
+  std::size_t add(const BodyDef<D>& def) {
+    const std::size_t i = table.add(def, checkBody(def));
+    table.events.clear();
+    return i;
+  }
   /// A unit ball.
   std::size_t ball(const Vec<D>& place, BodyType type = BodyType::dynamic) {
     return add(body<D>(Shape<D>::sphere(1), place, type));

@@ -1,26 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/contacts/clip/query_clip2.h"
-#include "algorithms/contacts/clip/query_clip3.h"
-#include "algorithms/contacts/patch/plane_patch.h"
-#include "algorithms/contacts/patch/query_batches.h"
+#include "algorithms/contacts/clip/query_clipper.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace contacts;
 
-template <int D>
-struct QueryScratch;
-template <>
-struct QueryScratch<2> {
-  using type = QueryClipScratch2;
-};
-template <>
-struct QueryScratch<3> {
-  using type = QueryClipScratch3;
-};
-
-// Contacts from any pair query: the query gives the direction, and clipping the faces that meet there gives the points.
 template <int D>
 class QueryClip final : public ContactGenerator<D> {
  public:
@@ -35,7 +20,7 @@ class QueryClip final : public ContactGenerator<D> {
       visitReduction(v, reduction);
     }
   };
-  explicit QueryClip(const Params& params) : m_params(params), m_batches(params.query) {}
+  explicit QueryClip(const Params& params) : m_clipper(params.query, params.bias, params.reduction) {}
 
   static AlgorithmInfo info() {
     AlgorithmInfo out = {.name = "query_clip",
@@ -49,26 +34,14 @@ class QueryClip final : public ContactGenerator<D> {
     return out;
   }
 
-  bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
-  bool remembers() const override { return m_batches.remembers(); }
-
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_clipper.supports(a, b); }
+  bool remembers() const override { return m_clipper.remembers(); }
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
-    m_batches.run(in, m_params.bias, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
-      if (hasPlane(placed)) {
-        const Vec<D> down = planePatch(placed, m_params.reduction, m_plane, work);
-        return addPatch<D>(in, placed, down, m_plane.points, fresh);
-      }
-      const Vec<D> n = answer.normal;
-      const PatchPoint<D> witness = witnessPoint(placed, answer);
-      addPatch<D>(in, placed, n, clipAlong(placed, n, witness, m_params.reduction, m_scratch, work), fresh);
-    });
+    m_clipper.generate(in, fresh, work);
   }
 
  private:
-  Params m_params;
-  QueryBatches<D> m_batches;
-  typename QueryScratch<D>::type m_scratch;
-  PlaneScratch<D> m_plane;
+  QueryClipper<D> m_clipper;
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "algorithms/contacts/clip/query_clipper.h"
 #include "algorithms/contacts/patch/plane_patch.h"
 #include "algorithms/contacts/sat/sat_collide2.h"
 #include "algorithms/contacts/sat/sat_collide3.h"
@@ -19,7 +20,8 @@ struct ScratchOf<3> {
   using type = Scratch3;
 };
 
-// The default generator: separating axes give the normal, clipping the facing faces gives the points.
+// The default generator: separating axes give the normal, clipping the facing faces gives the points. A curved core has
+// no list of axes, so query_clip makes its contacts, cold: the memory of pairs would cost all others time.
 template <int D>
 class SatClip final : public ContactGenerator<D> {
  public:
@@ -32,12 +34,15 @@ class SatClip final : public ContactGenerator<D> {
       visitReduction(v, reduction);
     }
   };
-  explicit SatClip(const Params& params) : m_params(params) {}
+  explicit SatClip(const Params& params)
+      : m_params(params), m_curved(Spec{"by_kind", {}}, params.bias, params.reduction) {}
 
   static AlgorithmInfo info() {
     AlgorithmInfo out = {
         .name = "sat_clip",
-        .summary = "separating axis test, then clips the incident face against the reference face; no curved cores",
+        .summary =
+            "separating axis test, then clips the incident face against the reference face; curved cores as "
+            "query_clip{query=by_kind}",
         .paper = "gregorius2013",
         .complexity = "f v + e^2 per pair of hulls, 15 axes per pair of boxes",
         .failures = {{"a body more than halfway through a thin one",
@@ -48,14 +53,18 @@ class SatClip final : public ContactGenerator<D> {
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {
-    const CoreClass first = coreClass(a), second = coreClass(b);
-    if (first == CoreClass::curved || second == CoreClass::curved) return false;  // no list of axes
-    return first != CoreClass::plane || second != CoreClass::plane;
+    return isCurved(a, b) ? m_curved.supports(a, b)
+                          : coreClass(a) != CoreClass::plane || coreClass(b) != CoreClass::plane;
   }
 
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
-    work[WorkCount::pairQueries] += in.pairs.size();
+    m_curvedPairs.clear();
     for (const ConvexPair<D>& pair : in.pairs) {
+      if (isCurved(pair.a.kind, pair.b.kind)) {
+        m_curvedPairs.push_back(pair);
+        continue;
+      }
+      ++work[WorkCount::pairQueries];
       const PlacedPair<D> placed = placePair(in, pair, m_params.bias);
       if (hasPlane(placed)) {
         const Vec<D> n = planePatch(placed, m_params.reduction, m_plane, work);
@@ -66,12 +75,22 @@ class SatClip final : public ContactGenerator<D> {
       const auto points = patchPoints(m_scratch, placed.tolerance, m_params.reduction);
       addPatch(in, placed, patchNormal(m_scratch), points, fresh);
     }
+    if (m_curvedPairs.empty()) return;
+    ContactInput<D> rest = in;
+    rest.pairs = m_curvedPairs;
+    m_curved.generate(rest, fresh, work);
   }
 
  private:
+  static bool isCurved(ShapeKind a, ShapeKind b) {
+    return coreClass(a) == CoreClass::curved || coreClass(b) == CoreClass::curved;
+  }
+
   Params m_params;
   typename ScratchOf<D>::type m_scratch;
   PlaneScratch<D> m_plane;
+  QueryClipper<D> m_curved;
+  IndexedVector<ConvexPair<D>> m_curvedPairs;
 };
 
 }  // namespace

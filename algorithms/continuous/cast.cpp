@@ -67,24 +67,27 @@ class Cast final : public ContinuousCollision<D> {
   }
 
   // Finds, from time t on, when the depth reaches the allowed one, or grows by half of it if it is nearly reached
-  // already. A body that rests slightly inside another may thus move on; otherwise it would never move again. Along the
-  // normal the depth grows no faster than the bodies approach: conservative advancement on the far side of contact.
+  // already, but not to more than the inner ball's radius unless it is deeper already. A body that rests inside another
+  // may thus move on; otherwise it would never move again. Along the normal the depth grows no faster than the bodies
+  // approach: conservative advancement on the far side of contact.
   Real tooDeep(const FastPair<D>& p, Real t, Real duration, WorkDone& work) {
     const Real ball = std::min(p.fastA ? p.a.inner : kNever, p.fastB ? p.b.inner : kNever);
     const Real inner = std::max(ball, m_params.depth);  // a segment has no inner ball
     Real allowed = std::min(m_params.depth, m_params.threshold * inner);
     const MotionBounds<D> bounds(p.pair);
     PairMemory memory;
+    Real atStart = 0;  // m, the growth of the depth that is allowed
     for (int k = 0; k < m_params.iterations; ++k) {
       const PairView<D> view = p.pair.at(t);
       PairAnswer<D> answer;
       m_query->query({&view, 1}, QueryNeed::distance, {&answer, 1}, {&memory, 1}, work);
       if (k == 0 && -answer.distance > allowed / 2) {
-        allowed = std::min(allowed / 2 - answer.distance, (inner - answer.distance) / 2);
+        const Real more = std::min(allowed, inner + answer.distance);  // at most to the inner ball's radius
+        allowed = (more > 0 ? more : allowed) / 2 - answer.distance;
       }
       const Real left = allowed + answer.distance;  // m
-      // At the first query the part may be half way through, and the side is then unknown.
-      if (!(left > kAlmostThere * allowed)) return k == 0 ? kNever : t;
+      if (k == 0) atStart = left;
+      if (!(left > kAlmostThere * atStart)) return t;
       const Real speed = bounds.closingSpeed(p.pair.A.bodyAt(t).q * (p.pair.A.X_CS.q * answer.normal));
       if (!std::isfinite(speed) || answer.normal.isZero(0)) return t;
       if (!(speed * (duration - t) > left)) return kNever;

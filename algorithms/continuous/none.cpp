@@ -20,6 +20,7 @@ class None final : public ContinuousCollision<D> {
         .failures = {{"a ball that moves farther in a step than its thickness plus the obstacle's", "it passes through",
                       "Continuous.BallIsStopped"},
                      {"bullets of other shapes", "they pass through", "Continuous.BulletIsStopped"},
+                     {"bullets at a mesh or chain", "they pass through", "Continuous.SurfaceIsNotPassed"},
                      {"the end of a wall in the path of half a box", "it passes through", "Continuous.EdgeIsMet"},
                      {"a rotating rod beside a post", "it passes through", "Continuous.SpinningRodIsStopped"},
                      {"two bullets head on", "they pass through each other", "Continuous.FastOnesMeet"},

@@ -26,14 +26,14 @@ class Speculative final : public ContinuousCollision<D> {
             .complexity = "a broadphase query per fast part, contacts of those pairs",
             .failures = {{"a body that passes by an edge", "it bounces off the extended plane of a neighbouring face",
                           "Continuous.PassesBy"},
-                         {"a floor of tiles", "a sliding body is stopped by the side of the next tile",
-                          "Continuous.SlidesOverSeams"},
                          {"a body that is struck and moves off within the step", "it passes through",
                           "Continuous.SentOnItsWayIsStopped"},
                          {"two bodies of equal speed, one behind the other, and the first is stopped",
                           "the second passes through the first", "Continuous.StoppedOnesStandInTheWay"},
                          {"a long body that rotates about its point of impact", "its ends pass through",
                           "Continuous.BulletIsStopped"},
+                         {"a long or pointed body that meets a mesh or chain, and turns about its point of impact",
+                          "its ends pass through, and nothing pushes them back", "Continuous.SurfaceIsNotPassed"},
                          {"several bullets in a row", "a bullet that is hit from behind passes through",
                           "Continuous.QueueIsStopped"}}};
   }

@@ -2,19 +2,14 @@
 #include <algorithm>
 
 #include "algorithms/solver/step/free_motion.h"
+#include "algorithms/solver/step/gyroscopic.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
 using namespace solver;
 
-// Semi-implicit Euler, followed by the gyroscopic term by backward Euler in the body frame, where the inertia is
-// constant:
-//
-// f(w) = I (w - w0) + dt w x I w = 0, f'(w) = I + dt ([w]x I - [I w]x)
-//
-// The solution has less energy and less angular momentum than w0 for every step length (multiply by w and by I w).
-// Catto takes one Newton step from w0, which is most of the way.
+// Semi-implicit Euler, followed by the gyroscopic term by backward Euler.
 template <int D>
 class ImplicitGyroscopic final : public Integrator<D> {
  public:
@@ -41,38 +36,11 @@ class ImplicitGyroscopic final : public Integrator<D> {
 
   void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {
     kick(in, m_wrenches);
-    if (in.model.rotation) {
-      for (std::size_t i = 0; i < in.bodies.pose.size(); ++i) turn(in, i);
-    }
+    if (in.model.rotation) gyroscopicStep(in.bodies, in.dt, m_params.iterations);
     std::copy(in.bodies.motion.begin(), in.bodies.motion.end(), drift.begin());
   }
 
  private:
-  void turn(const IntegrateInput<2>&, std::size_t) {}
-  void turn(const IntegrateInput<3>& in, std::size_t i) {
-    Bodies<3>& b = in.bodies;
-    const Inertia<3>& inverse = b.invInertiaBody[i];
-    if (!(b.invInertia[i].trace() > 0) || !(inverse.determinant() > 0)) return;
-    const Inertia<3> inertia = inverse.inverse();
-    const Rot<3>& q = b.pose[i].q;
-    const Vec<3> start = q.inverse() * b.motion[i].w;
-    Vec<3> w = start;
-    for (int k = 0; k < m_params.iterations; ++k) {
-      const Vec<3> momentum = inertia * w;
-      const Vec<3> f = inertia * Vec<3>(w - start) + in.dt * cross(w, momentum);
-      const Mat<3> slope = inertia + in.dt * (skew(w) * inertia - skew(momentum));
-      if (!(std::abs(slope.determinant()) > 0)) break;
-      w -= slope.inverse() * f;
-    }
-    b.motion[i].w = q * w;
-  }
-
-  static Mat<3> skew(const Vec<3>& v) {
-    Mat<3> m;
-    m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-    return m;
-  }
-
   Params m_params;
   std::vector<Wrench<D>> m_wrenches;
 };

@@ -59,6 +59,7 @@ class Distance final : public JointKind<D> {
       return;
     }
     ConstraintRow<D>& row = out.point(d, at.rA, at.rB, distance - joint.state[0]);
+    if (distance > 0) row.bend = 1 / distance;
     switch (m_params.mode) {
       case DistanceMode::rod:
         break;

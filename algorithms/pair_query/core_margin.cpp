@@ -197,7 +197,7 @@ class CoreMargin final : public PairQuery<D> {
     m_cache.recall(pair, &corners);
     const Walk whole = approach(pair, rounding, m_cache, best, work);
     if (!(whole.length() <= near)) return whole.capped ? QueryStatus::iterationLimit : QueryStatus::converged;
-    const EpaLimits limits{m_params.faces, m_params.faces, rounding, 0, whole.inside};
+    const EpaLimits limits{m_params.faces, m_params.faces, kNotLocal, rounding, 0, whole.inside};
     return m_epa.run(pair, whole.last(), limits, best, work);
   }
 

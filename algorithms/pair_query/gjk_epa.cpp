@@ -23,7 +23,10 @@ class GjkEpa final : public PairQuery<D> {
                           "PairQuery.Properties3"},
                          {"simplex=signed_volumes: hulls in single precision",
                           "the closest point is taken from the wrong simplex: off by a few 1/100,000 of the size",
-                          "PairQuery.Properties3"}}};
+                          "PairQuery.Properties3"},
+                         {"deep, nearly coaxial bodies of revolution",
+                          "the depth of one pair in 3,000 is too large by up to a ten-millionth of the size",
+                          "DeepCurvedPairs.SomeNearlyCoaxialBodiesAreAlmostRight"}}};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return !hasPlane(a, b) || supportsPlane(a, b); }

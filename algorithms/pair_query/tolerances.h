@@ -142,6 +142,46 @@ inline const Real kLeastCurvature = 64 * kEpsilon / kTurn;
 /// a ridge keep a short bound.
 inline constexpr int kMostPolishSteps = 16;
 
+/// A ridge is looked for where the support point jumps over the smallest rotations by more than this (1, fraction of
+/// the smaller core). Larger: the ridges of short edges are missed. Smaller: time on smooth cores.
+inline constexpr Real kJump = sizeof(Real) == 8 ? Real(1e-3) : Real(0.1);
+
+/// Trials on the way to a ridge that a step has crossed (count). Larger: only time. Smaller: the ridge is missed, and
+/// with it the square root of the search's tolerance.
+inline constexpr int kMostRidgeSteps = 8;
+
+/// On a ridge: how far beside it the slope of each side is taken (rad), and over which rotation its curvature is (rad).
+/// Larger: values of another place. Smaller: the side is chosen by rounding, and the curvature is noise.
+inline const Real kBeside = std::sqrt(kEpsilon);
+inline const Real kRidgeTurn = std::sqrt(std::sqrt(kEpsilon)) * 8;
+
+/// How often a step along a ridge that does not rise is tried again at a quarter of its length (count). Larger: time.
+/// Smaller: long steps along a ring that is smaller than a great circle end the search.
+inline constexpr int kMostShorterSteps = 4;
+
+/// Two jumps of the support point span a face when the sine between them is above this (1). Larger: the normal of a
+/// narrow face is not tried. Smaller: the normal of two parallel edges is tried, which is noise.
+inline constexpr Real kFaceSine = Real(1e-3);
+
+/// With this many faces (count) EPA of curved cores leaves the last digits to Newton's steps, which start from the
+/// faces that are left: a ring of equally deep directions would take millions of faces. Larger: time on rings. Smaller:
+/// more pairs have their deepest direction found by steps from few faces.
+inline constexpr int kLocalFaces = 256;
+
+/// Newton's steps start from a face when no part of the surface is farther above it than this (1, fraction of its
+/// offset), times the fourth power of the number of faces in kLocalFaces. Larger: steps from too far away end
+/// elsewhere. Smaller: more faces first.
+inline constexpr Real kNearFace = Real(1e-4);
+
+/// No steps start from a face whose normal is closer than this (rad) to where others have ended. Larger: one of two
+/// near depths is missed. Smaller: more starts that end at the same place.
+inline constexpr Real kSameDirection = Real(0.05);
+
+/// Starts of Newton's steps that end where others did, without a better bound, after which the search ends (count); and
+/// of all starts. Larger: time. Smaller: one of several nearly equal depths is missed.
+inline constexpr int kMostIdleStarts = 4;
+inline constexpr std::size_t kMostStarts = 16;
+
 /// Newton's steps for the closest points (count), which cost the bound no more than roundings. Larger: only time.
 /// Smaller: closest points are off by the square root of a rounding.
 inline constexpr int kSettleSteps = 2;

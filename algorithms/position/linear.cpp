@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/step/ngs_sweep.h"
 #include "framework/math/tolerances.h"
 #include "framework/stage/profiler.h"
 
@@ -8,8 +8,9 @@ namespace {
 
 using namespace solver;
 
-// The first method of the 2009 engine: bodies are moved apart along the normal, each by its share of inverse mass, and
-// never turned. A tilted box that touches with one corner is lifted as a whole.
+// The first method of the 2009 engine: bodies in contact are moved apart along the normal, each by its share of inverse
+// mass, and not turned. A tilted box that touches with one corner is lifted as a whole. Joints are corrected by
+// nonlinear Gauss-Seidel, which turns bodies: no translation closes a loop whose bars have wrong angles.
 template <int D>
 class Linear final : public PositionResolver<D> {
  public:
@@ -26,44 +27,34 @@ class Linear final : public PositionResolver<D> {
   explicit Linear(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {.name = "linear",
-            .summary = "moves bodies apart along the contact normal without rotating them",
-            .paper = "lpc2009",
-            .complexity = "iterations x (contacts + joints)",
-            .guarantee = Guarantee::approximate,
-            .failures = {{"two pinned bodies", "they cannot be moved at all", "PositionError.TurnsPinnedBodies"},
-                         {"a joint with an angular error", "the error stays", "Joint.ErrorsShrink"},
-                         {"bodies that pass each other", "position correction changes their angular momentum",
-                          "PositionError.KeepsAngularMomentum"}}};
+    return {
+        .name = "linear",
+        .summary = "moves bodies apart along the contact normal without rotating them; joints may rotate them",
+        .paper = "lpc2009",
+        .complexity = "iterations x (contacts + joints)",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"two pinned bodies in contact", "they cannot be moved at all", "PositionError.TurnsPinnedBodies"},
+                     {"bodies that pass each other", "position correction changes their angular momentum",
+                      "PositionError.KeepsAngularMomentum"}}};
   }
 
   void correct(const PositionInput<D>& in) override {
     Bodies<D>& bodies = in.bodies;
-    const auto push = [&](std::int32_t bodyA, std::int32_t b, const Vec<D>& apart) {
-      const Real ofA = bodyA < 0 ? Real(0) : bodies.invMass[bodyA], sum = ofA + bodies.invMass[b];
-      if (!(sum > 0)) return;
-      if (ofA > 0) bodies.pose[bodyA].p -= (ofA / sum) * apart;
-      bodies.pose[b].p += (bodies.invMass[b] / sum) * apart;
-    };
+    const NgsShare share{.jointFactor = m_params.factor, .stopFactor = m_params.factor};
     for (int i = 0; i < m_params.iterations; ++i) {
-      for (const JointRecord<D>& j : in.joints) {
-        if (!j.active() || !in.model.joints) continue;
-        jointRows(j, bodies, m_rows);
-        Vec<D> error = Vec<D>::Zero();  // errors that only a rotation could correct remain
-        for (const ConstraintRow<D>& row : m_rows.all()) {
-          if (row.binds()) error += row.error * row.d;
-        }
-        push(j.bodyA, j.bodyB, -m_params.factor * error);
-        countRows<D>(in.work, m_rows.all().size());
+      if (in.model.joints) {
+        m_joints.sweep({in.dt, bodies, in.manifolds, {}, in.joints, in.model, in.work, in.profiler}, share);
       }
       for (int k : in.order) {
         const Manifold<D>& m = in.manifolds[k];
-        const auto a = m.bodyA, b = m.bodyB;
+        const Real ofA = bodies.invMass[m.bodyA], ofB = bodies.invMass[m.bodyB], sum = ofA + ofB;
         for (int p = 0; p < m.count; ++p) {
-          const ContactPoint<D>& c = m.points[p];
-          const Real depth = -ContactArms<D>(c, m.normal, bodies.pose[a], bodies.pose[b]).separation - m_params.slop;
-          if (depth > 0) push(m.bodyA, m.bodyB, m_params.factor * depth * m.normal);
+          const ContactArms<D> arms(m.points[p], m.normal, bodies.pose[m.bodyA], bodies.pose[m.bodyB]);
+          const Real depth = -arms.separation - m_params.slop;
           countRows<D>(in.work, 1);
+          if (!(depth > 0 && sum > 0)) continue;
+          bodies.pose[m.bodyA].p -= (ofA / sum * m_params.factor * depth) * m.normal;
+          bodies.pose[m.bodyB].p += (ofB / sum * m_params.factor * depth) * m.normal;
         }
       }
     }
@@ -71,7 +62,7 @@ class Linear final : public PositionResolver<D> {
 
  private:
   Params m_params;
-  JointRows<D> m_rows;
+  NgsSweep<D> m_joints;  // of joints alone
 };
 
 }  // namespace

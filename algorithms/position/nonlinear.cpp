@@ -128,8 +128,9 @@ class Nonlinear final : public PositionResolver<D> {
     const auto a = item.a, b = item.b;
     Vec<D> rA = bodies.pose[a].q * item.localA, rB = bodies.pose[b].q * item.localB;
     const Vec<D> gap = (bodies.pose[b].p - bodies.pose[a].p) + rB - rA;
-    rA += gap / 2, rB -= gap / 2;
-    const Real depth = -gap.dot(item.normal) - m_params.slop;
+    const Real separation = gap.dot(item.normal);
+    rA += (separation / 2) * item.normal, rB -= (separation / 2) * item.normal;  // as in ownArms()
+    const Real depth = -separation - m_params.slop;
     return {item.normal, cross(rA, item.normal), cross(rB, item.normal), depth > m_params.tolerance ? depth : Real(0)};
   }
   Place jointPlace(const Bodies<D>& bodies, const Item& item) {

@@ -79,7 +79,7 @@ class SplitImpulse final : public PositionResolver<D> {
       const auto a = m.bodyA, b = m.bodyB;
       for (int p = 0; p < m.count; ++p) {
         const ContactPoint<D>& c = m.points[p];
-        const ContactArms<D> arms(c, m.normal, bodies.pose[a], bodies.pose[b]);
+        const ContactArms<D> arms = ownArms(c, m.normal, bodies.pose[a], bodies.pose[b]);
         const Real spare = arms.separation + m_params.slop;
         m_wrong = m_wrong || spare < 0;
         // Contacts without an error take part too; otherwise correcting one contact would push bodies into another.

@@ -90,7 +90,8 @@ class TimerIsland final : public SleepPolicy<D> {
     each([&](std::size_t i, std::size_t of) {
       const Motion<D>& motion = in.bodies.motion[i];
       const bool slow = motion.v.norm() <= m_params.linear && motion.w.norm() <= m_params.angular;
-      const bool waits = slow && in.bodies.canSleep[i] && !m_rules.woken()[i] && !m_held[i];
+      const bool rests = !m_rules.woken()[i] && !m_rules.pushedOut()[i];
+      const bool waits = slow && in.bodies.canSleep[i] && rests && !m_held[i];
       memory[i][0] = waits && awake[i] ? memory[i][0] + in.dt : Real(0);
       m_rested[of] = std::min(m_rested[of], memory[i][0]);
     });

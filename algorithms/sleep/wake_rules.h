@@ -15,6 +15,9 @@ namespace lpc { inline namespace LPC_PRECISION { namespace sleep {
 
 inline std::size_t index(std::int32_t slot) { return static_cast<std::size_t>(slot); }
 
+/// While a deep contact opens faster than this (m/s), position correction is at work: a slop per second.
+inline constexpr Real kRepairSpeed = kLinearSlop;
+
 template <int D>
 bool dynamic(const SleepInput<D>& in, std::int32_t slot) {
   return slot >= 0 && in.bodies.used[slot] && in.bodies.type[slot] == BodyType::dynamic;
@@ -33,14 +36,19 @@ bool platform(const SleepInput<D>& in, std::int32_t slot) {
   return in.bodies.type[slot] == BodyType::kinematic && moves(in, slot);
 }
 
+template <int D>
+Real smallestSeparation(const Manifold<D>& m) {
+  Real nearest = kContactMargin;
+  for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[i].separation);
+  return nearest;
+}
+
 /// Whether `from` carries the other body of this contact: pushes it against the other body's own gravity. Without
 /// gravity any touch counts.
 template <int D>
 bool carries(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
   const std::int32_t to = from == m.bodyA ? m.bodyB : m.bodyA;
-  Real nearest = kContactMargin;
-  for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[i].separation);
-  if (nearest > kLinearSlop) return false;  // near, but carries nothing
+  if (smallestSeparation(m) > kLinearSlop) return false;  // near, but carries nothing
   const Real g = in.gravity.norm(), share = in.bodies.gravityScale[to];
   const Real down = share * m.normal.dot(in.gravity) * (from == m.bodyB ? Real(1) : Real(-1));
   return !(g > 0 && share != 0 && down < Real(0.1) * std::abs(share) * g);
@@ -91,6 +99,9 @@ inline bool recentAverage(Real& stored, Real bias, Real now, Real threshold) {
 /// neighbour left asleep would reflect the impact. A moving platform wakes its whole load, at any speed.
 /// - A support that slides away wakes everything on it up to the top, and no body falls asleep on a support that would
 /// wake it in the next step. The distance to such a support does not change, and sleepers would hold it like a wall.
+/// A body on a support that is taken away wakes once its own support leaves it: a stack falls as a wave (6.5.1).
+/// - A body that appears inside a sleeper, slower than an impact, wakes everything that touches the sleeper, and no
+/// body falls asleep while it, or a body that it touches, is pushed out of another.
 /// - Jointed bodies sleep and wake together.
 /// Call order in a step: byEvents, byBlows, bySlides, byJoints, fallAsleep.
 template <int D>
@@ -100,6 +111,8 @@ class WakeRules {
 
   /// By slot, since byEvents(): bodies that were woken or that the user changed. Their averages restart.
   std::span<const std::uint8_t> woken() const { return m_woken; }
+  /// By slot, since byEvents(): bodies that position correction pushes out of others.
+  std::span<const std::uint8_t> pushedOut() const { return m_pushedOut; }
 
   void wake(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake, std::int32_t slot) {
     if (!dynamic(in, slot) || awake[slot]) return;
@@ -112,6 +125,7 @@ class WakeRules {
     m_woken.assign(awake.size(), 0);
     bool changed = false;
     m_flag.assign(awake.size(), 0), m_carried.assign(awake.size(), 0);
+    m_dropped.assign(awake.size(), 0), m_pushedOut.assign(awake.size(), 0), m_met.clear();
     in.work[WorkCount::eventVisits] += in.events.size();
     for (const SleepEvent& e : in.events) {
       switch (e.kind) {
@@ -127,25 +141,43 @@ class WakeRules {
           m_flag[e.body] = 1, changed = true;
           break;
         case SleepEvent::contactBegun:
+          m_met.push_back(std::minmax(e.body, e.other));
           break;  // an impact is judged by its contact, new or old
         case SleepEvent::separationGrown:
           if (e.speed > double(m_wakeSeparation)) wake(in, awake, e.body);
+          if (e.speed > double(kRepairSpeed)) m_pushedOut[e.body] = 1;
           break;
+        case SleepEvent::bodyAdded:
+          break;  // wakes sleepers by its contacts
       }
     }
+    byOverlaps(in, awake);
     if (!changed) return;
     in.work[WorkCount::eventVisits] += in.manifolds.size() + in.joints.size();
     for (const Manifold<D>& m : in.manifolds) {
       if (m.ignored) continue;
       for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
-        if (!m_flag[at]) continue;
+        if (!m_flag[at] || !dynamic(in, other)) continue;
         wake(in, awake, other);
-        if (!dynamic(in, at)) m_carried[other] = 1;
+        (dynamic(in, at) ? m_dropped : m_carried)[other] = 1;
       }
     }
     forHeld(in, [&](std::int32_t body, std::int32_t holder) {
       if (m_flag[holder]) wake(in, awake, body);
     });
+  }
+
+  // An impact is judged by byBlows().
+  void byOverlaps(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
+    if (m_met.empty()) return;
+    std::sort(m_met.begin(), m_met.end());
+    in.work[WorkCount::eventVisits] += in.manifolds.size();
+    for (const Manifold<D>& m : in.manifolds) {
+      if (m.ignored || !(smallestSeparation(m) < -kLinearSlop)) continue;
+      if (!std::binary_search(m_met.begin(), m_met.end(), std::pair(m.bodyA, m.bodyB))) continue;
+      if (approach(in, m) > in.restitutionThreshold) continue;
+      for (const std::int32_t body : {m.bodyA, m.bodyB}) wake(in, awake, body), m_carried[body] = 1;
+    }
   }
 
   // Works in rounds, so that the order of contacts has no effect: each round uses the speeds that bodies woken in the
@@ -200,8 +232,8 @@ class WakeRules {
 
   // Which body carries which is decided once a step, so that the order of contacts has no effect.
   void bySlides(const SleepInput<D>& in, IndexedSpan<std::uint8_t> awake) {
-    m_flag.assign(awake.size(), 0);
-    bool again = false;
+    m_flag.assign(m_dropped.begin(), m_dropped.end());
+    bool again = std::find(m_flag.begin(), m_flag.end(), 1) != m_flag.end();
     forContacts(in, [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
       if (awake[to] || !awake[from] || !dynamic(in, from) || !moves(in, from)) return;
       if (slide(in, m, from) > m_wakeSeparation && carries(in, m, from)) m_flag[to] = 1, again = true;
@@ -241,6 +273,7 @@ class WakeRules {
   /// keep awake.
   void fallAsleep(const SleepInput<D>& in, IndexedSpan<std::uint8_t> calm, IndexedSpan<std::uint8_t> awake) {
     if (std::find(calm.begin(), calm.end(), 1) == calm.end()) return;
+    keepPushed(in, calm);
     findSupported(in, awake);
     for (const Manifold<D>& m : in.manifolds) {
       if (m.ignored) continue;
@@ -273,6 +306,18 @@ class WakeRules {
   }
 
  private:
+  // A sleeper would act as a wall on the way out.
+  void keepPushed(const SleepInput<D>& in, IndexedSpan<std::uint8_t> calm) {
+    bool again = std::find(m_pushedOut.begin(), m_pushedOut.end(), 1) != m_pushedOut.end();
+    const auto passOn = [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
+      if (!m_pushedOut[from] || m_pushedOut[to] || smallestSeparation(m) > kLinearSlop) return;
+      if (dynamic(in, from)) m_pushedOut[to] = 1, again = true;
+    };
+    while (std::exchange(again, false)) forContacts(in, passOn), forContactsBack(in, passOn);
+    for (std::size_t i = 0; i < calm.size(); ++i) {
+      if (m_pushedOut[i]) calm[i] = 0;
+    }
+  }
   // Calls f(manifold, from, to) for each contact of a dynamic body `to`, in both directions.
   template <class F>
   static void forContacts(const SleepInput<D>& in, const F& f) {
@@ -332,8 +377,9 @@ class WakeRules {
 
   Real m_wakeSeparation;
   // Scratch of one decision, by body slot.
-  IndexedVector<std::uint8_t> m_woken, m_carried, m_stands, m_flag, m_front;
-  IndexedSpan<const std::int32_t> m_group;  // group of jointed bodies; -1 if a body is not dynamic
+  IndexedVector<std::uint8_t> m_woken, m_carried, m_stands, m_flag, m_front, m_dropped, m_pushedOut;
+  std::vector<std::pair<std::int32_t, std::int32_t>> m_met;  // bodies whose contact has begun
+  IndexedSpan<const std::int32_t> m_group;                   // group of jointed bodies; -1 if a body is not dynamic
   IndexedVector<Real> m_speed, m_next;
 };
 

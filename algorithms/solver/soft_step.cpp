@@ -13,11 +13,14 @@ template <int D>
 class SoftStep final : public Solver<D> {
  public:
   enum class Arms { turning, asMade };
+  enum class Joints { soft, rigid };
   struct Params {
     int substeps = 4;
-    Real hertz = 30, dampingRatio = 10, pushSpeed = 3, jointDampingRatio = 2;
+    Real hertz = 30, dampingRatio = 10, pushSpeed = 3, jointDampingRatio = 2, jointFactor = Real(0.2);
     int relax = 1;
-    bool warmStart = true;
+    bool warmStart = true, gyroscopic = false;
+    ContactsOf contacts = ContactsOf::step;
+    Joints joints = Joints::soft;
     Arms arms = Arms::turning;
     bool bounceFriction = false;
     void visit(ParamVisitor& v) {
@@ -25,16 +28,24 @@ class SoftStep final : public Solver<D> {
       v.real("hertz", hertz, 0, 100000, "1/s", "stiffness of contacts; limited to a quarter of the sub-step rate");
       v.real("damping_ratio", dampingRatio, 0, 1000, "1", "damping ratio of contacts; large values prevent bouncing");
       v.real("push_speed", pushSpeed, 0, 1000, "m/s", "largest speed at which penetration is corrected");
-      v.real("joint_damping_ratio", jointDampingRatio, 0, 1000, "1",
-             "damping ratio of joints, which are twice as stiff as contacts");
+      v.choice("joints", joints, {"soft", "rigid"},
+               "soft: springs twice as stiff as contacts (published); rigid: a fraction of the error per step");
+      v.real("joint_damping_ratio", jointDampingRatio, 0, 1000, "1", "joints=soft only: damping ratio of joints");
+      v.real("joint_factor", jointFactor, 0, 1, "1", "joints=rigid only: fraction of an error corrected per step");
       v.integer("relax", relax, 0, 100, "relaxation passes without springs after each move");
       v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
+      v.flag("gyroscopic", gyroscopic, "implicit gyroscopic term, in 3D; published: false");
+      visitContactsOf(v, contacts);
       v.choice("arms", arms, {"turning", "as_made"},
                "lever arms of cached points: current, or frozen at creation as in Box2D 3, which misses a lean");
       v.flag("bounce_friction", bounceFriction, "friction also acts on restitution impulses; published: false");
     }
   };
-  explicit SoftStep(const Params& params) : m_params(params) {}
+  explicit SoftStep(const Params& params) : m_params(params) {
+    if (params.contacts == ContactsOf::substep && params.arms == Arms::asMade) {
+      throw UserError("'soft_step' has contacts=substep and arms=as_made; valid: contacts=substep with arms=turning");
+    }
+  }
 
   static AlgorithmInfo info() {
     return {.name = "soft_step",
@@ -45,6 +56,9 @@ class SoftStep final : public Solver<D> {
             .failures = substepFailures(
                 "soft contacts and relaxation slow it, not at the Gauss-Seidel rate",
                 {kArmsStay,
+                 {"a spring of a hinge or slider that moves a body on a long arm",
+                  "its period is too long, because the joint is another spring in series; joints=rigid is right",
+                  "KnownAnswer.torsion_pendulum"},
                  {"a body on a very heavy one", "it sinks deeper than on a static body, which gets stiffer springs",
                   "Symmetry.HeavyIsFixed"},
                  {"a motor with a million times the needed torque, at a joint limit",
@@ -57,10 +71,11 @@ class SoftStep final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    m_substeps.prepare(in, m_params.substeps, m_params.warmStart, m_params.arms == Arms::asMade);
+    m_substeps.prepare(in, {m_params.substeps, m_params.warmStart, m_params.gyroscopic, m_params.arms == Arms::asMade,
+                            m_params.contacts});
     const Real h = m_substeps.h(), hertz = std::min(m_params.hertz, Real(0.25) / h);
-    const ErrorFeedback errors =
-        springs(hertz, m_params.dampingRatio, m_params.jointDampingRatio, m_params.pushSpeed, h);
+    ErrorFeedback errors = springs(hertz, m_params.dampingRatio, m_params.jointDampingRatio, m_params.pushSpeed, h);
+    if (m_params.joints == Joints::rigid) errors.joint = {.rate = m_params.jointFactor / in.dt};
     for (int i = 0; i < m_params.substeps; ++i) m_substeps.step(in, i, errors, 1, m_params.relax);
     m_substeps.finish(in, m_params.bounceFriction ? BounceFriction::withFriction : BounceFriction::frictionless);
   }

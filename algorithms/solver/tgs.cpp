@@ -35,7 +35,8 @@ class Tgs final : public Solver<D> {
     int substeps = 4, sweeps = 1, relax = 2;
     RelaxAt relaxAt = RelaxAt::eachSubstep;
     Real factor = Real(0.2), slop = kLinearSlop, pushSpeed = 4;
-    bool warmStart = true;
+    bool warmStart = true, gyroscopic = false;
+    ContactsOf contacts = ContactsOf::step;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
       v.integer("sweeps", sweeps, 0, 100000, "passes over all joints and contacts in each sub-step");
@@ -47,6 +48,8 @@ class Tgs final : public Solver<D> {
       v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
       v.real("push_speed", pushSpeed, 0, 1000, "m/s", "largest speed at which penetration is corrected");
       v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
+      v.flag("gyroscopic", gyroscopic, "implicit gyroscopic term, in 3D; published: false");
+      visitContactsOf(v, contacts);
     }
   };
   explicit Tgs(const Params& params) : m_params(params) {}
@@ -69,7 +72,7 @@ class Tgs final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    m_substeps.prepare(in, m_params.substeps, m_params.warmStart);
+    m_substeps.prepare(in, {m_params.substeps, m_params.warmStart, m_params.gyroscopic, false, m_params.contacts});
     const Feedback rigid{.rate = m_params.factor / in.dt};
     const ErrorFeedback errors{rigid, rigid, rigid, m_params.slop, m_params.pushSpeed};
     for (int i = 0; i < m_params.substeps; ++i) {

@@ -5,6 +5,7 @@
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/step/free_motion.h"
+#include "algorithms/solver/step/gyroscopic.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -23,11 +24,14 @@ using namespace solver;
 template <int D>
 class Xpbd final : public Solver<D> {
  public:
+  enum class ContactsOf { step, substep };
   struct Params {
     int substeps = 8;
     Real contactCompliance = 0, jointCompliance = 0, slop = Real(0.0005);
     // Half in f32: the rounding of a position divided by h would become speed and impulse.
     Real jointShare = 0;
+    bool gyroscopic = false;
+    ContactsOf contacts = ContactsOf::step;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each", ParamRole::effort);
       v.real("contact_compliance", contactCompliance, 0, 1, "m/N", "compliance of contacts; 0: rigid");
@@ -36,6 +40,10 @@ class Xpbd final : public Solver<D> {
       v.real("joint_share", jointShare, 0, 1, "1",
              "fraction of a joint's error corrected per sub-step; 0: 1 (published), 0.5 in f32 because of rounding");
       v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
+      v.flag("gyroscopic", gyroscopic,
+             "implicit gyroscopic term, in 3D; published: an explicit one, which gains energy");
+      v.choice("contacts", contacts, {"step", "substep"},
+               "made for the step, or again for each sub-step (published), which costs more");
     }
   };
   explicit Xpbd(const Params& params) : m_params(params) {
@@ -50,7 +58,11 @@ class Xpbd final : public Solver<D> {
         .complexity = "substeps x 2 x contacts + substeps x joints",
         .guarantee = Guarantee::approximate,
         .failures =
-            {{"boxes deep inside each other",
+            {kNoGyroscopicTerm,
+             {"a body that rocks or rolls on a curved one",
+              "its swing grows: contact points stay those of the step's start; contacts=substep follows",
+              "KnownAnswer.rocking_plank"},
+             {"boxes deep inside each other",
               "they are thrown apart: depth becomes velocity in one sub-step, and one pass does not remove it",
               "Overlap.ComesApartOrSaysThatItDoesNot"},
              {"a penetration that is corrected by rotation", "the bodies separate: the correction becomes velocity",
@@ -100,11 +112,17 @@ class Xpbd final : public Solver<D> {
         Profiler::Scope scope(in.profiler, "solver.integrate");
         m_arrival.assign(motion.begin(), motion.end());
         kick<D>({h, in.time + static_cast<Real>(i) * h, in.bodies, in.forces, in.model, in.work}, m_wrenches);
+        if (m_params.gyroscopic && rotation) gyroscopicStep(in.bodies, h, 1);
       }
       {
         Profiler::Scope scope(in.profiler, "solver.prepare");
+        if (i > 0 && m_params.contacts == ContactsOf::substep) makeContacts(in);
         prepareContacts(in, h);
-        if (i == 0) m_total.assign(m_contacts.points.size(), {});
+        if (i == 0) {
+          m_total.assign(m_contacts.points.size(), {});
+        } else if (m_params.contacts == ContactsOf::substep) {
+          inheritTotals(in);
+        }
         m_from.assign(pose.begin(), pose.end());
         if (in.model.joints) {
           move(in, h);  // to the predicted poses
@@ -115,7 +133,7 @@ class Xpbd final : public Solver<D> {
         Profiler::Scope scope(in.profiler, "solver.iterate");
         m_joints.sweep(motion, h, {.rate = m_params.jointShare / h});
         m_joints.count(in.work);
-        for (const ManifoldRows<D>& m : m_contacts.manifolds) push(m, in, h);
+        for (std::size_t w = 0; w < m_work.size(); ++w) push(m_contacts.manifolds[w], in, h, m_work[m_pair[w]]);
       }
       {
         Profiler::Scope scope(in.profiler, "solver.move");
@@ -125,7 +143,8 @@ class Xpbd final : public Solver<D> {
       }
       Profiler::Scope scope(in.profiler, "solver.velocities");
       for (int k = 0; k < kSettle; ++k) {
-        for (const ManifoldRows<D>& m : m_contacts.manifolds) settle(m, in);
+        for (std::size_t w = 0; w < m_work.size(); ++w)
+          settle(m_contacts.manifolds[w], in, m_work[m_pair[w]], k + 1 == kSettle);
       }
       accumulate();
     }
@@ -133,7 +152,8 @@ class Xpbd final : public Solver<D> {
   }
 
  private:
-  static constexpr int kSettle = 2;  // friction that is removed changes the normal velocity
+  static constexpr int kSettle = 2;   // friction that is removed changes the normal velocity
+  static constexpr int kBounce = 16;  // visits: depth over h may be a hundred times the speed of a bounce
 
   // Positions are the start of the step plus one displacement; thirty small displacements would be rounded thirty
   // times.
@@ -151,7 +171,15 @@ class Xpbd final : public Solver<D> {
   void prepareContacts(const StepInput<D>& in, Real h) {
     const NoBias none;
     m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.model, in.restitutionThreshold,
-                        in.work, in.profiler, m_arrival});
+                        in.work, in.profiler, m_arrival},
+                       true);
+    m_work.assign(m_contacts.manifolds.size(), 0);
+    m_pair.resize(m_work.size());
+    for (std::size_t k = 0; k < m_pair.size(); ++k) {  // manifolds of two bodies are adjacent
+      const auto& manifolds = m_contacts.manifolds;
+      const bool same = k > 0 && manifolds[k].a == manifolds[k - 1].a && manifolds[k].b == manifolds[k - 1].b;
+      m_pair[k] = same ? m_pair[k - 1] : k;
+    }
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& of = in.manifolds[m.manifold];
       const auto [atA, atB] = BodyDisplacements<D>{m_start, m_displacement}.pair(in.bodies, m.a, m.b);
@@ -175,7 +203,7 @@ class Xpbd final : public Solver<D> {
   }
 
   // Corrects positions. Friction acts only where it can hold the point in place; sliding is left to the velocity pass.
-  void push(const ManifoldRows<D>& m, const StepInput<D>& in, Real h) {
+  void push(const ManifoldRows<D>& m, const StepInput<D>& in, Real h, Real& work) {
     const bool rotation = in.model.rotation;
     Motion<D>& a = in.bodies.motion[m.a];
     Motion<D>& b = in.bodies.motion[m.b];
@@ -184,48 +212,82 @@ class Xpbd final : public Solver<D> {
       const Real give = 1 / (1 + m_params.contactCompliance / (h * h) * row.normal.mass);
       const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
       row.impulse[0] = std::max(give * row.normal.mass * (row.target - v), Real(0));
+      work += workOf(row.normal, row.impulse[0], v);
       applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, rotation);
     }
     if (!(m.friction > 0)) return;
     for (int k = 0; k < m.count; ++k) {
       PointRows<D>& row = m_contacts.points[m.first + k];
-      RealMatrix<D - 1, 1> v;
-      for (int d = 0; d < D - 1; ++d) {
-        v[d] = rowVelocity<D>(row.tangent[d], m.t.col(d), a, b, rotation);
-      }
+      const RealMatrix<D - 1, 1> v = slip(m, row, a, b, rotation);
       const RealMatrix<D - 1, 1> impulse = -(row.stick * v);
       if (!(impulse.norm() <= m.friction * row.impulse[0])) continue;
       for (int d = 0; d < D - 1; ++d) {
         row.impulse[d + 1] = impulse[d];
         applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, impulse[d], a, b, rotation);
       }
+      work += impulse.dot(v + slip(m, row, a, b, rotation)) / 2;
     }
     countRows<D>(in.work, m.rows());
   }
 
+  // The kinetic energy (J) that an impulse along a row gives to bodies with relative velocity v.
+  static Real workOf(const Row<D>& row, Real impulse, Real v) {
+    return impulse == 0 ? Real(0) : impulse * (v + impulse / (2 * row.mass));
+  }
+  static RealMatrix<D - 1, 1> slip(const ManifoldRows<D>& m, const PointRows<D>& row, const Motion<D>& a,
+                                   const Motion<D>& b, bool rotation) {
+    RealMatrix<D - 1, 1> v;
+    for (int d = 0; d < D - 1; ++d) v[d] = rowVelocity<D>(row.tangent[d], m.t.col(d), a, b, rotation);
+    return v;
+  }
+
   // Corrects velocities: a point that was pushed stops or bounces, whatever the reason for the push. It may be pulled
-  // by no more than it was pushed.
-  void settle(const ManifoldRows<D>& m, const StepInput<D>& in) {
+  // by no more than it was pushed. A pair that bounces is visited until little is left of the speed that only corrected
+  // depth. The last visit limits a bounce so that it leaves no `work`: the energy (J) that this pair gained in this
+  // sub-step. A push that is pulled back has still moved the bodies against their forces (`kick`).
+  void settle(const ManifoldRows<D>& m, const StepInput<D>& in, Real& work, bool last) {
     const bool rotation = in.model.rotation;
     const auto a = m.a, b = m.b;
     const Real e = in.model.restitution ? in.manifolds[m.manifold].restitution : Real(0);
     auto& motion = in.bodies.motion;
-    for (int k = 0; k < m.count; ++k) {
-      PointRows<D>& row = m_contacts.points[m.first + k];
-      const Real old = row.impulse[0];
-      if (!(old > 0)) continue;
-      const Real arrival = rowVelocity<D>(row.normal, m.n, m_arrival[a], m_arrival[b], rotation);
-      const Real target = arrival < -in.restitutionThreshold ? -e * arrival : Real(0);
-      const Real v = rowVelocity<D>(row.normal, m.n, motion[a], motion[b], rotation);
-      row.impulse[0] = std::max(old + row.normal.mass * (target - v), Real(0));
-      applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, motion[a], motion[b], rotation);
-      countRows<D>(in.work, 1);
+    bool bounces = false;
+    for (int i = 0; i == 0 || (bounces && i < kBounce); ++i) {
+      const bool ends = last && i + 1 == kBounce;
+      for (int k = 0; k < m.count; ++k) {
+        PointRows<D>& row = m_contacts.points[m.first + k];
+        const Real old = row.impulse[0];
+        if (!(old > 0)) continue;
+        const Real arrival = rowVelocity<D>(row.normal, m.n, m_arrival[a], m_arrival[b], rotation);
+        const Real v = rowVelocity<D>(row.normal, m.n, motion[a], motion[b], rotation);
+        Real target = 0;
+        if (e > 0 && std::abs(arrival) > in.restitutionThreshold) bounces = true;  // or leaves after a bounce
+        if (e > 0 && arrival < -in.restitutionThreshold) {
+          target = -e * arrival;
+          const Real u = v + row.kick, free = u * u - 2 * work / row.normal.mass;
+          const Real most = std::sqrt(std::max(free, Real(0))) - row.kick;  // speed at which `work` is 0
+          if (ends) target = std::min(target, std::max(most, Real(0)));
+        }
+        row.impulse[0] = std::max(old + row.normal.mass * (target - v), Real(0));
+        work += workOf(row.normal, row.impulse[0] - old, v + row.kick);
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, motion[a], motion[b], rotation);
+        countRows<D>(in.work, 1);
+      }
+      if (!(m.friction > 0)) continue;
+      for (int k = 0; k < m.count; ++k) {
+        work += slide(m, m_contacts.points[m.first + k], motion[a], motion[b], rotation);
+      }
+      countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (D - 1));
     }
-    if (!(m.friction > 0)) return;
-    for (int k = 0; k < m.count; ++k) {
-      solveFrictionAt(m, m_contacts.points[m.first + k], motion[a], motion[b], rotation);
-    }
-    countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (D - 1));
+  }
+
+  // Sliding friction at one point. Returns its work, J.
+  static Real slide(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>& b, bool rotation) {
+    const RealMatrix<D - 1, 1> before = slip(m, row, a, b, rotation);
+    RealMatrix<D - 1, 1> change;
+    for (int d = 0; d < D - 1; ++d) change[d] = -row.impulse[d + 1];
+    solveFrictionAt(m, row, a, b, rotation);
+    for (int d = 0; d < D - 1; ++d) change[d] += row.impulse[d + 1];
+    return change.dot(before + slip(m, row, a, b, rotation)) / 2;
   }
 
   // Impulses are those of a whole step, as in every other solver.
@@ -238,9 +300,22 @@ class Xpbd final : public Solver<D> {
       for (const JointRow<D>& row : m_joints.of(block)) sum[row.number] += row.impulse;
     }
   }
-  void store(const StepInput<D>& in) {
+  void storeContacts(const StepInput<D>& in) {
     for (std::size_t k = 0; k < m_total.size(); ++k) m_contacts.points[k].impulse = m_total[k];
     m_contacts.store(in.manifolds);
+  }
+  void makeContacts(const StepInput<D>& in) {
+    storeContacts(in);
+    in.detect.again();
+  }
+  void inheritTotals(const StepInput<D>& in) {
+    m_total.resize(m_contacts.points.size());
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) m_total[m.first + k] = in.manifolds[m.manifold].points[k].impulse;
+    }
+  }
+  void store(const StepInput<D>& in) {
+    storeContacts(in);
     const auto keep = [&](std::int32_t j) { in.joints[j].impulse = m_jointImpulse[j]; };
     for (const JointBlock<D>& block : m_joints.blocks) keep(block.joint);
     for (const std::int32_t j : m_joints.rowless) keep(j);
@@ -253,7 +328,9 @@ class Xpbd final : public Solver<D> {
   JointSystem<D> m_joints;
   IndexedVector<Pose<D>> m_from;  // before this sub-step's motion
   IndexedVector<Vec<D>> m_start, m_displacement,
-      m_ahead;  // position at the start of the step, displacement since, the same with this sub-step, m
+      m_ahead;                 // position at the start of the step, displacement since, the same with this sub-step, m
+  IndexedVector<Real> m_work;  // of each two bodies in this sub-step, J
+  IndexedVector<std::size_t> m_pair;   // by manifold: where its work is in m_work
   IndexedVector<Motion<D>> m_arrival;  // before this sub-step's forces
   IndexedVector<IndexedArray<Real, D>> m_total;
   IndexedVector<IndexedArray<Real, kJointRows>> m_jointImpulse;  // by slot

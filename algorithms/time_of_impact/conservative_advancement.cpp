@@ -31,9 +31,11 @@ class ConservativeAdvancement final : public TimeOfImpact<D> {
             .summary = "conservative advancement: steps of the gap over a bound on the approach speed",
             .paper = "mirtich1996",
             .complexity = "a few distance queries; log(1 / tolerance) for rotating bodies",
-            .failures = {{"a rotating body that passes by closely",
-                          "steps become tiny, and the iteration limit may end the search",
-                          "TimeOfImpact.CloseMissesAreDecided"}}};
+            .failures = {
+                {"a rotating body that passes by closely",
+                 "steps become tiny, and the iteration limit may end the search", "TimeOfImpact.CloseMissesAreDecided"},
+                {"surfaces that move fast and close slowly", "the iteration limit ends the search before the impact",
+                 "TimeOfImpact.SlowClosingsAreDecided"}}};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_query->supports(a, b); }

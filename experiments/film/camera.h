@@ -14,7 +14,7 @@ struct Camera {
   Vec<2> middle = Vec<2>::Zero();
   double scale = 1;  // pixels per metre
   double width = 0, height = 0;
-  static constexpr double kBand = 22;  // px at the top, for text
+  static constexpr double kBand = 36;  // px at the top, for two lines of text
 
   Camera();
   /// In metres, on the image plane.

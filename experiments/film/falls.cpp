@@ -131,7 +131,9 @@ json cornersOf(const Patch& patch, const Camera<D>& camera) {
 template <int D>
 json stripOf(const std::string& recording) {
   const Reel<D> reel(recording);
-  const Camera<D> camera = cameraOf<D>(reel.viewport(0), kWidth);
+  Viewport all;
+  for (const Viewport& view : reel.views(0)) all.take(view);
+  const Camera<D> camera = cameraOf<D>(all, kWidth);
   json pictures = json::array();
   for (const std::size_t i : momentsOf<D>(reel.frames())) {
     json patches = json::array();

@@ -2,7 +2,9 @@
 #include "experiments/film/film.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -25,7 +27,7 @@ int dimensionOf(const std::string& path) {
     throw UserError(path + ": not a recording: it is not a regular file");
   }
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw UserError(path + ": cannot be read");
+  if (!in) throw UserError(path + ": cannot be read: " + std::strerror(errno));
   try {
     return recordingDimension(in);
   } catch (const UserError& e) {
@@ -70,20 +72,25 @@ std::string film(const std::string& path, const std::string& out) {
   const FilmKind kind = filmKind(out);
   const Reel<D> reel(path);
   const auto& frames = reel.frames();
-  const Camera<D> camera = cameraOf<D>(reel.viewport(), widthOf(kind));
+  const std::vector<Camera<D>> cameras = camerasOf<D>(reel.views(), widthOf(kind));
   return filmed(out, 0, frames.size(), secondsOf(frames, 0), kind,
-                [&](std::size_t i) { return reel.picture(i, camera); });
+                [&](std::size_t i) { return reel.picture(i, cameras[i]); });
 }
 
-// One camera sees both runs, so only the runs differ. The run that ends first keeps its last frame.
+// Each camera sees both runs, so only the runs differ. The run that ends first keeps its last frame.
 template <int D>
 std::string filmBoth(const Reel<D>& a, const Reel<D>& b, std::size_t first, FilmKind kind, const std::string& out) {
   const auto& longer = (a.frames().size() < b.frames().size() ? b : a).frames();
-  Viewport viewport = a.viewport();
-  viewport.take(b.viewport().lo, b.viewport().hi);
-  const Camera<D> camera = cameraOf<D>(viewport, widthOf(kind));
-  const double end = camera.width;
+  const std::vector<Viewport> left = a.views(), right = b.views();
+  std::vector<Viewport> views;
+  for (std::size_t i = 0; i < longer.size(); ++i) {
+    views.push_back(left[std::min(i, left.size() - 1)]);
+    views.back().take(right[std::min(i, right.size() - 1)]);
+  }
+  const std::vector<Camera<D>> cameras = camerasOf<D>(views, widthOf(kind));
   return filmed(out, first, longer.size(), secondsOf(longer, first), kind, [&](std::size_t i) {
+    const Camera<D>& camera = cameras[i];
+    const double end = camera.width;
     Picture both{2 * end, camera.height, {}, {}};
     both.add(a.picture(std::min(i, a.frames().size() - 1), camera), {0, 0});
     both.add(b.picture(std::min(i, b.frames().size() - 1), camera), {end, 0});

@@ -34,8 +34,8 @@ void putPatches(std::ostream& out, const Picture& picture) {
 }
 
 void putHead(std::ostream& out, double width, double height) {
-  out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << height
-      << "\" viewBox=\"0 0 " << width << " " << height
+  // A viewBox without a height: as wide as the page or the window.
+  out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100%\" viewBox=\"0 0 " << width << " " << height
       << "\" font-family=\"sans-serif\" font-size=\"12\" stroke-linejoin=\"round\">\n"
       << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
 }

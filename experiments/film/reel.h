@@ -21,12 +21,20 @@ struct Viewport {
   Vec<2> hi = Vec<2>::Constant(-std::numeric_limits<double>::infinity());
 
   void take(const Vec<2>& lower, const Vec<2>& upper) { lo = lo.cwiseMin(lower), hi = hi.cwiseMax(upper); }
+  void take(const Viewport& other) { take(other.lo, other.hi); }
+  Vec<2> middle() const { return (lo + hi) / 2; }
+  Vec<2> size() const { return hi - lo; }
   bool empty() const { return !(lo[0] <= hi[0]); }
 };
 
 /// A camera that sees all of it, with a small border.
 template <int D>
 Camera<D> cameraOf(const Viewport& viewport, double width);
+
+/// One camera per frame, all of one scale and size, for the views of a film (Reel::views). They are equal unless the
+/// way of the bodies is much longer than the largest view: then they follow the views.
+template <int D>
+std::vector<Camera<D>> camerasOf(const std::vector<Viewport>& views, double width);
 
 template <int D>
 class Reel {
@@ -36,11 +44,11 @@ class Reel {
 
   const std::vector<typename Recording<D>::Frame>& frames() const { return m_recording.frames; }
   bool torn() const { return m_recording.torn; }
-  /// The region in which most moving bodies ever are. A body that flies off does not shrink the others to dots: no body
-  /// is followed farther than the size of the first picture, or `follow` (m). If nothing moves, the region of the fixed
-  /// bodies.
-  Viewport viewport(double follow = 10) const;
-  /// One frame, with its time.
+  /// The region that each frame should show: moving bodies with their links, and the ground below their first
+  /// positions. A body that flies off does not shrink the others to dots: none is followed farther from the median body
+  /// than the size of the scene at the start, or `follow` (m). If nothing moves, the region of the static bodies.
+  std::vector<Viewport> views(double follow = 10) const;
+  /// One frame, with its step, its time and the recording's title.
   Picture picture(std::size_t frame, const Camera<D>& camera) const;
 
  private:
@@ -50,8 +58,12 @@ class Reel {
   };
   using Key = std::pair<std::int32_t, std::uint32_t>;  // slot, generation
 
-  /// Without planes, which are unbounded.
-  Viewport viewportOf(const typename Recording<D>::Frame& frame, bool fixedOnes) const;
+  using Frame = typename Recording<D>::Frame;
+  const Actor* actorOf(const typename Recording<D>::Body& body) const;
+  /// Of a body at a finite pose, without planes, which are unbounded; empty if it is too far to be drawn.
+  static Viewport boxOf(const Actor& actor, const Pose<D>& X_WC);
+  /// The first boxes of all moving bodies, with the ground at most `reach` (m) below them.
+  Viewport startOf(double reach) const;
 
   Recording<D> m_recording;
   std::map<Key, Actor> m_cast;

@@ -182,7 +182,7 @@ void print(const BreakQuestion& q, const Broken& b) {
               std::to_string(b.fell->of) + " fail, " + b.fell->failure;
     }
     if (b.half && q.truth > 0) line += "; closed form: " + number(q.truth) + ", " + aside(*b.half / q.truth);
-    if (b.held) line += "; " + number(b.held->cost) + " multiply-adds per step";
+    if (b.held && std::isfinite(b.held->cost)) line += "; " + number(b.held->cost) + " multiply-adds per step";
     for (const double value : b.passesBeyond) then += (then.empty() ? "" : ", ") + number(value);
   }
   std::printf("%s\n  %s\n", b.axes.at("pipeline").get<std::string>().c_str(), line.c_str());

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -143,6 +144,10 @@ int run(int argc, char** argv) {
   } catch (const Interrupted& e) {
     std::cerr << "lpc: " << oneLine(e.what()) << "\n";
     return 130;
+  } catch (const std::filesystem::filesystem_error& e) {
+    const std::string place = e.path1().empty() ? "the working directory" : e.path1().string();
+    std::cerr << "lpc: " << oneLine(place + ": " + e.code().message()) << "\n";
+    return 2;
   } catch (const std::exception& e) {
     const auto* ofJson = dynamic_cast<const nlohmann::json::type_error*>(&e);
     const bool notUtf8 = ofJson && ofJson->id == 316;  // the working directory's name, TMPDIR

@@ -11,6 +11,7 @@
 #include "experiments/lpc/command.h"
 #include "experiments/lpc/scene_options.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/plugin_probe.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/formats/fclib_file.h"
@@ -240,6 +241,7 @@ void recordScene(RecordOptions& o, const Session& session) {
   Planner planner;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
+  requireCheckedConstructors();
   if (trial.request.ofEngine()) {
     throw UserError("an engine gives no access to velocity problems and pairs; valid: a pipeline of LPC's stages");
   }

@@ -16,10 +16,12 @@
 #include "experiments/film/temporary_recording.h"
 #include "experiments/lpc/command.h"
 #include "experiments/lpc/scene_options.h"
+#include "experiments/lpc/series_picture.h"
 #include "experiments/lpc/series_plot.h"
 #include "experiments/lpc/timeline.h"
 #include "experiments/runner/child.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/plugin_probe.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/formats/output_file.h"
@@ -167,7 +169,8 @@ std::optional<std::string> answerOf(const std::string& program, const json& requ
 }
 
 void runScene(const RunSceneOptions& o, Session& session) {
-  if (!o.plot.empty()) requireSeries(o.plot);
+  const std::string plotFile = o.plot.ends_with(".svg") ? o.plot : "";
+  if (!o.plot.empty() && plotFile.empty()) requireSeries(o.plot);
   NamedFiles inputs = {{"the scene", findToml("scenes", o.scene)}};
   if (!o.script.empty()) inputs.emplace_back("the script", findToml("scripts", o.script));
   for (const std::string& path : session.plugins) inputs.emplace_back("the plugin", path);
@@ -176,7 +179,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
       throw UserError(path + ": is a stream of this process, which the worker cannot write; valid: a file");
   }
   const std::vector<SaveRequest> saves = readSaves(o.saves);
-  NamedFiles outputs = {{"--record", o.record}, {"--profile", o.profile}, {"--film", o.film}};
+  NamedFiles outputs = {{"--record", o.record}, {"--profile", o.profile}, {"--film", o.film}, {"--plot", plotFile}};
   for (const SaveRequest& s : saves) {
     outputs.emplace_back("--save", s.scene), outputs.emplace_back("--save", SavedScene::worldPath(s.scene));
   }
@@ -195,6 +198,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
   cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
+  requireCheckedConstructors();
   TrialRequest request = trial.request;
   request.progress = !o.asJson, request.memory = o.memory, request.profile = o.profile, request.saves = saves;
   for (const std::string& path : session.plugins) {
@@ -207,6 +211,8 @@ void runScene(const RunSceneOptions& o, Session& session) {
       throw UserError("--save: the run has " + std::to_string(last) + " steps; asked: step " + std::to_string(s.step));
     }
   }
+  std::optional<OutputFile> picture;
+  if (!plotFile.empty()) picture.emplace(plotFile);
   const InterruptGuard interrupts;
   // A film needs a recording, which is temporary unless the user asked for it.
   std::optional<TemporaryRecording> temporary;
@@ -244,7 +250,13 @@ void runScene(const RunSceneOptions& o, Session& session) {
   } else {
     print(trial.world(), result);
     if (!result.memory.empty()) printMemory(result.memory, std::lround(result.metrics.at("steps_done")));
-    if (o.plots) printPlots(o, result);
+    if (o.plots && !picture) printPlots(o, result);
+    if (picture) {
+      picture->stream() << seriesPicture(o.scene + ", " + (o.pipeline.empty() ? "the default pipeline" : o.pipeline),
+                                         result.series, trial.world().dt);
+      picture->finish();
+      std::printf("plot      %s\n", plotFile.c_str());
+    }
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());
     if (!o.record.empty()) std::printf("%s %s\n", asText ? "rows     " : "recording", o.record.c_str());
     for (const SaveRequest& s : saves) {
@@ -291,15 +303,18 @@ void addRun(CommandLine& app, Session& session) {
   command.flag("--no-sleeping", o->noSleeping, "keeps every body awake, whatever the pipeline");
   command.option("--film", o->film,
                  "draws the run: NAME.svg (animated), NAME.strip.svg (eight moments) or NAME/ (PNG files)");
-  Option plot = command.option("--plot", o->plot,
-                               "draws this series over the steps, or `timeline`: the phases of a step as in the 2009 "
-                               "report; without a name: the timeline, and every series in one line");
+  Option plot =
+      command.option("--plot", o->plot,
+                     "draws this series over the steps, or `timeline`: the phases of a step as in the 2009 "
+                     "report; without a name: the timeline, and every series in one line; NAME.svg: a picture of "
+                     "energy, penetration and speed");
   plot.valueOptional();
   plot.without(command.flag("--json", o->asJson, "the whole result as JSON, with all series"));
   command.footer(
       "Example: lpc run pyramid --param base=10 --dimension 3 --profile pyramid.csv\n"
       "         lpc run bouncing_ball --plot kinetic\n"
       "         lpc run director_1 --param rain_until=500 --plot timeline\n"
+      "         lpc run bouncing_ball --plot bouncing_ball.svg\n"
       "         lpc run pyramid --memory\n"
       "         lpc run pyramid --film pyramid.svg");
   command.callback([o, plot, &session] {

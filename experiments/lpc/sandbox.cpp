@@ -2,6 +2,7 @@
 // Starts the window, which is a separate program: everything else works without its libraries.
 #include <unistd.h>
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "experiments/lpc/scene_options.h"
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/plugin_probe.h"
 #include "experiments/runner/store.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/plugin.h"
@@ -37,7 +39,12 @@ Asked readWhat(const SandboxOptions& o) {
   Asked out;
   for (const std::string& word : o.what) {
     if (word == "2d" || word == "2D" || word == "3d" || word == "3D") {
-      out.dimension = word[0] - '0';
+      const int dimension = word[0] - '0';
+      if (out.dimension.value_or(dimension) != dimension)
+        throw UserError("2d and 3d are both given; valid: one dimension");
+      out.dimension = dimension;
+    } else if (word.empty()) {
+      throw UserError("the scene is ''; valid: a name, a number or a file");
     } else if (out.scene.empty()) {
       out.scene = word;
     } else {
@@ -140,6 +147,7 @@ json sceneOpening(const SandboxOptions& o, const Asked& asked) {
     cell.pipeline = pipeline;
     const PlannedTrial trial = planner.world(asked.scene, cell);
     if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
+    requireCheckedConstructors();
     out["pipelines"].push_back(pipeline);
     out["dimension"] = trial.asked().dimension;
     out["parameters"] = trial.world().params, out["dt"] = trial.world().dt;
@@ -188,18 +196,31 @@ void addSandbox(CommandLine& app, Session& session) {
   Option unseen = command.flag("-i", o->unseen, "runs without a window, like lpc run");
   command.flag("-p", o->profiled, "writes times and counts of each step as CSV at exit");
   command.flag("-g", o->plots, "like -p, and plots them in a panel, or with -i in the terminal");
-  command.option("-o", o->profile, "file of the profile; default: sandbox_profile.csv");
+  Option profile = command.option("-o", o->profile, "file of the profile; default: sandbox_profile.csv");
   Option trial = command.option("--trial", o->trial,
                                 "trial of a store, by the first digits of its key: opens it one step before it failed");
   trial.without(unseen);
   for (const Option& other : ofScene) trial.without(other);  // options that the cell already decides
-  command.option("--input", o->input, "replays keys and mouse from a file").file().without(unseen);
+  Option input = command.option("--input", o->input, "replays keys and mouse from a file");
+  input.file().without(unseen);
   command.footer(
       "Example: lpc sandbox\n"
       "         lpc sandbox 3d -s 5\n"
       "         lpc sandbox pyramid --pipeline solver=soft_step --pipeline solver=avbd\n"
       "         lpc sandbox results/quick.db --trial 3f2a");
-  command.callback([o, &session] { sandbox(*o, session); });
+  const Option named[] = {ofScene[0], ofScene[1], trial, input, profile};
+  command.callback([o, named = std::to_array(named), &session] {
+    const std::pair<const char*, const std::string*> texts[] = {{"--scene", &o->number},
+                                                                {"--script", &o->script},
+                                                                {"--trial", &o->trial},
+                                                                {"--input", &o->input},
+                                                                {"-o", &o->profile}};
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      if (named[i].given() && texts[i].second->empty())
+        throw UserError(std::string(texts[i].first) + ": the value is empty; valid: see lpc sandbox --help");
+    }
+    sandbox(*o, session);
+  });
 }
 
 LPC_COMMAND("sandbox", addSandbox);

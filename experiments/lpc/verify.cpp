@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -25,7 +26,7 @@ struct Arguments {
   std::vector<std::string> stages;
   std::string role = "all", store = "results/verify.db", cases, csv;
   std::string repro, witness, out;
-  bool storeNamed = false;
+  bool storeNamed = false, skipBroken = false;
 };
 
 StageKind verifiedStage(const std::string& name) {
@@ -37,6 +38,12 @@ StageKind verifiedStage(const std::string& name) {
   throw UserError("unknown stage '" + name + "'" + validNames(names, name));
 }
 
+void readPrecisions(const Arguments& a) {
+  for (const std::string& p : a.options.precisions) {
+    if (p != "f64" && p != "f32") throw UserError("unknown precision '" + p + "'; valid: f64, f32");
+  }
+}
+
 void readChoices(Arguments& a) {
   if (a.options.metamorphic) {
     if (a.stages.empty()) a.stages = {std::string(stageName(StageKind::pairQuery))};
@@ -46,9 +53,7 @@ void readChoices(Arguments& a) {
   }
   if (!a.stages.empty()) a.options.stages.clear();
   for (const std::string& name : a.stages) a.options.stages.push_back(verifiedStage(name));
-  for (const std::string& p : a.options.precisions) {
-    if (p != "f64" && p != "f32") throw UserError("unknown precision '" + p + "'; valid: f64, f32");
-  }
+  readPrecisions(a);
   for (const int d : a.options.dimensions) {
     if (d != 2 && d != 3) throw UserError("the dimension is " + std::to_string(d) + "; valid: 2, 3");
   }
@@ -61,13 +66,24 @@ void readChoices(Arguments& a) {
   }
 }
 
-std::vector<CaseResult> runCaseFile(const std::string& path, const std::vector<std::string>& plugins) {
-  const std::vector<Case> cases = readCases(path);
-  std::vector<CaseResult> found = replayFound(path, cases, plugins);
-  std::vector<Case> published = cases;
-  std::erase_if(published, [](const Case& c) { return c.finding.has_value(); });
-  std::vector<CaseResult> rows = runCases(published);
-  rows.insert(rows.end(), found.begin(), found.end());
+// Cases without a finding run in the given precisions; a found one runs in its own.
+std::vector<CaseResult> runCaseFile(const Arguments& a) {
+  constexpr bool kDouble = sizeof(Real) == 8;
+  const auto asked = [&](const char* precision) {
+    return std::find(a.options.precisions.begin(), a.options.precisions.end(), precision) != a.options.precisions.end();
+  };
+  const auto isRead = [](const Case& c) { return c.mistake.empty(); };
+  const std::vector<Case> cases = readCases(a.cases, a.skipBroken ? BrokenCases::kept : BrokenCases::refused);
+  if (std::none_of(cases.begin(), cases.end(), isRead)) {
+    throw UserError(a.cases + ": no case can be read; the first, '" + cases[0].id + "': " + cases[0].mistake);
+  }
+  const std::string other = kDouble ? "f32" : "f64";
+  const std::vector<CaseResult> replayed =
+      replayCases(a.cases, cases, asked(other.c_str()) ? other : "", a.options.plugins);
+  std::vector<Case> here = cases;  // those without a finding, and those that cannot be read
+  std::erase_if(here, [&](const Case& c) { return isRead(c) && (c.finding || !asked(kDouble ? "f64" : "f32")); });
+  std::vector<CaseResult> rows = runCases(here);
+  rows.insert(rows.end(), replayed.begin(), replayed.end());
   return rows;
 }
 
@@ -78,7 +94,8 @@ int verifyCaseFile(const Arguments& a) {
   const bool isPipe = std::filesystem::is_fifo(a.csv, none);        // its reader would see the end of the pipe
   if (!a.csv.empty() && !isPipe) const OutputFile possible(a.csv);  // and closes it: an interrupted run leaves no file
   std::ostringstream table;
-  const int exitCode = printCases(runCaseFile(a.cases, a.options.plugins), std::cout, &table);
+  readPrecisions(a);
+  const int exitCode = printCases(runCaseFile(a), std::cout, &table, a.skipBroken);
   if (!a.csv.empty()) {
     std::cout.flush();  // it may be the same stream
     OutputFile csv(a.csv);
@@ -123,15 +140,16 @@ void verify(Arguments& a, Session& session) {
   const VerificationSummary done = runVerification(a.options, store);
   const Ledger ledger = ledgerOf(a.options, store);
   const int faults = printLedger(ledger, std::cout);
-  long notOwed = 0;  // wrong answers of ours that are not faults
+  long notOwed = 0, asked = 0;  // wrong answers of ours that are not faults; all of their answers
   for (const auto& [key, entry] : ledger) {
-    if (key.axis == "all" && entry.role == AlgorithmRole::competitor)
-      notOwed += entry.faults() - faultsOfOurs(key, entry);
+    if (key.axis != "all" || entry.role != AlgorithmRole::competitor) continue;
+    notOwed += entry.faults() - faultsOfOurs(key, entry), asked += entry[Tally::asked];
   }
   for (const std::string& line : writeFoundCases(store, a.store)) std::cout << line << "\n";
   std::cout << a.store << ": " << done.asked << " inputs tested, " << done.skipped << " already in the store\n";
-  std::cout << (faults ? "WRONG: " + std::to_string(faults) + " answers of LPC's own methods"
-                       : "LPC's own methods: all correct");
+  std::cout << (faults  ? "WRONG: " + std::to_string(faults) + " answers of LPC's own methods"
+                : asked ? "LPC's own methods: all correct"
+                        : "LPC's own methods: none was tested");
   if (notOwed > 0)
     std::cout << "; approximate pair queries, which guarantee only the side: " << notOwed << " wrong distances";
   std::cout << "\n";
@@ -162,7 +180,8 @@ void addVerify(CommandLine& app, Session& session) {
   seeded("--stage", a->stages, "pair_query, contacts, broadphase (these are the default), velocity, time_of_impact")
       .commaSeparated();
   seeded("--dimension", o.dimensions, "2, 3 or both (default)").commaSeparated();
-  seeded("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
+  Option precision = command.option("--precision", o.precisions, "f64 (default), f32 or both");
+  precision.commaSeparated();
   seeded("--role", a->role, "competitor, witness or all (default)");
   seeded("--methods", o.methods,
          "methods with parameters, separated by spaces; default: all, and witnesses also at their tightest tolerance "
@@ -179,20 +198,25 @@ void addVerify(CommandLine& app, Session& session) {
   Option cases = command.option("--cases", a->cases, "file of cases, instead of random inputs");
   cases.file();
   for (const Option& option : ofSeeded) cases.without(option);
+  Option skip =
+      command.flag("--skip-broken", a->skipBroken, "with --cases: skips and counts cases that cannot be read");
+  skip.with(cases);
   Option csv = command.option("--csv", a->csv, "with --cases: writes the table to this file");
   csv.file().with(cases);
   Option repro = command.option("--repro", a->repro,
                                 "writes a case (id, or number from 0) as a C++ program that uses only the witness's "
                                 "library; from --cases, default: tests/regressions/hard_cases.json");
   Option witness = command.option("--witness", a->witness, "with --repro: the witness, such as fcl_libccd");
-  repro.with(witness).without(csv).without(store);
+  repro.with(witness).without(csv).without(store).without(precision).without(skip);
   witness.with(repro);
   for (const Option& option : ofSeeded) repro.without(option);
   command.option("--out", a->out, "with --repro: writes the program to this file").file().with(repro);
   command.footer(
-      "Exit code 1 when one of LPC's own methods is wrong. An approximate pair query is wrong only on the wrong "
-      "side.\nWrong answers of witnesses are only recorded. A case found by lpc verify is tested in its original "
-      "precision,\nwith the method that failed first, and the table says whether it fails again.\n"
+      "Exit code 1 when one of LPC's own methods is wrong, or an expected value of --cases is. An approximate pair "
+      "query\nis wrong only on the wrong side. Wrong answers of witnesses are only recorded. A case found by lpc "
+      "verify "
+      "is\ntested in its original precision, with the method that failed first, and the table says whether it fails "
+      "again.\n"
       "Examples:\n"
       "  lpc verify --pairs 1000 --seed 7\n"
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"

@@ -2,8 +2,10 @@
 #include "experiments/parse/toml_reader.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <utility>
 
@@ -93,6 +95,7 @@ toml::table parseToml(std::string_view text, const std::string& file) {
 
 std::string readFile(const std::string& path) {
   constexpr std::size_t kMost = 1u << 27;  // bytes; /dev/zero has no end
+  errno = 0;
   std::ifstream in(path, std::ios::binary);
   std::string out;
   std::vector<char> part(1u << 16);
@@ -101,7 +104,7 @@ std::string readFile(const std::string& path) {
     out.append(part.data(), static_cast<std::size_t>(in.gcount()));
   }
   if (out.size() > kMost) throw UserError(path + ": is larger than " + std::to_string(kMost >> 20) + " MiB");
-  if (!in.eof() || in.bad()) throw UserError(path + ": cannot be read");  // bad: a folder
+  if (!in.eof() || in.bad()) throw UserError(path + ": cannot be read: " + std::strerror(errno));  // bad: a folder
   return out;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/case_replay.h"
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -19,9 +20,12 @@ using nlohmann::json;
 
 struct Asked {
   std::size_t number;  // of the case
-  std::string method;
+  std::string method;  // empty: all, on a case without a finding
+  std::string precision;
 };
 using AllAsked = std::vector<Asked>;
+
+constexpr double kMostMethods = 30;  // that answer one query
 
 class Replay {
  public:
@@ -39,7 +43,9 @@ class Replay {
       end.outcome = "crash", end.reason = "the worker's result is unreadable";
     }
     if (end.outcome == "ok") {
-      rows.insert(rows.end(), told.begin(), told.end());
+      for (const CaseResult& row : told) {  // an unread case has one row, also if its questions went to two workers
+        if (!row.unread || rows.empty() || !rows.back().unread || rows.back().id != row.id) rows.push_back(row);
+      }
     } else if (questions.size() > 1) {
       const auto half = questions.begin() + static_cast<std::ptrdiff_t>(questions.size() / 2);
       ask({questions.begin(), half}, rows);
@@ -60,10 +66,14 @@ class Replay {
 
   WorkerEnd run(const AllAsked& questions) {
     json task = {{"file", m_path}, {"questions", json::array()}};
-    for (const Asked& q : questions) task["questions"].push_back({q.number, q.method});
+    double answers = 0;
+    for (const Asked& q : questions) {
+      task["questions"].push_back({q.number, q.method});
+      answers += q.method.empty() ? kMostMethods : 1;
+    }
     // Half a second is allowed for a witness that hangs on a pair.
-    const WorkerLimits limits{.seconds = 20 + 0.6 * static_cast<double>(questions.size())};
-    m_pool.start(0, m_cases[questions.front().number].finding->precision, {{"cases", task}}, limits, -1);
+    const WorkerLimits limits{.seconds = 20 + 0.6 * answers};
+    m_pool.start(0, questions.front().precision, {{"cases", task}}, limits, -1);
     for (;;) {
       if (InterruptGuard::interrupted()) throw Interrupted();
       for (WorkerEnd& end : m_pool.ended()) return std::move(end);
@@ -77,8 +87,13 @@ class Replay {
     if (q.method == "referee" || !(hung || crashed)) {
       throw std::runtime_error(c.id + ", " + q.method + ": " + end.reason);
     }
-    CaseResult row{.id = c.id, .method = q.method, .role = roleOf(c, q.method), .expected = c.expected.distance};
+    CaseResult row{.id = c.id, .method = q.method, .precision = q.precision, .expected = c.expected.distance};
     row.verdict = hung ? CaseVerdict::hang : CaseVerdict::failed, row.reason = hung ? "hung" : "crashed";
+    if (!c.finding) {
+      row.method = "-";
+      return row;
+    }
+    row.role = roleOf(c, q.method);
     if (q.method == c.finding->method) row.again = c.finding->failure == row.reason;
     return row;
   }
@@ -90,24 +105,28 @@ class Replay {
 
 }  // namespace
 
-std::vector<CaseResult> replayFound(const std::string& path, const std::vector<Case>& cases,
-                                    const std::vector<std::string>& plugins) {
+std::vector<CaseResult> replayCases(const std::string& path, const std::vector<Case>& cases,
+                                    const std::string& precision, const std::vector<std::string>& plugins) {
   const InterruptGuard interrupts;
-  Replay replay(path, cases, plugins);
-  std::set<std::string> precisions;
-  for (const Case& c : cases) {
-    if (c.finding && precisions.insert(c.finding->precision).second) checkWorker(c.finding->precision, false);
-  }
-  std::vector<CaseResult> rows;
-  AllAsked questions;
+  AllAsked all;
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    if (!cases[i].finding) continue;
-    if (!questions.empty() && cases[i].finding->precision != cases[questions.front().number].finding->precision) {
-      replay.ask(std::exchange(questions, {}), rows);
-    }
-    for (const std::string& method : methodsToAsk(cases[i])) questions.push_back({i, method});
+    const Case& c = cases[i];
+    if (!c.mistake.empty()) continue;
+    if (!c.finding && !precision.empty()) all.push_back({i, "", precision});
+    if (!c.finding) continue;
+    for (const std::string& method : methodsToAsk(c)) all.push_back({i, method, c.finding->precision});
   }
-  if (!questions.empty()) replay.ask(questions, rows);
+  std::set<std::string> precisions;
+  for (const Asked& q : all) {
+    if (precisions.insert(q.precision).second) checkWorker(q.precision, false);
+  }
+  Replay replay(path, cases, plugins);
+  std::vector<CaseResult> rows;
+  for (auto at = all.begin(); at != all.end();) {
+    const auto end = std::find_if(at, all.end(), [&](const Asked& q) { return q.precision != at->precision; });
+    replay.ask({at, end}, rows);
+    at = end;
+  }
   return rows;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Replays kept failures: each in a worker of the precision in which it was found, where it may crash or hang again.
+// Runs cases in workers: kept failures in the precision in which each was found, where it may crash or hang again, and
+// others in another precision than this build's.
 #pragma once
 
 #include <string>
@@ -9,9 +10,10 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// For every case of the file with a finding: the rows of its method, of the referee and of the other methods. `cases`
-/// are those of the file. Throws Interrupted.
-std::vector<CaseResult> replayFound(const std::string& path, const std::vector<Case>& cases,
-                                    const std::vector<std::string>& plugins);
+/// For every case of the file with a finding: the rows of its method, of the referee and of the other methods. For the
+/// other cases, if `precision` is not empty: their rows in a worker of that precision. `cases` are those of the file.
+/// Throws Interrupted.
+std::vector<CaseResult> replayCases(const std::string& path, const std::vector<Case>& cases,
+                                    const std::string& precision, const std::vector<std::string>& plugins);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -5,6 +5,7 @@
 #include <array>
 #include <set>
 
+#include "experiments/runner/code_identity.h"
 #include "experiments/trial/measure/metric.h"
 #include "framework/math/check.h"
 #include "oracles/witnesses/witness.h"
@@ -33,7 +34,8 @@ const char* guaranteeName(Guarantee g) {
 
 // Whether it is a library in float, whatever the precision of the query.
 bool isInFloat(const Registered& entry) {
-  if (entry.stage != StageKind::pairQuery || entry.info.role != AlgorithmRole::witness) return false;
+  if (entry.stage != StageKind::pairQuery || entry.info.role != AlgorithmRole::witness || isOfPlugin(entry))
+    return false;
   const auto made = entry.create(Spec{entry.info.name, {}});
   const auto* flat = dynamic_cast<const Witness<2>*>(made.get());
   const auto* solid = dynamic_cast<const Witness<3>*>(made.get());

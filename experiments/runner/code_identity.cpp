@@ -13,6 +13,7 @@
 #include <set>
 
 #include "experiments/parse/toml_reader.h"
+#include "experiments/runner/plugin_probe.h"
 #include "experiments/trial/plugin.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -136,7 +137,14 @@ json codeHashes(StageKind stage, const Spec& spec, int dimension) {
   return out;
 }
 
+bool anyPlugin() { return !pluginOf().empty(); }
+
+bool isOfPlugin(const Registered& entry) { return pluginOf().count(keyOf(entry.stage, entry.info.name)) > 0; }
+
 void adoptPlugin(const std::string& path) {
+  if (const auto failure = failureInChild([&] { loadPlugin(path); })) {
+    throw UserError("plugin " + path + ": it cannot be loaded: " + *failure);
+  }
   std::set<Registry::Key> before;
   for (const auto& [key, entry] : Registry::instance().all()) before.insert(key);
   loadPlugin(path);

@@ -30,8 +30,11 @@ const std::string& oraclesHash();
 /// {"velocity/catto": hash, ...} for the algorithm of `spec` (canonical, with nested stages) in `dimension`:
 /// methodHash(); for a plugin's algorithm the plugin's bytes; for a witness also "library".
 nlohmann::json codeHashes(StageKind stage, const Spec& spec, int dimension);
-/// Loads the plugin (see loadPlugin) and remembers its algorithms.
+/// Loads the plugin (see loadPlugin) and remembers its algorithms. Throws UserError also when its initialisers throw,
+/// abort, exit or loop, or register a name that exists.
 void adoptPlugin(const std::string& path);
+bool anyPlugin();  // since the start of the program
+bool isOfPlugin(const Registered& entry);
 /// JSON: cpu, cores, memory_gib, os, compiler, flags, governor.
 std::string machineDescription();
 

@@ -13,6 +13,7 @@
 
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/store_open.h"
 #include "framework/math/check.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -20,91 +21,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchemaVersion = "3";
-constexpr const char* kTables = R"(
-CREATE TABLE IF NOT EXISTS meta(key TEXT PRIMARY KEY, value TEXT);
-CREATE TABLE IF NOT EXISTS machine(id INTEGER PRIMARY KEY, description TEXT UNIQUE);
-CREATE TABLE IF NOT EXISTS sweep(name TEXT PRIMARY KEY, kind TEXT, summary TEXT, baseline TEXT, roles TEXT);
-CREATE TABLE IF NOT EXISTS metrics(what TEXT, name TEXT, kind TEXT, title TEXT, unit TEXT, meaning TEXT, role TEXT,
-  smaller TEXT, needs TEXT, PRIMARY KEY(what, name));
-CREATE TABLE IF NOT EXISTS planned(sweep TEXT, key TEXT, axes TEXT, PRIMARY KEY(sweep, key));
-CREATE TABLE IF NOT EXISTS trial(key TEXT PRIMARY KEY, kind TEXT, canonical TEXT, outcome TEXT, reason TEXT,
-  step INTEGER, metrics TEXT, machine INTEGER, commit_id TEXT, started TEXT, wall REAL, timed INTEGER, hash TEXT);
-CREATE TABLE IF NOT EXISTS series(key TEXT, name TEXT, data BLOB, PRIMARY KEY(key, name));
-CREATE TABLE IF NOT EXISTS poses(key TEXT, step INTEGER, data BLOB, PRIMARY KEY(key, step));
-CREATE TABLE IF NOT EXISTS benchmark(id INTEGER PRIMARY KEY, imported TEXT, data TEXT);
-CREATE TABLE IF NOT EXISTS ledger(stage TEXT, precision TEXT, dimension INTEGER, kind_a TEXT, kind_b TEXT, axis TEXT,
-  value TEXT, method TEXT, role TEXT, asked INTEGER, agree INTEGER, wrong INTEGER, tie INTEGER, undecided INTEGER,
-  refused INTEGER, not_finite INTEGER, threw INTEGER, crashed INTEGER, hung INTEGER, wrong_side INTEGER, capped INTEGER,
-  max_error REAL, histogram TEXT, ns REAL, worst TEXT,
-  PRIMARY KEY(stage, precision, dimension, kind_a, kind_b, axis, value, method));
-CREATE TABLE IF NOT EXISTS verified_block(key TEXT PRIMARY KEY, stage TEXT, precision TEXT, dimension INTEGER,
-  method TEXT, code TEXT);
-CREATE TABLE IF NOT EXISTS found_case(name TEXT PRIMARY KEY, vertices INTEGER, size REAL, data TEXT);
-)";
 // Newer than the schema version, which another table does not change: older programs ignore it.
 constexpr const char* kFilmTable = "CREATE TABLE IF NOT EXISTS film(key TEXT PRIMARY KEY, data TEXT)";
-
-// LPC_STORE_MAX_PAGES limits a store (pages of 4 KiB). At the limit it behaves like a full disk, which tests use.
-void boundSize(SQLite::Database& db) {
-  const char* pages = std::getenv("LPC_STORE_MAX_PAGES");
-  if (!pages || !*pages) return;
-  char* end = nullptr;
-  const long n = std::strtol(pages, &end, 10);
-  if (*end || n < 1) throw UserError(std::string("LPC_STORE_MAX_PAGES is '") + pages + "'; valid: 1 or more");
-  db.exec("PRAGMA max_page_count=" + std::to_string(n));
-}
-
-// Creates all tables in an empty database, or none: on failure no empty file remains.
-void make(const std::string& path) try {
-  SQLite::Database db(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  db.setBusyTimeout(30000);
-  boundSize(db);
-  const auto tables = [&] { return db.execAndGet("SELECT count(*) FROM sqlite_master").getInt(); };
-  if (tables() > 0) return;
-  SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);  // two programs may start at once
-  if (tables() > 0) return;
-  db.exec(kTables);
-  db.exec(std::string("INSERT INTO meta VALUES ('schema_version', '") + kSchemaVersion + "')");
-  transaction.commit();
-} catch (...) {
-  std::error_code ignored;
-  if (std::filesystem::file_size(path, ignored) == 0) std::filesystem::remove(path, ignored);
-  throw;
-}
-
-std::string prepared(const std::string& path, bool create) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  const bool exists = fs::exists(path, error);
-  if (exists && !fs::is_regular_file(path)) throw UserError(path + ": not a result store: it is not a regular file");
-  if (!create && !exists) throw UserError(path + ": this store does not exist");
-  if (!create) return path;
-  const auto parent = fs::path(path).parent_path();
-  if (!exists && !parent.empty()) fs::create_directories(parent, error);
-  if (error) throw UserError(path + ": cannot be created: " + error.message());
-  make(path);
-  return path;
-}
-
-// Rejects stores that lack a table or a column, before writing.
-void requireWhole(SQLite::Database& db, const std::string& path) {
-  const auto columns = [](SQLite::Database& of) {
-    SQLite::Statement s(of,
-                        "SELECT t.name, c.name FROM sqlite_master t, pragma_table_info(t.name) c WHERE t.type='table'");
-    std::set<std::pair<std::string, std::string>> out;
-    while (s.executeStep()) out.emplace(s.getColumn(0).getString(), s.getColumn(1).getString());
-    return out;
-  };
-  SQLite::Database ours(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  ours.exec(kTables);
-  const auto found = columns(db);
-  for (const auto& [table, column] : columns(ours)) {
-    if (found.contains({table, column})) continue;
-    throw UserError(path + ": not a result store, or a damaged one: it has no column '" + column + "' in table '" +
-                    table + "'");
-  }
-}
 
 // The store's numbers are little-endian float64, like this machine's.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
@@ -124,33 +42,17 @@ void failStore(const std::string& path, const SQLite::Exception& e) {
   throw UserError(path + (foreign ? ": not a result store, or a damaged one: " : ": ") + e.what());
 }
 
-Store::Store(const std::string& path, bool create) try
-    : m_db(prepared(path, create), SQLite::OPEN_READWRITE), m_commit(commitOfSources()) {
-  m_db.setBusyTimeout(30000);
-  // Nothing is written before the file is known to be a store.
-  if (!m_db.tableExists("meta")) throw UserError(path + ": not a result store: it has no table 'meta'");
-  SQLite::Statement version(m_db, "SELECT value FROM meta WHERE key='schema_version'");
-  const std::string found = one(version).value_or("none");
-  if (found != kSchemaVersion) {
-    throw UserError(path + ": the store has schema " + found + ", this program reads schema " + kSchemaVersion);
-  }
-  version.reset();
-  requireWhole(m_db, path);
-  m_db.exec("PRAGMA journal_mode=WAL");
-  m_db.exec("PRAGMA synchronous=NORMAL");  // with WAL a killed process loses nothing; only a machine failure may
-  boundSize(m_db);
-} catch (const SQLite::Exception& e) {
-  failStore(path, e);
-}
+Store::Store(const std::string& path, bool create)
+    : m_path(path), m_db(openStore(path, create)), m_commit(commitOfSources()) {}
 
-void Store::claim() { m_lock.emplace(m_db.getFilename()); }
+void Store::claim() { m_lock.emplace(m_path); }
 
 std::optional<std::string> Store::outcome(const std::string& key) try {
   SQLite::Statement s(m_db, "SELECT outcome FROM trial WHERE key=?");
   s.bind(1, key);
   return one(s);
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 std::optional<std::string> Store::hash(const std::string& key) try {
@@ -158,7 +60,7 @@ std::optional<std::string> Store::hash(const std::string& key) try {
   s.bind(1, key);
   return one(s);
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 std::optional<Store::Row> Store::measured(const std::string& key) try {
@@ -171,7 +73,7 @@ std::optional<Store::Row> Store::measured(const std::string& key) try {
   }
   return row;
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 std::vector<double> Store::lastPoses(const std::string& key) try {
@@ -183,7 +85,7 @@ std::vector<double> Store::lastPoses(const std::string& key) try {
   if (!numbers.empty()) std::memcpy(numbers.data(), blob.getBlob(), numbers.size() * sizeof(double));
   return numbers;
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 StoredTrial Store::find(const std::string& keyBegin) try {
@@ -192,7 +94,7 @@ StoredTrial Store::find(const std::string& keyBegin) try {
   SQLite::Statement s(m_db,
                       "SELECT key, outcome, reason, step, canonical FROM trial WHERE substr(key, 1, length(?1))=?1");
   s.bind(1, keyBegin);
-  if (!s.executeStep()) throw UserError("no trial has the key '" + keyBegin + "' in " + m_db.getFilename());
+  if (!s.executeStep()) throw UserError("no trial has the key '" + keyBegin + "' in " + m_path);
   StoredTrial out{s.getColumn(0).getString(), s.getColumn(1).getString(), s.getColumn(2).getString(),
                   s.getColumn(3).isNull() ? -1 : static_cast<long>(s.getColumn(3).getInt64()),
                   storedJson(s.getColumn(4).getString())};
@@ -201,7 +103,7 @@ StoredTrial Store::find(const std::string& keyBegin) try {
   }
   return out;
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 std::optional<double> Store::wall(const std::string& key) try {
@@ -210,7 +112,7 @@ std::optional<double> Store::wall(const std::string& key) try {
   if (!s.executeStep()) return std::nullopt;
   return s.getColumn(0).getDouble();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 // Each requested part of a sweep has its command, once.
@@ -333,7 +235,7 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   }
   transaction.commit();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 void Store::describe(const std::vector<DescribedMetric>& metrics) try {
@@ -350,7 +252,7 @@ void Store::describe(const std::vector<DescribedMetric>& metrics) try {
   }
   transaction.commit();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 long Store::machineId() {
@@ -393,7 +295,7 @@ void Store::put(const PlannedTrial& trial, const TrialResult& result, const std:
   }
   transaction.commit();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 bool Store::hasFilm(const std::string& key) try {
@@ -402,7 +304,7 @@ bool Store::hasFilm(const std::string& key) try {
   s.bind(1, key);
   return s.executeStep();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 void Store::putFilm(const std::string& key, const std::string& film) try {
@@ -413,7 +315,7 @@ void Store::putFilm(const std::string& key, const std::string& film) try {
   s.exec();
   transaction.commit();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 void Store::setMeta(const std::string& key, const std::string& value) try {
@@ -421,7 +323,7 @@ void Store::setMeta(const std::string& key, const std::string& value) try {
   s.bind(1, key), s.bind(2, value);
   s.exec();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 void Store::addBenchmark(const std::string& text) try {
@@ -429,13 +331,13 @@ void Store::addBenchmark(const std::string& text) try {
   s.bind(1, timeStamp()), s.bind(2, text);
   s.exec();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 long Store::merge(const std::string& path) try {
   { const Store check(path, false); }  // checks that it is a store
   SQLite::Statement attach(m_db, "ATTACH DATABASE ? AS other");
-  attach.bind(1, path);
+  attach.bind(1, readableName(path));
   attach.exec();
   SQLite::Transaction transaction(m_db);
   m_db.exec("INSERT OR IGNORE INTO machine(description) SELECT description FROM other.machine");
@@ -463,7 +365,7 @@ long Store::merge(const std::string& path) try {
   m_db.exec("DETACH DATABASE other");
   return trials;
 } catch (const SQLite::Exception& e) {
-  failStore(path + " into " + m_db.getFilename(), e);
+  failStore(path + " into " + m_path, e);
 }
 
 std::string timeStamp() {

@@ -43,7 +43,8 @@ struct StoredTrial {
 /// and leaves nothing half-written. docs/reference_results.md describes tables and metric names.
 class Store {
  public:
-  /// Opens it, or creates it if `create`. Throws UserError if the file is not a store or has another schema.
+  /// Opens it, or creates it if `create`; without `create` only to read, also from a read-only medium. Throws UserError
+  /// if the file is not a store or has another schema.
   Store(const std::string& path, bool create);
   /// Locks the store for a runner until destruction. Throws UserError if another process has the lock.
   void claim();
@@ -102,6 +103,7 @@ class Store {
   void forgetFirstValues(const PlannedSweep& sweep);  // of settings, which older stores planned in their place
   void mergeLedger();                                 // from the attached store `other`
 
+  std::string m_path;
   std::optional<StoreLock> m_lock;  // destroyed after the database
   SQLite::Database m_db;
   long m_machine = 0;

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "experiments/runner/store.h"
-#include "experiments/trial/formats/output_file.h"
+#include "experiments/runner/store_open.h"
 #include "framework/math/check.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -12,7 +12,8 @@ namespace {
 
 void checkExisting(const std::string& path) try {
   const Store ours(path, false);  // a valid store with our schema
-  SQLite::Database db(path, SQLite::OPEN_READWRITE);
+  requireWritable(path);
+  SQLite::Database db(databaseName(path), SQLite::OPEN_READWRITE);
   db.setBusyTimeout(30000);  // a sweep may be writing
   const std::string found = db.execAndGet("PRAGMA quick_check(1)").getString();
   if (found != "ok") throw UserError(path + ": a damaged store: " + found.substr(found.find_last_of('\n') + 1));
@@ -29,14 +30,7 @@ void checkStore(const std::string& path) {
   const bool empty = fs::is_regular_file(path, ignored) &&
                      fs::file_size(path, ignored) == 0;  // the process was killed while creating it
   if (fs::exists(path, ignored) && !empty) return checkExisting(path);
-  // Creates and removes a file in the innermost existing folder.
-  fs::path folder = fs::absolute(path).parent_path();
-  while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder.parent_path();
-  try {
-    const OutputFile probe((folder / fs::path(path).filename()).string());
-  } catch (const CannotWrite& e) {
-    throw UserError(path + ": cannot be created: " + e.what());
-  }
+  requireWritable(path);
 }
 
 }}  // namespace lpc::LPC_PRECISION

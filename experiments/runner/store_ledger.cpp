@@ -73,7 +73,7 @@ bool Store::isVerified(const std::string& key) try {
   s.bind(1, key);
   return s.executeStep();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 void Store::addVerified(const std::vector<VerifiedBlock>& blocks, const Verified& verified) try {
@@ -112,7 +112,7 @@ void Store::addVerified(const std::vector<VerifiedBlock>& blocks, const Verified
   }
   transaction.commit();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 void Store::keepOnlyCode(const LedgerMethod& method, const std::string& code) try {
@@ -135,7 +135,7 @@ void Store::keepOnlyCode(const LedgerMethod& method, const std::string& code) tr
   forget.exec();
   transaction.commit();
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 Ledger Store::ledger() try {
@@ -154,7 +154,7 @@ Ledger Store::ledger() try {
   }
   return out;
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 std::map<std::string, std::string> Store::foundCases() try {
@@ -163,7 +163,7 @@ std::map<std::string, std::string> Store::foundCases() try {
   while (s.executeStep()) out[s.getColumn(0).getString()] = s.getColumn(1).getString();
   return out;
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 std::map<std::string, std::string> Store::worstCases() try {
@@ -180,7 +180,7 @@ std::map<std::string, std::string> Store::worstCases() try {
   }
   return out;
 } catch (const SQLite::Exception& e) {
-  failStore(m_db.getFilename(), e);
+  failStore(m_path, e);
 }
 
 // Sums over blocks cannot be separated again: a method's ledger is copied whole or not at all.

@@ -8,6 +8,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/plugin_probe.h"
 #include "experiments/trial/box_distribution.h"
 #include "experiments/trial/measure/problems_metrics.h"
 #include "experiments/trial/pair_drawing.h"
@@ -39,7 +40,7 @@ json canonicalStage(json& code, std::string& unsupported, StageKind stage, Spec&
   const auto complete = [&](int d) {
     const Registered& entry = Registry::instance().find(stage, d, spec.name);
     const Spec whole = entry.canonical(spec);
-    entry.create(whole);
+    checkConstructor(entry, whole);
     return whole;
   };
   try {
@@ -70,7 +71,10 @@ json canonicalEngine(json& code, std::string& unsupported, Spec& engine, int dim
     return out;
   }
   canonicalStage(code, unsupported, StageKind::engine, engine, dimension);
-  if (unsupported.empty()) out["differs"] = dimension == 2 ? differencesOf<2>(engine) : differencesOf<3>(engine);
+  const bool ours = existsIn(StageKind::engine, dimension, engine.name) &&
+                    !isOfPlugin(Registry::instance().find(StageKind::engine, dimension, engine.name));
+  if (unsupported.empty() && ours)
+    out["differs"] = dimension == 2 ? differencesOf<2>(engine) : differencesOf<3>(engine);
   return out;
 }
 

@@ -14,6 +14,7 @@
 #include <set>
 
 #include "experiments/runner/code_identity.h"
+#include "experiments/runner/plugin_probe.h"
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/formats/ledger_json.h"
 #include "experiments/trial/formats/output_file.h"
@@ -77,6 +78,17 @@ bool supports(const Method& m, const Subject& s) {
   return true;
 }
 
+/// Calls f(a, b) for all kinds a <= b of a dimension.
+template <class F>
+void forKinds(int dimension, const F& f) {
+  for (int a = 0; a < kShapeKinds; ++a) {
+    for (int b = a; b < kShapeKinds; ++b) {
+      const auto kindA = static_cast<ShapeKind>(a), kindB = static_cast<ShapeKind>(b);
+      if (kindExists(kindA, dimension) && kindExists(kindB, dimension)) f(kindA, kindB);
+    }
+  }
+}
+
 /// The methods and their subjects; complete before anything is run or written.
 class Plan {
  public:
@@ -115,7 +127,14 @@ class Plan {
   void add(const Registered& r, const Spec& spec) {
     if (m_options.role && r.info.role != *m_options.role) return;
     const Spec whole = r.canonical(spec);
-    r.create(whole);  // throws if it is invalid
+    requireConstructor(r, [&] {
+      r.create(whole);
+      const Method probe{{}, whole, {}, r.info.role};
+      forKinds(r.dimension, [&](ShapeKind a, ShapeKind b) {
+        const Subject s{r.stage, std::pair(a, b), {}};
+        r.dimension == 2 ? supports<2>(probe, s) : supports<3>(probe, s);
+      });
+    });
     json code = codeHashes(r.stage, whole, r.dimension);
     code["core"] = coreHash(), code["oracles"] = oraclesHash();
     if (r.stage == StageKind::velocity) {  // the references for their answers
@@ -148,13 +167,9 @@ class Plan {
       addSubject(precision, dimension, {stage, std::nullopt, {}});
       return;
     }
-    for (int a = 0; a < kShapeKinds; ++a) {
-      for (int b = a; b < kShapeKinds; ++b) {
-        const auto kindA = static_cast<ShapeKind>(a), kindB = static_cast<ShapeKind>(b);
-        if (!kindExists(kindA, dimension) || !kindExists(kindB, dimension)) continue;
-        addSubject(precision, dimension, {stage, std::pair(kindA, kindB), {}});
-      }
-    }
+    forKinds(dimension, [&](ShapeKind a, ShapeKind b) {
+      addSubject(precision, dimension, {stage, std::pair(a, b), {}});
+    });
   }
   void addSubject(const std::string& precision, int dimension, Subject s) {
     for (const Method& m : m_methods) {

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/sandbox/pick.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <vector>
+
+#include "framework/shape/support_map.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
@@ -72,21 +77,57 @@ Vec<D> freePoint(const Simulation<D>& world, const ViewCamera<D>& camera, const 
 template Vec<2> freePoint(const Simulation<2>&, const ViewCamera<2>&, const Vec<2>&);
 template Vec<3> freePoint(const Simulation<3>&, const ViewCamera<3>&, const Vec<2>&);
 
+namespace {
+
+// Exact.
+bool isWithin(const ViewCamera<2>& camera, const ShapeView<2>& view, const Pose<2>& X_WP, const Vec<2>& lo,
+              const Vec<2>& hi) {
+  const Vec<2> a = camera.toWorld(lo), b = camera.toWorld(hi);
+  return overlapsBox(view, X_WP, Aabb<2>{a.cwiseMin(b), a.cwiseMax(b)});
+}
+
+// Compares the hull of 64 support points on the screen: a rectangle beside it by less than about 1/400 of the shape's
+// size may be missed.
+bool isWithin(const ViewCamera<3>& camera, const ShapeView<3>& view, const Pose<3>& X_WP, const Vec<2>& lo,
+              const Vec<2>& hi) {
+  constexpr int kDirections = 64;
+  std::vector<Vec<2>> outline;
+  for (int i = 0; i < kDirections; ++i) {
+    const Real angle = Real(2 * 3.141592653589793) * Real(i) / kDirections;
+    const Vec<3> d = X_WP.q.inverse() * Vec<3>(std::cos(angle) * camera.right() + std::sin(angle) * camera.up());
+    const Vec<2> at = camera.toPixel(X_WP * Vec<3>(coreSupport(view, d) + view.radius * d));
+    if (!at.allFinite()) return false;  // behind the viewer
+    outline.push_back(at);
+  }
+  // Separating axes: those of the rectangle and the normals of the outline.
+  std::vector<Vec<2>> axes = {Vec<2>::UnitX(), Vec<2>::UnitY()};
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Vec<2> edge = outline[(i + 1) % outline.size()] - outline[i];
+    axes.push_back({-edge[1], edge[0]});
+  }
+  const Vec<2> middle = (lo + hi) / 2, half = (hi - lo) / 2;
+  return std::all_of(axes.begin(), axes.end(), [&](const Vec<2>& axis) {
+    Real least = std::numeric_limits<Real>::infinity(), most = -least;
+    for (const Vec<2>& p : outline) least = std::min(least, axis.dot(p)), most = std::max(most, axis.dot(p));
+    const Real at = axis.dot(middle), reach = axis.cwiseAbs().dot(half);
+    return least <= at + reach && most >= at - reach;
+  });
+}
+
+}  // namespace
+
 template <int D>
 std::vector<std::int32_t> within(const Simulation<D>& world, const ViewCamera<D>& camera, const Vec<2>& corner,
                                  const Vec<2>& other) {
   const Vec<2> lo = corner.cwiseMin(other), hi = corner.cwiseMax(other);
-  const Bodies<D>& b = world.bodies();
-  std::vector<bool> plane(b.pose.size(), false);
-  for (const ShapeRecord<D>& s : world.shapes()) {
-    if (s.body >= 0 && s.shape.isPlane()) plane[static_cast<std::size_t>(s.body)] = true;
-  }
+  std::vector<bool> in(world.bodies().pose.size(), false);
+  forAllParts<D>(world, [&](std::int32_t body, const ShapeView<D>& view, const Pose<D>& X_WP) {
+    const auto i = static_cast<std::size_t>(body);
+    in[i] = in[i] || isWithin(camera, view, X_WP, lo, hi);
+  });
   std::vector<std::int32_t> out;
-  for (std::int32_t slot = 0; slot < b.size(); ++slot) {
-    const auto i = static_cast<std::size_t>(slot);
-    if (!b.used[i] || plane[i]) continue;
-    const Vec<2> at = camera.toPixel(b.pose[i].p);
-    if ((at.array() >= lo.array()).all() && (at.array() <= hi.array()).all()) out.push_back(slot);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    if (in[i]) out.push_back(static_cast<std::int32_t>(i));
   }
   return out;
 }

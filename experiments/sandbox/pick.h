@@ -29,7 +29,8 @@ Vec<D> onPlane(const ViewCamera<D>& camera, const Vec<2>& pixel, const Vec<D>& t
 template <int D>
 Vec<D> freePoint(const Simulation<D>& world, const ViewCamera<D>& camera, const Vec<2>& pixel);
 
-/// Bodies other than planes with the centre of mass in a rectangle of the window (px), by slot.
+/// Bodies with a part, other than planes, that a rectangle of the window (px) overlaps, by slot. In 3D all of the part
+/// must be in front of the viewer.
 template <int D>
 std::vector<std::int32_t> within(const Simulation<D>& world, const ViewCamera<D>& camera, const Vec<2>& corner,
                                  const Vec<2>& other);

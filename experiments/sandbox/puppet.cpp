@@ -23,12 +23,8 @@ std::string joined(const std::vector<std::string>& words) {
   return out;
 }
 
-double number(const std::string& word, const InputScript& script) {
-  char* end = nullptr;
-  const double value = std::strtod(word.c_str(), &end);
-  if (word.empty() || *end) script.fail("'" + word + "' is not a number");
-  return value;
-}
+// The script has checked it.
+double number(const std::string& word) { return std::strtod(word.c_str(), nullptr); }
 
 void push(SDL_Event event) { SDL_PushEvent(&event); }
 
@@ -171,21 +167,22 @@ void playOrder(App<D>& app, InputScript& script) {
   const auto& words = order->words;
   const auto is = [&](const char* name) { return order->name == name; };
   if (is("wait")) {
-    if (!script.waited(static_cast<long>(number(words[0], script)))) return;
+    if (!script.waited(static_cast<long>(number(words[0])))) return;
   } else if (is("until")) {
-    if (!app.session.fallen() && app.session.steps() < static_cast<long>(number(words[0], script))) return;
+    if (!app.session.fallen() && app.session.steps() < static_cast<long>(number(words[0]))) return;
   } else if (is("key")) {
     pushKey(joined(words), true, script), pushKey(joined(words), false, script);
   } else if (is("down") || is("up")) {
     pushKey(joined(words), is("down"), script);
   } else if (is("at")) {
+    if (words.size() > D) script.fail("'at' has 3 arguments; valid: 2 in a 2D scene");
     Vec<D> p = Vec<D>::Zero();
-    for (std::size_t i = 0; i < std::min<std::size_t>(words.size(), D); ++i) {
-      p[static_cast<int>(i)] = static_cast<Real>(number(words[i], script));
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      p[static_cast<int>(i)] = static_cast<Real>(number(words[i]));
     }
     moveMouse(app, app.camera.toPixel(p));
   } else if (is("pixel")) {
-    moveMouse(app, Vec<2>(number(words[0], script), number(words[1], script)));
+    moveMouse(app, Vec<2>(number(words[0]), number(words[1])));
   } else if (is("on")) {
     try {
       moveMouse(app, app.marks.at(joined(words)));
@@ -196,7 +193,7 @@ void playOrder(App<D>& app, InputScript& script) {
     pushButton(app, buttonNamed(words[0], script), is("press"));
   } else if (is("wheel")) {
     SDL_Event event{};
-    event.type = SDL_MOUSEWHEEL, event.wheel.y = static_cast<Sint32>(number(words[0], script));
+    event.type = SDL_MOUSEWHEEL, event.wheel.y = static_cast<Sint32>(number(words[0]));
     push(event);
   } else if (is("type")) {
     SDL_Event event{};
@@ -210,10 +207,7 @@ void playOrder(App<D>& app, InputScript& script) {
     out.stream() << stateOf(app).dump(1) << '\n';
     out.finish();
   } else if (is("size")) {
-    const auto pixels = [&](std::size_t i) {
-      return static_cast<int>(std::clamp(number(words[i], script), 200.0, 8000.0));
-    };
-    app.window.resize(pixels(0), pixels(1));
+    app.window.resize(static_cast<int>(number(words[0])), static_cast<int>(number(words[1])));
   } else if (is("drop")) {
     SDL_Event event{};
     event.type = SDL_DROPFILE, event.drop.file = SDL_strdup(words[0].c_str());

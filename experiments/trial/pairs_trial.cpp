@@ -84,7 +84,18 @@ class Examination {
     out.hash = text;
     measure<PairsSeen>(
         pairsMetrics(), seen, [&](TrialNeed need) { return need != TrialNeed::timing || seen.timed; }, out.metrics);
-    if (seen.wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(seen.wrong)) + " wrong answers", 0);
+    // A library may fail on some inputs, which is counted; a method of ours, or a library on all of them, is wrong.
+    const bool ours = m_role == AlgorithmRole::competitor;
+    const double silent = seen.failed + (ours ? seen.refused : 0);
+    const bool fails = silent > 0 && (ours || silent == seen.asked);
+    if (seen.wrong > 0 || fails) {
+      std::string reason = std::to_string(static_cast<long>(seen.wrong)) + " wrong answers";
+      if (fails) {
+        reason += ", " + std::to_string(static_cast<long>(silent)) + " of " +
+                  std::to_string(static_cast<long>(seen.asked)) + " without a finite answer";
+      }
+      out.fail("wrong", reason, 0);
+    }
     return out;
   }
 

@@ -3,6 +3,8 @@
 
 #include <dlfcn.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -18,7 +20,7 @@ std::string abiOf(const std::string& path) {
     throw UserError("plugin " + path + ": it is not a regular file");
   }
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw UserError("plugin " + path + ": cannot be read");
+  if (!in) throw UserError("plugin " + path + ": cannot be read: " + std::strerror(errno));
   std::ostringstream bytes;
   bytes << in.rdbuf();
   const std::string all = bytes.str();

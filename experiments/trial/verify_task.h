@@ -12,8 +12,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// same request did not return: the failure is recorded and no method runs. Exists if the oracles were built.
 nlohmann::json runVerifyTask(const nlohmann::json& request);
 
-/// {"cases": {"file": path, "questions": [[number of a case with a finding, method], ...]}, "plugins": [...]} -> one
-/// row each (see ledger_json.h).
+/// {"cases": {"file": path, "questions": [[number of a case with a finding, method], or [number of another case, ""],
+/// ...]}, "plugins": [...]} -> their rows (see ledger_json.h).
 nlohmann::json runCasesTask(const nlohmann::json& request);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -24,6 +24,7 @@
 #include "framework/scene/director.h"
 #include "framework/scene/recording.h"
 #include "framework/scene/trajectory.h"
+#include "framework/stage/spec.h"
 #include "framework/world/pose_penetration.h"
 #include "framework/world/world.h"
 
@@ -44,6 +45,17 @@ constexpr double kLightSpeed = 299792458;  // m/s
 std::string underscored(std::string name) {
   std::replace(name.begin(), name.end(), '.', '_');
   return name;
+}
+
+// "split_solver catto split_impulse", or the engine: the title of a recording.
+std::string resolverOf(const std::string& pipeline) {
+  if (const auto engine = engineOf(pipeline)) return engine->name;
+  const Spec solver = Pipeline::parse(pipeline)[StageKind::solver];
+  std::string out = solver.name;
+  for (const char* part : {"velocity", "position"}) {
+    if (const Spec* resolver = solver.find(part)) out += " " + resolver->name;
+  }
+  return out;
 }
 
 // The velocity problem of a step, and its residual.
@@ -99,7 +111,7 @@ class WorldTrial {
 
   TrialResult run() {
     std::unique_ptr<Recorder<D>> recorder;
-    if (m_recording) recorder = std::make_unique<Recorder<D>>(m_recording->stream());
+    if (m_recording) recorder = std::make_unique<Recorder<D>>(m_recording->stream(), resolverOf(m_asked.pipeline));
     std::unique_ptr<TrajectoryWriter<D>> rows;
     if (m_trajectory) {
       const auto format = m_asJson ? TrajectoryFormat::asJson : TrajectoryFormat::asCsv;

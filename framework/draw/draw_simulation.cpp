@@ -70,8 +70,13 @@ class SimulationDrawing {
       if (m_layers.structure) drawStructure(*world, m_draw, m_layers.tint);
       if (m_layers.pairs) pairs(*world);
     }
-    for (const JointRecord<D>& j : m_joints) {
-      if (j.active()) joint(j);
+    if (m_layers.joints) {
+      for (const Link<D>& link : linksOf(m_simulation)) drawLink(link, m_layers.tint, m_draw);
+    }
+    if (m_layers.jointErrors) {
+      for (const JointRecord<D>& j : m_joints) {
+        if (j.active()) jointErrorOf(j);
+      }
     }
     for (const Manifold<D>& m : m_manifolds) {
       for (int i = 0; i < m.count; ++i) contact(m, m.points[i]);
@@ -166,15 +171,10 @@ class SimulationDrawing {
     }
   }
 
-  void joint(const JointRecord<D>& j) {
+  void jointErrorOf(const JointRecord<D>& j) {
     const Pose<D> X_WA = poseOf(m_bodies, j.bodyA), X_WB = poseOf(m_bodies, j.bodyB);
     const Vec<D> a = X_WA * j.X_CaJ.p, b = X_WB * j.X_CbJ.p;
-    if (m_layers.joints) {
-      if (j.bodyA >= 0) line(X_WA.p, a, kDrawnJoint);
-      line(a, b, kDrawnJoint), line(b, X_WB.p, kDrawnJoint);
-      point(a, kAnchorPixels, kDrawnJoint), point(b, kAnchorPixels, kDrawnJoint);
-    }
-    if (!m_layers.jointErrors || !isPlace(X_WA) || !isPlace(X_WB)) return;
+    if (!isPlace(X_WA) || !isPlace(X_WB)) return;
     JointRows<D> rows;
     j.kind->rows(j, X_WA, X_WB, rows);
     const JointError error = jointError(rows.all());
@@ -223,10 +223,22 @@ Look bodyLook(std::size_t slot, BodyType type, bool awake) {
 }
 
 template <int D>
+void drawLink(const Link<D>& link, const std::optional<DrawColour>& tint, DebugDraw<D>& draw) {
+  const DrawColour colour = tint.value_or(link.force ? kDrawnForce : kDrawnJoint);
+  const Vec<D>* const ends[] = {&link.from, &link.a, &link.b, &link.to};
+  for (int i = 0; i < 3; ++i) {
+    if (*ends[i] != *ends[i + 1]) draw.line(*ends[i], *ends[i + 1], colour);
+  }
+  draw.point(link.a, kAnchorPixels, colour), draw.point(link.b, kAnchorPixels, colour);
+}
+
+template <int D>
 void drawSimulation(const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw) {
   SimulationDrawing<D>(simulation, layers, draw).all();
 }
 
+template void drawLink(const Link<2>&, const std::optional<DrawColour>&, DebugDraw<2>&);
+template void drawLink(const Link<3>&, const std::optional<DrawColour>&, DebugDraw<3>&);
 template void drawSimulation(const Simulation<2>&, const DrawLayers&, DebugDraw<2>&);
 template void drawSimulation(const Simulation<3>&, const DrawLayers&, DebugDraw<3>&);
 

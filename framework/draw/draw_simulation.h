@@ -9,6 +9,7 @@
 
 #include "framework/draw/debug_draw.h"
 #include "framework/stage/params.h"
+#include "framework/world/links.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
@@ -22,6 +23,7 @@ inline constexpr DrawColour kDrawnFriction{230, 120, 20};
 inline constexpr DrawColour kDrawnBox{150, 150, 160};
 inline constexpr DrawColour kDrawnPair{120, 90, 170};
 inline constexpr DrawColour kDrawnJoint{20, 110, 160};
+inline constexpr DrawColour kDrawnForce{140, 90, 40};  // a spring force
 inline constexpr DrawColour kDrawnJointError{200, 0, 120};
 inline constexpr DrawColour kDrawnCentre{30, 30, 30};
 inline constexpr DrawColour kDrawnVelocity{0, 130, 120};
@@ -30,7 +32,7 @@ struct DrawLayers {
   bool shapes = true, sleep = true, islands = false;
   bool contacts = false, normals = false, impulses = false, friction = false;
   bool boxes = false, structure = false, pairs = false;
-  bool joints = false, jointErrors = false;
+  bool joints = true, jointErrors = false;
   bool centres = false, velocities = false;
 
   Real normalLength = Real(0.25);  // m
@@ -63,7 +65,8 @@ inline constexpr std::array<DrawLayer, 14> kDrawLayers = {{
     {"boxes", "boxes of the last broadphase, including half the contact margin", &DrawLayers::boxes},
     {"structure", "structure of the broadphase: cells or tree nodes", &DrawLayers::structure},
     {"pairs", "pairs passed to the contact generator in the last step, from box to box", &DrawLayers::pairs},
-    {"joints", "anchors, the line between them, and lines to the centres of mass", &DrawLayers::joints},
+    {"joints", "joints and springs: anchors, the line between them, and lines to the centres of mass",
+     &DrawLayers::joints},
     {"joint errors", "visible joint errors, and their size", &DrawLayers::jointErrors},
     {"centres", "centres of mass of moving bodies", &DrawLayers::centres},
     {"velocities", "velocities of the centres of mass", &DrawLayers::velocities},
@@ -77,6 +80,10 @@ template <int D>
 bool isPlace(const Pose<D>& X_WC) {
   return X_WC.p.allFinite() && (X_WC.q * Vec<D>(Vec<D>::UnitX())).allFinite();
 }
+
+/// Draws a joint or a spring force.
+template <int D>
+void drawLink(const Link<D>& link, const std::optional<DrawColour>& tint, DebugDraw<D>& draw);
 
 /// Draws a simulation. Data that the simulation does not report is not drawn: contacts and islands of an engine; boxes,
 /// structure and pairs of anything but a `World`.

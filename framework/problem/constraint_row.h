@@ -34,11 +34,12 @@ struct ConstraintRow {
   Vec<D> d = Vec<D>::Zero();     // unit, or zero
   Ang<D> armA = Ang<D>::Zero();  // r x d, m; a unit axis where the row is angular
   Ang<D> armB = Ang<D>::Zero();
-  Real error = 0;                      // m or rad: displacement of B along the row from its target
-  Real speed = 0;                      // target speed of a motor, m/s or rad/s
-  Real bounce = -kNoLimit;             // of a contact in impact: the least v afterwards, m/s
-  Real stiffness = 0;                  // of a spring, N/m or N m/rad
-  Real damping = 0;                    // of a spring, N s/m or N m s/rad
+  Real bend = 0;            // 1/m: rotation of d when B moves across it; 1 / distance along a line of two points
+  Real error = 0;           // m or rad: displacement of B along the row from its target
+  Real speed = 0;           // target speed of a motor, m/s or rad/s
+  Real bounce = -kNoLimit;  // of a contact in impact: the least v afterwards, m/s
+  Real stiffness = 0;       // of a spring, N/m or N m/rad
+  Real damping = 0;         // of a spring, N s/m or N m s/rad
   Real lo = -kNoLimit, hi = kNoLimit;  // limits of the force, N or N m; both 0: the row is inactive
   Real friction = 0;                   // coefficient of a cone row
   std::int32_t normal = -1;            // of a cone row: the normal row, which limits its force

@@ -11,7 +11,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr char kRecordingMagic[] = "LPCREC1";
+constexpr char kRecordingMagic[] = "LPCREC2", kFirstFormat[] = "LPCREC1";
 
 template <class T>
 void put(std::ostream& out, T value) {
@@ -93,7 +93,7 @@ bool getNewBody(const Reading& reading, typename Recording<D>::NewBody& a) {
 }
 
 template <int D>
-bool getFrame(const Reading& reading, typename Recording<D>::Frame& f) {
+bool getFrame(const Reading& reading, bool hasLinks, typename Recording<D>::Frame& f) {
   std::istream& in = reading.in;
   std::uint32_t newBodies = 0, bodies = 0;
   if (!get(in, f.step) || !get(in, f.time) || !get(in, newBodies) || !get(in, bodies)) return false;
@@ -110,25 +110,57 @@ bool getFrame(const Reading& reading, typename Recording<D>::Frame& f) {
     reading.require(b.slot >= 0, "a body with an invalid slot");
     reading.require(b.awake <= 1, "a body's flag is neither 0 nor 1");
   }
+  std::uint32_t links = 0;
+  if (hasLinks && !get(in, links)) return false;
+  for (std::uint32_t i = 0; i < links; ++i) {
+    auto& link = f.links.emplace_back();
+    std::uint8_t force = 0;
+    if (!get(in, force) || !getVec(in, link.from) || !getVec(in, link.a) || !getVec(in, link.b) ||
+        !getVec(in, link.to)) {
+      return false;
+    }
+    reading.require(force <= 1, "a link's flag is neither 0 nor 1");
+    reading.require(link.from.allFinite() && link.a.allFinite() && link.b.allFinite() && link.to.allFinite(),
+                    "a link's position is not finite");
+    link.force = force == 1;
+  }
   return true;
 }
 
-std::int32_t readHeader(std::istream& in) {
-  char magic[sizeof kRecordingMagic] = {};
+struct Header {
   std::int32_t dimension = 0;
+  bool first = false;  // the first format
+  std::string title;
+};
+
+Header readHeader(std::istream& in) {
+  char magic[sizeof kRecordingMagic] = {};
+  Header out;
   in.read(magic, sizeof magic);
-  if (std::memcmp(magic, kRecordingMagic, sizeof kRecordingMagic) != 0)
+  out.first = std::memcmp(magic, kFirstFormat, sizeof magic) == 0;
+  if (!out.first && std::memcmp(magic, kRecordingMagic, sizeof magic) != 0)
     throw UserError("this is not a recording of a world");
-  if (!get(in, dimension)) throw UserError("the recording ends early");
-  return dimension;
+  if (!get(in, out.dimension)) throw UserError("the recording ends early");
+  if (out.first) return out;
+  std::uint32_t length = 0;
+  if (!get(in, length)) throw UserError("the recording ends early");
+  for (std::uint32_t i = 0; i < length; ++i) {
+    char c = 0;
+    if (!get(in, c)) throw UserError("the recording ends early");
+    if (c < ' ' || c > '~') throw UserError("the recording is damaged (a title that is not printable)");
+    out.title += c;
+  }
+  return out;
 }
 
 }  // namespace
 
 template <int D>
-Recorder<D>::Recorder(std::ostream& out) : m_out(out) {
+Recorder<D>::Recorder(std::ostream& out, const std::string& title) : m_out(out) {
   m_out.write(kRecordingMagic, sizeof kRecordingMagic);
   put(m_out, static_cast<std::int32_t>(D));
+  put(m_out, static_cast<std::uint32_t>(title.size()));
+  m_out.write(title.data(), static_cast<std::streamsize>(title.size()));
 }
 
 template <int D>
@@ -166,25 +198,32 @@ void Recorder<D>::frame(const Simulation<D>& world) {
     put(m_out, static_cast<std::int32_t>(i)), put(m_out, b.generation[i]), put(m_out, b.awake[i]);
     putVec(m_out, b.pose[i].p), putRot(m_out, b.pose[i].q);
   }
+  const std::vector<Link<D>> links = linksOf(world);
+  put(m_out, static_cast<std::uint32_t>(links.size()));
+  for (const Link<D>& link : links) {
+    put(m_out, static_cast<std::uint8_t>(link.force));
+    putVec(m_out, link.from), putVec(m_out, link.a), putVec(m_out, link.b), putVec(m_out, link.to);
+  }
 }
 
 int recordingDimension(std::istream& in) {
   const auto begin = in.tellg();
-  const std::int32_t dimension = readHeader(in);
+  const std::int32_t dimension = readHeader(in).dimension;
   in.seekg(begin);
   return dimension;
 }
 
 template <int D>
 Recording<D> Recording<D>::read(std::istream& in) {
-  const std::int32_t dimension = readHeader(in);
+  const auto [dimension, first, title] = readHeader(in);
   if (dimension != D) {
     throw UserError("the recording is " + std::to_string(dimension) + "D; asked: " + std::to_string(D) + "D");
   }
   Recording r;
+  r.title = title;
   while (in.peek() != std::istream::traits_type::eof()) {
     Frame f;
-    r.torn = !getFrame<D>({in, r.frames.size() + 1}, f);
+    r.torn = !getFrame<D>({in, r.frames.size() + 1}, !first, f);
     if (r.torn) break;
     r.frames.push_back(std::move(f));
   }

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <iosfwd>
+#include <string>
 #include <vector>
 
-#include "framework/world/simulation.h"
+#include "framework/world/links.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
@@ -37,11 +38,14 @@ struct Recording {
     double time = 0;  // s
     std::vector<NewBody> newBodies;
     std::vector<Body> bodies;  // all bodies in the world, by slot
+    std::vector<Link<D>> links;
   };
+  std::string title;  // printable ASCII
   std::vector<Frame> frames;
   bool torn = false;  // the bytes ended within a frame, which is dropped
 
-  /// Reads a recording. Throws UserError when the bytes are not a recording of this dimension.
+  /// Reads a recording, also of the first format, which has neither title nor links. Throws UserError when the bytes
+  /// are not a recording of this dimension.
   static Recording read(std::istream& in);
 };
 
@@ -51,8 +55,8 @@ int recordingDimension(std::istream& in);
 template <int D>
 class Recorder {
  public:
-  /// Writes the header. The stream must outlive the recorder.
-  explicit Recorder(std::ostream& out);
+  /// Writes the header, with a title of printable ASCII. The stream must outlive the recorder.
+  explicit Recorder(std::ostream& out, const std::string& title = {});
   /// Appends the current state.
   void frame(const Simulation<D>& world);
 

@@ -3,14 +3,47 @@
 #include <algorithm>
 #include <string>
 
+#include "framework/shape/flat_triangle.h"
 #include "framework/shape/shape.h"
 #include "framework/shape/shape_tolerances.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
+namespace {
+
+using Corner = Eigen::Vector3d;
+
+struct TriangleSides {
+  explicit TriangleSides(const IndexedArray<Corner, 3>& p) {
+    for (std::size_t i = 0; i < 3; ++i) edge[i] = p[(i + 1) % 3] - p[i], longest = std::max(longest, edge[i].norm());
+    // The cross product of the two shortest edges has the most digits: use the corner opposite the longest edge.
+    std::size_t apex = 0;
+    for (std::size_t i = 1; i < 3; ++i) {
+      if (edge[(i + 1) % 3].squaredNorm() > edge[(apex + 1) % 3].squaredNorm()) apex = i;
+    }
+    if (longest > 0) across = edge[(apex + 2) % 3].cross(edge[apex]) / longest;
+  }
+  bool spanArea(double largest) const { return across.norm() > kFlattestTriangle * kHullRounding * largest; }
+
+  IndexedArray<Corner, 3> edge;
+  double longest = 0;              // m
+  Corner across = Corner::Zero();  // normal; its length is the height over the longest edge
+};
+
+}  // namespace
+
+bool hasArea(const std::array<Vec<3>, 3>& corners) {
+  IndexedArray<Corner, 3> p;
+  double largest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    p[i] = corners[i].cast<double>();
+    largest = std::max(largest, p[i].cwiseAbs().maxCoeff());
+  }
+  return TriangleSides(p).spanArea(largest);
+}
+
 std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view subject) {
-  using Point = Eigen::Vector3d;
-  IndexedArray<Point, 3> p;
+  IndexedArray<Corner, 3> p;
   double largest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     if (!corners[i].allFinite()) {
@@ -19,24 +52,18 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
     p[i] = corners[i].cast<double>();
     largest = std::max(largest, p[i].cwiseAbs().maxCoeff());
   }
-  IndexedArray<Point, 3> edge;
-  double longest = 0;
-  for (std::size_t i = 0; i < 3; ++i) edge[i] = p[(i + 1) % 3] - p[i], longest = std::max(longest, edge[i].norm());
+  const TriangleSides sides(p);
+  const IndexedArray<Corner, 3>& edge = sides.edge;
+  const double longest = sides.longest;
   if (longest > 2 * kLargestExtent || (longest > 0 && longest < 1 / kLargestExtent)) {
     throw UserError(std::string(subject) + ": it is " + std::to_string(longest) + " m long; valid: " +
                     std::to_string(1 / kLargestExtent) + " to " + std::to_string(2 * kLargestExtent));
   }
-  // The cross product of the two shortest edges has the most digits: use the corner opposite the longest edge.
-  std::size_t apex = 0;
-  for (std::size_t i = 1; i < 3; ++i) {
-    if (edge[(i + 1) % 3].squaredNorm() > edge[(apex + 1) % 3].squaredNorm()) apex = i;
-  }
-  const Point across = longest > 0 ? Point(edge[(apex + 2) % 3].cross(edge[apex]) / longest) : Point(Point::Zero());
-  if (!(across.norm() > kFlattestTriangle * kHullRounding * largest)) {  // its height over the longest edge
+  if (!sides.spanArea(largest)) {
     throw UserError(std::string(subject) +
                     ": its corners lie on one line within rounding; valid: a triangle with area");
   }
-  const Point n = across.normalized();
+  const Corner n = sides.across.normalized();
   auto out = std::make_shared<Polytope<3>>();
   out->vertices.assign(corners.begin(), corners.end());
   const auto face = [&](const Vec<3>& normal, Real offset, std::initializer_list<int> loop) {
@@ -50,7 +77,7 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
   face(-up, -height, {0, 2, 1});
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    const Point side = edge[i].cross(n).normalized();
+    const Corner side = edge[i].cross(n).normalized();
     face(side.cast<Real>(), static_cast<Real>(side.dot(p[i])), {j, i});
     out->edges.push_back({i, j, 0, 2 + i});
     out->edges.push_back({j, i, 1, 2 + i});

@@ -165,9 +165,8 @@ Registry& Registry::instance() {
 void Registry::add(Registered entry) {
   Key key{entry.stage, entry.dimension, entry.info.name};
   if (!m_all.emplace(key, std::move(entry)).second) {
-    std::fprintf(stderr, "lpc: two algorithms are registered as %s %s (%dD)\n",
-                 std::string(stageName(std::get<0>(key))).c_str(), std::get<2>(key).c_str(), std::get<1>(key));
-    std::abort();
+    throw UserError("two algorithms are registered as " + std::string(stageName(std::get<0>(key))) + " " +
+                    std::get<2>(key) + " (" + std::to_string(std::get<1>(key)) + "D)");
   }
 }
 

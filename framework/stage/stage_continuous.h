@@ -59,11 +59,12 @@ class ContinuousCollision : public Stage {
   }
 };
 
-/// Throws UserError, "`subject` does not support ...", unless every pair of these kinds is supported.
+/// Throws UserError, "`subject` does not support ...; valid: ...", unless every pair of these kinds is supported.
 template <int D>
 void requireCasts(const ContinuousCollision<D>& continuous, const std::array<bool, kShapeKinds>& kinds,
                   const std::string& subject) {
-  requirePairs([&](ShapeKind a, ShapeKind b) { return continuous.supports(a, b); }, kinds, subject);
+  requirePairs([&](ShapeKind a, ShapeKind b) { return continuous.supports(a, b); }, kinds, subject,
+               registeredSupport<ContinuousCollision<D>>);
 }
 
 }}  // namespace lpc::LPC_PRECISION

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage/stage_narrowphase.h"
 
+#include <optional>
+
+#include "framework/math/names.h"
+
 namespace lpc { inline namespace LPC_PRECISION {
 
 std::string_view queryStatusName(QueryStatus status) {
@@ -119,23 +123,40 @@ void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds) {
   forParts(shape, Pose<D>{}, mark);
 }
 
-void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
-                  const std::string& subject) {
+namespace {
+
+// The first unsupported pair of these kinds.
+std::optional<std::pair<ShapeKind, ShapeKind>> unsupported(const PairSupport& supports,
+                                                           const std::array<bool, kShapeKinds>& kinds) {
   for (std::size_t i = 0; i < kShapeKinds; ++i) {
     for (std::size_t k = i; k < kShapeKinds; ++k) {
       const auto a = static_cast<ShapeKind>(i), b = static_cast<ShapeKind>(k);
       const bool planes = coreClass(a) == CoreClass::plane && coreClass(b) == CoreClass::plane;
-      if (!kinds[i] || !kinds[k] || planes || supports(a, b)) continue;
-      throw UserError(subject + " does not support " + std::string(shapeKindName(a)) + " against " +
-                      std::string(shapeKindName(b)));
+      if (kinds[i] && kinds[k] && !planes && !supports(a, b)) return std::pair(a, b);
     }
   }
+  return {};
+}
+
+}  // namespace
+
+void requirePairs(const PairSupport& supports, const std::array<bool, kShapeKinds>& kinds, const std::string& subject,
+                  const std::function<std::vector<std::pair<std::string, PairSupport>>()>& others) {
+  const auto lacks = unsupported(supports, kinds);
+  if (!lacks) return;
+  std::vector<std::string> valid;
+  for (const auto& [name, support] : others()) {
+    if (!unsupported(support, kinds)) valid.push_back(name);
+  }
+  throw UserError(subject + " does not support " + std::string(shapeKindName(lacks->first)) + " against " +
+                  std::string(shapeKindName(lacks->second)) + (valid.empty() ? "" : validNames(valid, "")));
 }
 
 template <int D>
 void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
                      const std::string& subject) {
-  requirePairs([&](ShapeKind a, ShapeKind b) { return contacts.supports(a, b); }, kinds, subject);
+  requirePairs([&](ShapeKind a, ShapeKind b) { return contacts.supports(a, b); }, kinds, subject,
+               registeredSupport<ContactGenerator<D>>);
 }
 
 template class PartPairs<2>;

@@ -4,8 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/math/indexed.h"
@@ -167,10 +169,23 @@ class ContactGenerator;
 template <int D>
 void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds);
 
-/// Throws UserError, "`subject` does not support ...", unless every pair of these kinds is supported. A pair of two
-/// planes is not required, because two planes never touch.
-void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
-                  const std::string& subject);
+using PairSupport = std::function<bool(ShapeKind, ShapeKind)>;
+/// Throws UserError, "`subject` does not support ...; valid: ...", unless every pair of these kinds is supported. A
+/// pair of two planes is not required, because two planes never touch. `others` gives the names and the support of all
+/// methods that may be valid; it is called before the throw only.
+void requirePairs(const PairSupport& supports, const std::array<bool, kShapeKinds>& kinds, const std::string& subject,
+                  const std::function<std::vector<std::pair<std::string, PairSupport>>()>& others);
+/// The registered methods of a stage, with default parameters, and what each supports.
+template <class S>
+std::vector<std::pair<std::string, PairSupport>> registeredSupport() {
+  std::vector<std::pair<std::string, PairSupport>> out;
+  for (const Registered* r : Registry::instance().list(S::kStage, S::kDimension)) {
+    if (r->info.role != AlgorithmRole::competitor) continue;
+    const std::shared_ptr<S> stage = createStage<S>(Spec{r->info.name, {}});
+    out.emplace_back(r->info.name, [stage](ShapeKind a, ShapeKind b) { return stage->supports(a, b); });
+  }
+  return out;
+}
 template <int D>
 void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
                      const std::string& subject);

@@ -2,6 +2,7 @@
 #include "framework/world/body_queries.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "framework/math/user_numbers.h"
@@ -240,9 +241,16 @@ template <int D>
 std::vector<BodyRayHit<D>> BodyQueries<D>::rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
                                                   const Filter& filter) const {
   if (!p.allFinite() || !direction.allFinite()) throw UserError("ray: its start or direction is not finite");
+  if (direction.isZero(0)) throw UserError("ray: its direction is zero; valid: any other direction, of any length");
   if (!(maxT >= 0)) throw UserError("ray: maxT is " + std::to_string(maxT) + "; valid: a number >= 0");
+  // The longest coordinate becomes 0.5 to 1; otherwise the squares of short and long directions are 0 and infinite. A
+  // power of two leaves all other bits unchanged.
+  int exponent = 0;
+  std::frexp(direction.cwiseAbs().maxCoeff(), &exponent);
+  const Vec<D> along = direction.unaryExpr([&](Real x) { return std::ldexp(x, -exponent); });
+  const Real end = std::ldexp(maxT, exponent);
   std::vector<RayHit<D>> found;
-  m_table.boxes.ray(p, direction, maxT, found);  // the first box need not hold the first hit
+  m_table.boxes.ray(p, along, end, found);  // the first box need not hold the first hit
   std::vector<BodyRayHit<D>> out;
   std::vector<std::int32_t> near;
   for (const RayHit<D>& hit : found) {
@@ -252,15 +260,16 @@ std::vector<BodyRayHit<D>> BodyQueries<D>::rayAll(const Vec<D>& p, const Vec<D>&
     const Pose<D> X_WS = m_table.bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
     RayEntry<D> first;
     const auto meet = [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
-      const RayEntry<D> entry = rayEntry(part, X_WP, p, direction, maxT);
+      const RayEntry<D> entry = rayEntry(part, X_WP, p, along, end);
       if (entry.t >= 0 && (first.t < 0 || entry.t < first.t)) first = entry;
     };
     if (const Surface<D>* surface = s.shape.surface()) {
-      meetOfSurface(*surface, X_WS, p, direction, maxT, near, meet);
+      meetOfSurface(*surface, X_WS, p, along, end, near, meet);
     } else {
       forParts(s.shape, X_WS, meet);
     }
-    if (first.t >= 0) out.push_back({body, s.index, first.t, first.normal, s.userData});
+    const Real t = std::ldexp(first.t, -exponent);
+    if (t >= 0 && std::isfinite(t)) out.push_back({body, s.index, t, first.normal, s.userData});
   }
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.t, a.body.slot, a.shape) < std::tuple(b.t, b.body.slot, b.shape);

@@ -72,7 +72,7 @@ class BodyQueries {
   bool contains(std::size_t body, const Vec<D>& point) const;
   bool intersects(std::size_t body, const Aabb<D>& box) const;
   /// Hits of the ray p + t * direction, 0 <= t <= maxT, sorted by t. Throws UserError when the point or direction is
-  /// not finite, or maxT is negative.
+  /// not finite, the direction is zero, or maxT is negative.
   std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
                                     const Filter& filter = {}) const;
   /// The hit with the smallest t.

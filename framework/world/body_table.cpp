@@ -89,6 +89,7 @@ std::size_t BodyTable<D>::add(const BodyDef<D>& def, const CheckedBody<D>& check
   for (std::size_t s = 0; s < checked.shapes.size(); ++s) {
     putShape(checked.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
   }
+  events.push_back({SleepEvent::bodyAdded, static_cast<std::int32_t>(i), -1});
   return i;
 }
 

@@ -87,7 +87,7 @@ class BodyTable {
 
   // --- boxes ---------------------------------------------------------------------------------------------------------
   /// Updates the boxes. With `sleepers`, boxes of sleeping bodies are active too.
-  void sync(bool sleepers) const { boxes.sync(shapes, bodies, sleepers); }
+  void sync(bool sleepers) const { boxes.sync(shapes, bodies, events, sleepers); }
   /// True when neither of the two shapes of a manifold or record is active.
   template <class Pair>
   bool resting(const Pair& p) const {

@@ -54,8 +54,24 @@ void BoxIndex<D>::refresh(std::size_t shape, const ShapeRecord<D>& record, const
   m_proxies.setBox(static_cast<ProxyId>(shape), box);
 }
 
+// Events, not m_touched: they are saved, and a query between two steps does not clear them.
 template <int D>
-void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies, bool sleepers) {
+void BoxIndex<D>::findChanged(const Bodies<D>& bodies, std::span<const SleepEvent> events) {
+  m_changed.assign(bodies.pose.size(), 0);
+  if (events.empty()) return;
+  bool sleepers = false;
+  for (std::size_t i = 0; i < bodies.used.size(); ++i) sleepers = sleepers || (bodies.used[i] && !bodies.awake[i]);
+  if (!sleepers) return;
+  for (const SleepEvent& e : events) {
+    if (e.kind == SleepEvent::bodyAdded || e.kind == SleepEvent::userChange) {
+      m_changed[static_cast<std::size_t>(e.body)] = 1;
+    }
+  }
+}
+
+template <int D>
+void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies,
+                       std::span<const SleepEvent> events, bool sleepers) {
   if (!m_stale) return;
   m_stale = false;
   if (m_change.size() < shapes.size()) {  // a saved world may end in free slots
@@ -63,6 +79,7 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
     m_proxies.resize(static_cast<int>(shapes.size()));
   }
   m_touched.resize(bodies.pose.size(), 0);
+  findChanged(bodies, events);
   m_added.clear(), m_removed.clear(), m_moved.clear();
   m_planes.clear();
   m_anyActive = false;
@@ -74,7 +91,7 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
       if (shapes[s].shape.isPlane()) {
         m_planes.push_back({static_cast<ProxyId>(s), bodies.pose[body] * shapes[s].X_CS});
       }
-      const bool active = (bodies.awake[body] || sleepers) && bodies.type[body] != BodyType::fixed;
+      const bool active = ((bodies.awake[body] || sleepers) && bodies.type[body] != BodyType::fixed) || m_changed[body];
       const bool moved = active || m_touched[body];
       if (moved || (m_change[s] & added)) refresh(s, shapes[s], bodies.pose[body]);
       if (moved || m_proxies.active[s]) m_moved.push_back(static_cast<ProxyId>(s));
@@ -94,7 +111,7 @@ void BoxIndex<D>::findPairs(std::vector<ProxyPair>& out, WorkDone& work) {
   const ShapeView<D> plane = Shape<D>::plane().view();
   for (const Plane& p : m_planes) {
     for (ProxyId i = 0; i < m_proxies.size(); ++i) {
-      if (m_proxies.isFree(i) || !active(i) || !m_proxies.mayCollide(p.shape, i)) continue;
+      if (m_proxies.isFree(i) || !m_proxies.mayCollide(p.shape, i)) continue;
       ++work[WorkCount::boxTests];
       // The other half of the margin: a plane's own box would have grown by it.
       if (overlapsBox(plane, p.X_WS, m_proxies.box(i).grown(m_margin / 2))) {

@@ -6,6 +6,7 @@
 
 #include "framework/problem/body.h"
 #include "framework/stage/stage_broadphase.h"
+#include "framework/stage/stage_sleep.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
@@ -30,10 +31,14 @@ class BoxIndex {
   void removeAll();
   /// Marks the boxes of all moving bodies as stale.
   void markAllStale() { m_stale = true; }
-  /// Passes all noted changes to the broadphase. With `sleepers`, boxes of sleeping bodies are active too.
-  void sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies, bool sleepers);
+  /// Passes all noted changes to the broadphase. With `sleepers`, boxes of sleeping bodies are active too. While any
+  /// body sleeps, so are the boxes of bodies that the user added or changed, also static ones: their contacts with
+  /// sleepers are made and ended.
+  void sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies, std::span<const SleepEvent> events,
+            bool sleepers);
 
   // State of the last sync().
+  bool changed(std::int32_t body) const { return m_changed[static_cast<std::size_t>(body)] != 0; }
   const Proxies<D>& proxies() const { return m_proxies; }
   bool active(std::int32_t shape) const { return m_proxies.active[static_cast<std::size_t>(shape)] != 0; }
   // Queries of the broadphase on these boxes (see Broadphase), with all planes added. ray() reports each plane with t =
@@ -49,6 +54,7 @@ class BoxIndex {
     Pose<D> X_WS;
   };
   void refresh(std::size_t shape, const ShapeRecord<D>& record, const Pose<D>& X_WC);
+  void findChanged(const Bodies<D>& bodies, std::span<const SleepEvent> events);
   enum Change : std::uint8_t { none = 0, added = 1, removed = 2, both = 3 };
 
   Broadphase<D>* m_broadphase;
@@ -56,7 +62,8 @@ class BoxIndex {
   Proxies<D> m_proxies;
   std::vector<Plane> m_planes;                       // ascending slots
   std::vector<std::uint8_t> m_change;                // by shape slot, since the last sync
-  std::vector<std::uint8_t> m_touched;               // by body slot
+  std::vector<std::uint8_t> m_touched;               // by body slot, since the last sync
+  std::vector<std::uint8_t> m_changed;               // by body slot: added or changed by the user since the last step
   std::vector<ProxyId> m_added, m_removed, m_moved;  // scratch of sync
   bool m_stale = false;
   bool m_anyActive = false;  // as of the last sync()

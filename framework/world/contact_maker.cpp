@@ -86,6 +86,23 @@ std::span<PairMemory> ContactMaker<D>::recall(const MakerInput<D>& in, std::span
   return m_memory;
 }
 
+// Whether the cache keeps the contacts of two shapes that may collide. Takes a record or a manifold.
+template <int D>
+template <class Pair>
+bool ContactMaker<D>::cacheKeeps(const MakerInput<D>& in, const Pair& pair) const {
+  const auto keyOf = [&](const ShapePair& p) {
+    return std::tuple(in.table.shapes[static_cast<std::size_t>(p.a)].body, p.a,
+                      in.table.shapes[static_cast<std::size_t>(p.b)].body, p.b);
+  };
+  const std::tuple key(pair.bodyA, pair.shapeA, pair.bodyB, pair.shapeB);
+  const auto among = [&](const std::vector<ShapePair>& pairs) {
+    const auto at =
+        std::partition_point(pairs.begin(), pairs.end(), [&](const ShapePair& p) { return keyOf(p) < key; });
+    return at != pairs.end() && keyOf(*at) == key;
+  };
+  return among(m_pairs) && !among(m_regenerate);
+}
+
 // Runs after the generator has written its memory. A pair that was not passed to the generator keeps its record: it
 // rests, or the cache keeps its contacts. Other records are dropped.
 template <int D>
@@ -93,21 +110,11 @@ void ContactMaker<D>::remember(const MakerInput<D>& in) {
   std::swap(records, m_oldRecords);
   records.clear();
   if (!in.settings.model.cache || !in.generator.remembers()) return;
-  const auto among = [&](const std::vector<ShapePair>& pairs, const PairRecord& r) {
-    const auto keyOf = [&](const ShapePair& p) {
-      return std::tuple(in.table.shapes[static_cast<std::size_t>(p.a)].body, p.a,
-                        in.table.shapes[static_cast<std::size_t>(p.b)].body, p.b);
-    };
-    const std::tuple key(r.bodyA, r.shapeA, r.bodyB, r.shapeB);
-    const auto at =
-        std::partition_point(pairs.begin(), pairs.end(), [&](const ShapePair& p) { return keyOf(p) < key; });
-    return at != pairs.end() && keyOf(*at) == key;
-  };
   std::size_t o = 0;
   const auto keepUpTo = [&](const auto& isPast) {
     for (; o < m_oldRecords.size() && !isPast(m_oldRecords[o]); ++o) {
       const PairRecord& r = m_oldRecords[o];
-      if (in.table.resting(r) || (among(m_pairs, r) && !among(m_regenerate, r))) records.push_back(r);
+      if (in.table.resting(r) || cacheKeeps(in, r)) records.push_back(r);
     }
   };
   for (const PairRecord& r : m_asked) {
@@ -133,6 +140,17 @@ void ContactMaker<D>::generate(const MakerInput<D>& in, std::span<const ShapePai
     m_asked.push_back(recordOf<D>(convexPairs[i], in.table.shapes));
     m_asked.back().memory = memory[i];
   }
+}
+
+template <int D>
+void ContactMaker<D>::correctFlush(const MakerInput<D>& in) {
+  m_kept.clear();
+  if (m_regenerate.size() < m_pairs.size()) {
+    for (const Manifold<D>& m : m_old) {
+      if (cacheKeeps(in, m)) m_kept.push_back(&m);
+    }
+  }
+  m_flush.correct(in.table, m_kept, m_old, manifolds);
 }
 
 template <int D>
@@ -167,6 +185,7 @@ void ContactMaker<D>::make(const MakerInput<D>& in) {
       rest = rest.subspan(n);
     }
     remember(in);
+    correctFlush(in);
     for (Manifold<D>& m : manifolds) {
       const Pose<D>& X_WA = in.table.bodies.pose[static_cast<std::size_t>(m.bodyA)];
       m.X_AB = poseBetween(X_WA, in.table.bodies.pose[static_cast<std::size_t>(m.bodyB)]);

@@ -10,6 +10,7 @@
 #include "framework/stage/profiler.h"
 #include "framework/stage/stage_narrowphase.h"
 #include "framework/world/body_table.h"
+#include "framework/world/flush_contacts.h"
 #include "framework/world/non_colliding_pairs.h"
 #include "framework/world/simulation.h"
 
@@ -33,7 +34,7 @@ struct MakerInput {
 };
 
 /// Turns pairs of boxes into manifolds. Orders and orients the pairs, splits them into convex parts, keeps cached
-/// contacts and pair memory, and corrects contacts at internal edges of surfaces.
+/// contacts and pair memory, and corrects contacts at internal edges of surfaces and between flush parts.
 template <int D>
 class ContactMaker {
  public:
@@ -68,7 +69,10 @@ class ContactMaker {
  private:
   void generate(const MakerInput<D>& in, std::span<const ShapePair> pairs, Real margin);
   std::span<PairMemory> recall(const MakerInput<D>& in, std::span<const ConvexPair<D>> convexPairs);
+  template <class Pair>
+  bool cacheKeeps(const MakerInput<D>& in, const Pair& pair) const;
   void remember(const MakerInput<D>& in);
+  void correctFlush(const MakerInput<D>& in);
   void mixKept(const MakerInput<D>& in);
 
   // Scratch.
@@ -79,6 +83,8 @@ class ContactMaker {
   std::vector<PairMemory> m_memory;
   PartPairs<D> m_partPairs;
   ContactOrder m_order;
+  FlushContacts<D> m_flush;
+  std::vector<const Manifold<D>*> m_kept;  // manifolds that the cache keeps
   IndexedVector<int> m_active;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/world/internal_edges.h"
 
+#include <algorithm>
+
 #include "framework/shape/shape_tolerances.h"
 #include "framework/shape/support_map.h"
 #include "framework/shape/surface.h"
@@ -11,6 +13,10 @@ namespace {
 /// As kLeans, for a curved body: its normals come from an iteration with a tolerance (1, the sine). Larger: the error
 /// that remains slows the body. Smaller: the tolerance decides whether a standing cylinder has one point or four.
 constexpr Real kCurvedLeans = sizeof(Real) == 8 ? Real(1e-6) : Real(5e-3);
+
+/// A normal of which at most this part is left once it does not lean over level neighbours (1) becomes the triangle's
+/// own. Larger: normals that truly lean over a border are lost. Smaller: rounding noise is taken for a direction.
+constexpr Real kRemains = sizeof(Real) == 8 ? Real(1e-2) : Real(1e-1);
 
 /// The correction of a normal, in the surface's frame.
 template <int D>
@@ -73,14 +79,17 @@ Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>
       lean.by = 0, out.verdict = Correction<D>::changes;
     }
   }
+  // At an acute corner the two borders face almost opposite ways, so that either lean may be far greater than the
+  // whole.
+  if (out.verdict == Correction<D>::changes) {
+    for (Lean<D>& lean : leans) lean.by = std::clamp(aside.dot(lean.border.outward), Real(0), lean.by);
+  }
   out.at = (leans[0].by > 0 ? leans[0] : leans[1]).border.at;
   out.normal = n;
   if (out.verdict == Correction<D>::changes) {
     out.normal = own;
-    if (leans[0].by + leans[1].by > 0) {
-      out.normal = (up * own + leans[0].by * leans[0].border.outward + leans[1].by * leans[1].border.outward);
-      out.normal.normalize();
-    }
+    const Vec<D> rest = up * own + leans[0].by * leans[0].border.outward + leans[1].by * leans[1].border.outward;
+    if (leans[0].by + leans[1].by > 0 && rest.norm() > kRemains) out.normal = rest.normalized();
   }
   Real farthest = least;
   const Vec<D> reached = out.normal;

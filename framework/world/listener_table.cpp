@@ -52,12 +52,12 @@ void hear(Manifold<D>& m, const Manifold<D>& said) {
   m.friction = said.friction, m.restitution = said.restitution;
 }
 
-// True when each body is asleep or static.
+// True when each body is asleep or static, and the user has changed neither.
 template <int D>
-bool quiet(const Manifold<D>& m, const Bodies<D>& bodies) {
+bool quiet(const Manifold<D>& m, const BodyTable<D>& table) {
   const auto moves = [&](std::int32_t body) {
     const auto i = static_cast<std::size_t>(body);
-    return bodies.awake[i] && bodies.type[i] != BodyType::fixed;
+    return (table.bodies.awake[i] && table.bodies.type[i] != BodyType::fixed) || table.boxes.changed(body);
   };
   return !moves(m.bodyA) && !moves(m.bodyB);
 }
@@ -98,10 +98,17 @@ void ListenerTable<D>::forget(std::size_t body) {
 template <int D>
 void ListenerTable<D>::notify(const World<D>& world, BodyTable<D>& table, const StepContacts<D>& news) const {
   const auto asleep = [&](std::int32_t body) { return !table.bodies.awake[static_cast<std::size_t>(body)]; };
-  // Only sleeping bodies need events, and few bodies sleep near contacts that change.
+  // Mostly sleeping bodies need events, and few bodies sleep near contacts that change.
   const auto wakeEvent = [&](SleepEvent::Kind kind, const Manifold<D>& m, Real speed) {
     if (asleep(m.bodyA)) table.events.push_back({kind, m.bodyA, m.bodyB, double(speed)});
     if (asleep(m.bodyB)) table.events.push_back({kind, m.bodyB, m.bodyA, double(speed)});
+  };
+  // Position correction moves awake bodies without a velocity, so that only an event keeps them awake.
+  const auto repairEvent = [&](const Manifold<D>& m, Real speed) {
+    for (const auto& [body, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
+      if (asleep(body) || table.bodies.type[static_cast<std::size_t>(body)] != BodyType::dynamic) continue;
+      table.events.push_back({SleepEvent::separationGrown, body, other, double(speed)});
+    }
   };
   std::span<const Manifold<D>> old = news.before;
   const auto end = [&] {
@@ -118,16 +125,17 @@ void ListenerTable<D>::notify(const World<D>& world, BodyTable<D>& table, const 
     const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
     old = old.subspan(before.size());
     if (table.resting(m)) continue;
-    if (known && (news.again || quiet(m, table.bodies))) {  // made again in the step, or at rest: keep the answer
+    if (known && (news.again || quiet(m, table))) {  // made again in the step, or at rest: keep the answer
       for (Manifold<D>& manifold : pair) hear(manifold, before[0]);
       continue;
     }
     for (Manifold<D>& manifold : pair) manifold.begun = !known, manifold.ignored = 0;
     if (!known) {
       wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, table.bodies));
-    } else if (asleep(m.bodyA) || asleep(m.bodyB)) {
-      const Real growth = smallestSeparation<D>(pair) - smallestSeparation<D>(before);
-      if (growth > 0 && news.lastDt > 0) wakeEvent(SleepEvent::separationGrown, m, growth / news.lastDt);
+    } else if (news.lastDt > 0) {
+      const Real last = smallestSeparation<D>(before), growth = smallestSeparation<D>(pair) - last;
+      if (growth > 0) wakeEvent(SleepEvent::separationGrown, m, growth / news.lastDt);
+      if (growth > 0 && last < -kLinearSlop) repairEvent(m, growth / news.lastDt);
     }
     PairMaterial material{m.friction, m.restitution};
     forEach(m, [&](ContactListener<D>& l) { l.mix(world, m, material); });
@@ -138,8 +146,11 @@ void ListenerTable<D>::notify(const World<D>& world, BodyTable<D>& table, const 
       if (known ? l.persist(world, m) : l.begin(world, m)) return;
       for (Manifold<D>& manifold : pair) manifold.ignored = 1;
     });
-    // A veto also wakes bodies that rest on it.
+    // A veto also wakes bodies that rest on it, and its end those that have come in meanwhile.
     if (known && m.ignored && !before[0].ignored) wakeEvent(SleepEvent::contactLost, m, 0);
+    if (known && !m.ignored && before[0].ignored) {
+      wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, table.bodies));
+    }
   }
   while (!old.empty()) end();
 }

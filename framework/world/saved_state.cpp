@@ -199,7 +199,7 @@ void requireValidState(const SavedState<D>& saved, const ContactGenerator<D>& co
   checkManifolds(saved);
   checkRecords(saved);
   for (const SleepEvent& e : saved.events) {
-    require(e.kind <= SleepEvent::jointRemoved, "an event of unknown kind");
+    require(e.kind <= SleepEvent::bodyAdded, "an event of unknown kind");
     require(holds(saved.bodies.used, e.body) && (e.other == -1 || holds(saved.bodies.used, e.other)),
             "an event refers to an invalid body");
   }

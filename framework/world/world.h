@@ -149,7 +149,7 @@ class World final : public Simulation<D> {
   /// of boxes within maxDistance. Throws UserError when the point is not finite, or maxDistance is negative.
   std::optional<ClosestBody<D>> closest(const Vec<D>& point, Real maxDistance, const Filter& filter = {}) const;
   /// All hits of the ray p + t * direction, 0 <= t <= maxT, sorted by t. maxT may be infinite. Throws UserError when
-  /// the point or direction is not finite, or maxT is negative.
+  /// the point or direction is not finite, the direction is zero, or maxT is negative.
   std::vector<BodyRayHit<D>> rayAll(const Vec<D>& p, const Vec<D>& direction, Real maxT,
                                     const Filter& filter = {}) const;
   /// The hit with the smallest t. Throws as rayAll().

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "oracles/corpus/cases.h"
 
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "framework/math/check.h"
 #include "framework/math/nesting.h"
@@ -18,18 +20,17 @@ namespace {
 
 using Json = nlohmann::json;
 
-// An error of the file, not of a shape in it.
-struct BadFile : UserError {
-  using UserError::UserError;
+// An error of a case, not of a shape in it.
+struct BadCase : UserError {
+  explicit BadCase(const std::string& what, bool tooLarge = false) : UserError(what), beyond(tooLarge) {}
+  bool beyond;  // valid, but not in this precision
 };
 
 // The current position in the file, for error messages.
 struct Place {
-  const std::string& file;
-  std::string id;
   bool bits = false;  // the case was found in this precision: its rotations are used unchanged
 
-  [[noreturn]] void fail(const std::string& what) const { throw BadFile(file + ": case '" + id + "': " + what); }
+  [[noreturn]] void fail(const std::string& what) const { throw BadCase(what); }
   const Json& field(const Json& object, const char* name) const {
     if (!object.is_object() || !object.contains(name)) fail(std::string("field '") + name + "' is missing");
     return object.at(name);
@@ -38,6 +39,14 @@ struct Place {
     if (!value.is_number()) fail(std::string("field '") + name + "' holds " + value.dump() + "; valid: a number");
     return value.get<double>();
   }
+  Real real(double value, const char* name) const {
+    if (std::isfinite(static_cast<Real>(value))) return static_cast<Real>(value);
+    throw BadCase(std::string("field '") + name + "' holds " + numberText(value) + ", which is too large for " +
+                      (sizeof(Real) == 8 ? "f64" : "f32"),
+                  true);
+  }
+  // A field that must be there.
+  Real length(const Json& object, const char* name) const { return real(number(field(object, name), name), name); }
   double number(const Json& object, const char* name, double otherwise) const {
     if (!object.contains(name) || object.at(name).is_null()) return otherwise;
     return number(object.at(name), name);
@@ -66,7 +75,7 @@ struct Place {
   }
   template <int D>
   Vec<D> vector(const Json& value, const char* name) const {
-    return doubles<D>(value, name).template cast<Real>();
+    return doubles<D>(value, name).unaryExpr([&](double x) { return real(x, name); });
   }
   template <int D>
   std::vector<Vec<D>> points(const Json& object) const {
@@ -124,25 +133,30 @@ Rot<3> turnFromX(const Vec<3>& d) {
   return Rot<3>{1 + d[0], 0, -d[2], d[1]}.normalized();
 }
 
+// The rotation from the axis that the shape names, x by default.
+template <int D>
+Rot<D> axisTurn(const Place& at, const Json& shape) {
+  const std::string axis = shape.contains("axis") ? at.text(shape, "axis") : "x";
+  const std::size_t k = std::string("xyz").find(axis);
+  if (axis.size() != 1 || k >= D) at.fail("axis is '" + axis + "'; valid: x, y" + (D == 3 ? ", z" : ""));
+  return k == 0 ? Rot<D>() : turnFromX(Vec<D>(Vec<D>::Unit(static_cast<int>(k))));
+}
+
 // Capsules and segments: an axis name with a half length, or two end points.
 template <int D>
 Pose<D> readAxis(const Place& at, const Json& shape, Real& halfLength) {
-  Vec<D> direction = Vec<D>::Unit(0);
   Pose<D> X_CS;
-  if (shape.contains("points")) {
-    const std::vector<Vec<D>> ends = at.points<D>(shape);
-    if (ends.size() != 2) at.fail("a capsule or segment has two points");
-    X_CS.p = Real(0.5) * (ends[0] + ends[1]);
-    const Real length = (ends[1] - ends[0]).norm();
-    halfLength = length / 2;
-    if (length > 0) direction = (ends[1] - ends[0]) / length;
-  } else {
-    halfLength = static_cast<Real>(at.number(at.field(shape, "half_length"), "half_length"));
-    const std::string axis = shape.contains("axis") ? at.text(shape, "axis") : "x";
-    const std::size_t k = std::string("xyz").find(axis);
-    if (axis.size() != 1 || k >= D) at.fail("axis is '" + axis + "'; valid: x, y" + (D == 3 ? ", z" : ""));
-    direction = Vec<D>::Unit(static_cast<int>(k));
+  if (!shape.contains("points")) {
+    halfLength = at.length(shape, "half_length");
+    X_CS.q = axisTurn<D>(at, shape);
+    return X_CS;
   }
+  const std::vector<Vec<D>> ends = at.points<D>(shape);
+  if (ends.size() != 2) at.fail("a capsule or segment has two points");
+  X_CS.p = Real(0.5) * (ends[0] + ends[1]);
+  const Real length = (ends[1] - ends[0]).norm();
+  halfLength = length / 2;
+  const Vec<D> direction = length > 0 ? Vec<D>((ends[1] - ends[0]) / length) : Vec<D>::Unit(0);
   if (direction != Vec<D>::Unit(0)) X_CS.q = turnFromX(direction);
   return X_CS;
 }
@@ -165,7 +179,7 @@ std::vector<Real> curvedSizes(const Place& at, const Json& shape, ShapeKind kind
   }
   for (const std::string_view name : curvedKind<D>(kind).sizes) {
     const std::string key(name);
-    sizes.push_back(static_cast<Real>(at.number(at.field(shape, key.c_str()), key.c_str())));
+    sizes.push_back(at.length(shape, key.c_str()));
   }
   return sizes;
 }
@@ -175,11 +189,10 @@ CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) 
   CaseShape<D> out;
   out.X_WS = X_WC;
   const std::string type = at.text(shape, "type");
-  const auto length = [&](const char* name) { return static_cast<Real>(at.number(at.field(shape, name), name)); };
-  const Real rounding = static_cast<Real>(at.number(shape, "radius", 0));
+  const Real rounding = at.real(at.number(shape, "radius", 0), "radius");
   try {
     if (type == "sphere" || type == "circle") {
-      out.shape = Shape<D>::sphere(length("radius"));
+      out.shape = Shape<D>::sphere(at.length(shape, "radius"));
     } else if (type == "point") {
       out.shape = Shape<D>::sphere(rounding);
     } else if (type == "box") {
@@ -200,14 +213,13 @@ CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) 
     } else if (type == "half_space") {
       out.shape = Shape<D>::plane();
     } else if (const auto curved = curvedNamed<D>(type)) {
-      Real unused = 0;
-      if (shape.contains("axis")) out.X_WS = X_WC * readAxis<D>(at, shape, unused);
-      const Real own = static_cast<Real>(at.number(shape, "rounding", 0));
+      if (shape.contains("axis")) out.X_WS = X_WC * Pose<D>{Vec<D>::Zero(), axisTurn<D>(at, shape)};
+      const Real own = at.real(at.number(shape, "rounding", 0), "rounding");
       out.shape = Shape<D>::curved(*curved, curvedSizes<D>(at, shape, *curved), own);
     } else {
       out.refusal = type;
     }
-  } catch (const BadFile&) {
+  } catch (const BadCase&) {
     throw;
   } catch (const UserError& error) {  // without volume, for instance four coplanar points
     out.refusal = type + ": " + error.what();
@@ -232,7 +244,7 @@ void readMotion(const Place& at, const Json& c, CaseGeometry<D>& out) {
   if (!pose.contains("start")) {
     out.X_WBodyB = readPose<D>(at, pose);
     out.motionB.v = at.vector<D>(at.field(c, "velocityB"), "velocityB");
-    out.duration = static_cast<Real>(at.number(at.field(c, "tmax"), "tmax"));
+    out.duration = at.length(c, "tmax");
     if (!(out.duration > 0)) at.fail("field 'tmax' holds a number that is not above 0");
     return;
   }
@@ -255,16 +267,17 @@ std::array<double, 3> readTriple(const Place& at, const Json& value, const char*
 }
 
 template <int D>
-CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query, bool found) {
+CaseExpected readExpected(const Place& at, const Json& c, CaseQuery query) {
   CaseExpected out;
+  if (!c.contains("expected")) return out;
+  const Json& e = c.at("expected");
+  if (!e.is_object()) at.fail("field 'expected' holds " + e.dump() + "; valid: an object, or no such field");
   if (isPair(query)) {
-    const Json& distance = at.field(e, "signed_distance");
-    // A finding is compared with the referee, which may have had no value either.
-    out.distance = found && distance.is_null() ? kUnknown : at.number(distance, "signed_distance");
+    out.distance = at.number(e, "signed_distance", kUnknown);
     out.tolerance = at.number(e, "tolerance_of_this_value", 0);
   } else if (query == CaseQuery::timeOfImpact) {
-    const bool misses = e.contains("min_gap_over_sweep") || at.field(e, "toi").is_null();
-    out.impact = misses ? std::numeric_limits<double>::infinity() : at.number(e.at("toi"), "toi");
+    const bool misses = e.contains("min_gap_over_sweep") || (e.contains("toi") && e.at("toi").is_null());
+    out.impact = misses ? std::numeric_limits<double>::infinity() : at.number(e, "toi", kUnknown);
   } else if (query == CaseQuery::convexHull) {
     out.degenerate = e.contains("degenerate") && e.at("degenerate") == true;
     if (e.contains("hull_vertices")) {
@@ -335,9 +348,6 @@ BoxChange<D> readChange(const Place& at, const Json& change, std::vector<SlotRea
   slot.used = out.what != What::removed;
   if (out.what == What::removed) return out;
   out.box = {at.vector<D>(at.field(change, "lo"), "lo"), at.vector<D>(at.field(change, "hi"), "hi")};
-  if (!out.box.lo.allFinite() || !out.box.hi.allFinite()) {
-    at.fail(which + ": 'lo' or 'hi' is too large for " + (sizeof(Real) == 8 ? "f64" : "f32"));
-  }
   if (!(out.box.lo.array() <= out.box.hi.array()).all()) at.fail(which + ": 'lo' is above 'hi'");
   if (out.what == What::moved) return out;
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
@@ -386,6 +396,29 @@ CaseGeometry<D> readGeometry(const Place& at, const Json& c, CaseQuery query) {
   return out;
 }
 
+void readCase(const Json& c, Case& read) {
+  Place at;
+  read.id = at.text(c, "id");
+  read.source = c.contains("source") ? at.text(c, "source") : "";
+  read.queryText = at.text(c, "query");
+  read.query = queryFromText(read.queryText);
+  // "mass properties, density 1"
+  const std::size_t density = read.queryText.find("density ");
+  if (density != std::string::npos) read.density = std::strtod(read.queryText.c_str() + density + 8, nullptr);
+  if (c.contains("found")) read.finding = readFinding(at, c.at("found"), read.query);
+  at.bits = read.finding && read.finding->precision == (sizeof(Real) == 8 ? "f64" : "f32");
+  const double dimension = at.number(at.field(c, "dim"), "dim");
+  if (dimension == 2) {
+    read.geometry = readGeometry<2>(at, c, read.query);
+    read.expected = readExpected<2>(at, c, read.query);
+  } else if (dimension == 3) {
+    read.geometry = readGeometry<3>(at, c, read.query);
+    read.expected = readExpected<3>(at, c, read.query);
+  } else {
+    at.fail("field 'dim' holds " + numberText(dimension) + "; valid: 2, 3");
+  }
+}
+
 }  // namespace
 
 template <int D>
@@ -397,15 +430,18 @@ HardPair<D> CaseGeometry<D>::pair() const {
 template HardPair<2> CaseGeometry<2>::pair() const;
 template HardPair<3> CaseGeometry<3>::pair() const;
 
-std::vector<Case> readCases(const std::string& path) {
-  std::ifstream in(path);
-  if (!in || in.peek() == std::ifstream::traits_type::eof()) {  // opening a folder succeeds, but it has no bytes
-    throw UserError(path + ": the file is empty or cannot be read");
-  }
-  return parseCases({std::istreambuf_iterator<char>(in), {}}, path);
+std::vector<Case> readCases(const std::string& path, BrokenCases broken) {
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream all;
+  if (in) all << in.rdbuf();  // of a folder: nothing, and errno says so
+  const std::string text = all.str();
+  if (text.empty())
+    throw UserError(path + (errno ? ": cannot be read: " + std::string(std::strerror(errno)) : ": is empty"));
+  return parseCases(text, path, broken);
 }
 
-std::vector<Case> parseCases(const std::string& text, const std::string& path) {
+std::vector<Case> parseCases(const std::string& text, const std::string& path, BrokenCases broken) {
   Json file;
   try {
     file = Json::parse(text, [&](int depth, Json::parse_event_t, const Json&) {
@@ -425,33 +461,20 @@ std::vector<Case> parseCases(const std::string& text, const std::string& path) {
   }
   std::vector<Case> out;
   for (const Json& c : file.at("cases")) {
-    Place at{path, "number " + std::to_string(out.size())};
+    Case read;
+    const auto fail = [&](const std::string& what, bool keep) {
+      if (!keep) throw UserError(path + ": case '" + read.id + "': " + what);
+      read.mistake = what;
+    };
+    read.id = "number " + std::to_string(out.size());
     try {
-      Case read;
-      at.id = read.id = at.text(c, "id");
-      read.source = c.contains("source") ? at.text(c, "source") : "";
-      read.queryText = at.text(c, "query");
-      read.query = queryFromText(read.queryText);
-      // "mass properties, density 1"
-      const std::size_t density = read.queryText.find("density ");
-      if (density != std::string::npos) read.density = std::strtod(read.queryText.c_str() + density + 8, nullptr);
-      if (c.contains("found")) read.finding = readFinding(at, c.at("found"), read.query);
-      at.bits = read.finding && read.finding->precision == (sizeof(Real) == 8 ? "f64" : "f32");
-      const Json& expected = at.field(c, "expected");
-      const double dimension = at.number(at.field(c, "dim"), "dim");
-      if (dimension == 2) {
-        read.geometry = readGeometry<2>(at, c, read.query);
-        read.expected = readExpected<2>(at, expected, read.query, read.finding.has_value());
-      } else if (dimension == 3) {
-        read.geometry = readGeometry<3>(at, c, read.query);
-        read.expected = readExpected<3>(at, expected, read.query, read.finding.has_value());
-      } else {
-        at.fail("field 'dim' holds " + std::to_string(dimension) + "; valid: 2, 3");
-      }
-      out.push_back(std::move(read));
+      readCase(c, read);
+    } catch (const BadCase& error) {
+      fail(error.what(), broken == BrokenCases::kept || error.beyond);
     } catch (const Json::exception& error) {
-      at.fail(error.what());
+      fail(error.what(), broken == BrokenCases::kept);
     }
+    out.push_back(std::move(read));
   }
   return out;
 }

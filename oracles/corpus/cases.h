@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Corpora of hard inputs: a file of cases. The schema is at the top of tests/regressions/hard_cases.json, and for
-// findings of `lpc verify` in found_cases.json beside it, so that corpora can be exchanged with others.
+// Corpora of hard inputs: a file of cases, in the format of docs/cases.md.
 #pragma once
 
 #include <array>
@@ -56,14 +55,14 @@ struct CaseFinding {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// The expected result. Which fields count depends on the query; for hulls and masses only what the file states is
-/// compared. 2D uses the first two components.
+/// The expected result, as far as the file states it. Which fields count depends on the query. 2D uses the first two
+/// components.
 struct CaseExpected {
-  double distance = 0;        // signed, m; NaN in a case with a finding for which the referee had no value
-  double tolerance = 0;       // accuracy of `distance` in the file (m)
-  double measure = kUnknown;  // area or volume (m^D)
-  double impact = kUnknown;   // s; infinite: they never touch
-  bool degenerate = false;    // a hull that may be rejected
+  double distance = kUnknown;  // signed, m; NaN: not stated
+  double tolerance = 0;        // accuracy of `distance` in the file (m)
+  double measure = kUnknown;   // area or volume (m^D)
+  double impact = kUnknown;    // s; infinite: they never touch; NaN: not stated
+  bool degenerate = false;     // a hull that may be rejected
   std::vector<std::array<double, 3>> hullVertices;
   std::array<double, 3> center{kUnknown, kUnknown, kUnknown};
   std::vector<double> inertia;  // about the centre: one number in 2D, nine in 3D (row by row)
@@ -72,16 +71,22 @@ struct CaseExpected {
 struct Case {
   std::string id, source, queryText;
   CaseQuery query = CaseQuery::unknown;
-  double density = 1;  // of a mass case, kg/m^D
+  std::string mistake = {};  // why the case cannot be read; empty: it was read, and the rest holds
+  double density = 1;        // of a mass case, kg/m^D
   std::optional<CaseFinding> finding = {};
   std::variant<CaseGeometry<2>, CaseGeometry<3>> geometry;
   CaseExpected expected;
 };
 
+/// What to do with a case that does not match the schema. A case with a number beyond this precision is always kept.
+enum class BrokenCases { refused, kept };
+
 /// Reads a file of cases. Throws UserError that names the file, the case and the field when the file does not match the
-/// schema. An unsupported shape or query is not an error: it is read and later rejected.
-std::vector<Case> readCases(const std::string& path);
+/// schema; broken cases that are kept have a `mistake` instead. An unsupported shape or query is not an error: it is
+/// read and later rejected.
+std::vector<Case> readCases(const std::string& path, BrokenCases broken = BrokenCases::refused);
 /// The same from a file's text; `path` is for messages.
-std::vector<Case> parseCases(const std::string& text, const std::string& path);
+std::vector<Case> parseCases(const std::string& text, const std::string& path,
+                             BrokenCases broken = BrokenCases::refused);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -22,6 +22,17 @@ struct ImpactBracket {
 template <int D>
 ImpactBracket impactBracket(const MovingPair<D>& pair, Real duration);
 
+/// An interval (s) that is proved to contain the first time at which phi is 0. Its width is about the rounding of poses
+/// over the closing speed at the impact. `hi` is infinite when phi is never seen below 0: the shapes may graze at `lo`
+/// or later. Both ends are infinite when phi > 0 is proved throughout.
+template <int D>
+Interval firstTouch(const MovingPair<D>& pair, Real duration);
+
+/// The error of a time of impact: the separation at that time, relative to s; shapes that overlap at time 0 have none.
+/// An error in time counts times the closing speed at the impact. NaN when the referee does not know the separation.
+template <int D>
+double impactError(const MovingPair<D>& pair, Real t);
+
 /// What is wrong with an answer; empty when it is right. `bracket` is that of the pair, and decided.
 template <int D>
 std::string impactFault(const MovingPair<D>& pair, Real duration, const TimeOfImpactAnswer<D>& answer,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "oracles/verify/case_impact.h"
 
+#include <sstream>
+
 #include "oracles/referee/impact_bracket.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -16,14 +18,11 @@ MovingPair<D> movingPair(const CaseGeometry<D>& g) {
   return pair;
 }
 
-// Speed of the fastest point of B times the error in time, relative to s.
-template <int D>
-double errorOf(const CaseGeometry<D>& g, double time, double expected) {
-  if (time == expected) return 0;  // both without impact
-  const double s = errorScale(g.a.shape->view(), g.a.X_WS, g.b.shape->view(), g.b.X_WS, 0);
-  const double reach = static_cast<double>((g.b.X_WS.p - g.X_WBodyB.p).norm() + boundingRadius(g.b.shape->view()));
-  const double speed = static_cast<double>(g.motionB.v.norm()) + static_cast<double>(g.motionB.w.norm()) * reach;
-  return std::abs(time - expected) * speed / s;
+std::string oneDigit(double number) {
+  std::ostringstream out;
+  out.precision(1);
+  out << number;
+  return out.str();
 }
 
 }  // namespace
@@ -31,23 +30,30 @@ double errorOf(const CaseGeometry<D>& g, double time, double expected) {
 template <int D>
 void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows) {
   const bool shapes = g.a.shape && g.b.shape;
-  const auto tell = [&](CaseResult& row, double time) {
-    row.value = time, row.error = errorOf(g, time, row.expected);
-    row.verdict = row.error <= kImpactBand ? CaseVerdict::ok : CaseVerdict::wrong;
-  };
+  double expected = c.expected.impact;
+  ImpactBracket bracket;
+  Interval touch;
   if (shapes) {
-    const ImpactBracket bracket = impactBracket(movingPair(g), g.duration);
+    bracket = impactBracket(movingPair(g), g.duration), touch = firstTouch(movingPair(g), g.duration);
     CaseResult& row = rows.emplace_back(
         CaseResult{.id = c.id, .method = "referee", .role = AlgorithmRole::referee, .expected = c.expected.impact});
-    // Separated by more than the contact band until then.
-    tell(row, bracket.free < static_cast<double>(g.duration) ? bracket.free : bracket.met);
+    row.value = std::isfinite(touch.hi) ? touch.middle() : touch.hi;
+    if (touch.distanceTo(row.expected) > 0) {
+      row.error =
+          std::isfinite(row.expected) && row.expected <= static_cast<double>(g.duration) && row.expected <= bracket.met
+              ? impactError(movingPair(g), static_cast<Real>(row.expected))
+              : kNever;
+    }
+    if (std::isfinite(touch.hi)) row.reason = "within " + oneDigit(touch.width()) + " s";
+    row.verdict = row.error <= kImpactBand ? CaseVerdict::ok : CaseVerdict::wrong;
     if (!bracket.decided) row.verdict = CaseVerdict::refused, row.reason = "undecided";
     if (row.verdict == CaseVerdict::wrong) row.reason = "the file's expected time is wrong";
+    if (row.verdict == CaseVerdict::wrong || (bracket.decided && std::isnan(expected))) expected = row.value;
   }
   for (const Registered* r : Registry::instance().list(StageKind::timeOfImpact, D)) {
     const auto method = createStage<TimeOfImpact<D>>(Spec::parse(r->info.name));
-    CaseResult& row = rows.emplace_back(
-        CaseResult{.id = c.id, .method = r->info.name, .role = r->info.role, .expected = c.expected.impact});
+    CaseResult& row =
+        rows.emplace_back(CaseResult{.id = c.id, .method = r->info.name, .role = r->info.role, .expected = expected});
     const MovingPair<D> pair = shapes ? movingPair(g) : MovingPair<D>{};
     if (!shapes || !method->supports(pair.a.kind, pair.b.kind)) {
       row.reason = "unsupported_shape";
@@ -56,9 +62,20 @@ void runImpact(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>&
     TimeOfImpactAnswer<D> answer;
     WorkDone work;
     method->cast({&pair, 1}, g.duration, {&answer, 1}, work);
-    tell(row, answer.hit ? static_cast<double>(answer.t) : kNever);
-    if (answer.status != QueryStatus::converged) row.verdict = CaseVerdict::failed;
-    if (row.verdict != CaseVerdict::ok) row.reason = queryStatusName(answer.status);
+    row.value = answer.hit ? static_cast<double>(answer.t) : kNever;
+    if (answer.hit) {
+      row.error = impactError(pair, answer.t);
+    } else if (std::isfinite(bracket.met)) {
+      row.error = kNever;
+    }
+    if (answer.status != QueryStatus::converged) {
+      row.verdict = CaseVerdict::failed, row.reason = queryStatusName(answer.status);
+    } else if (!bracket.decided) {
+      row.verdict = CaseVerdict::refused, row.reason = "undecided";
+    } else {
+      row.reason = impactFault(pair, g.duration, answer, bracket);
+      row.verdict = row.reason.empty() ? CaseVerdict::ok : CaseVerdict::wrong;
+    }
   }
 }
 

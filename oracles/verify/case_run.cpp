@@ -3,8 +3,6 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
-#include <map>
-#include <ostream>
 #include <sstream>
 
 #include "framework/math/check.h"
@@ -33,6 +31,7 @@ constexpr double kRelative = sizeof(Real) == 8 ? 1e-9 : 1e-2;
 constexpr std::string_view kReferee = "referee", kUnknownMethod = "unknown_method", kSide = "side",
                            kSideAlone = "by the side alone: the method claims no distance",
                            kWrongSide = "wrong_side";  // as in the verdict of a case with a finding
+constexpr std::string_view kNoShape = "unsupported_shape", kNotDecided = "undecided", kNothing = "nothing_expected";
 
 // The registered pair queries of one dimension, created once: a witness keeps its process from case to case.
 template <int D>
@@ -56,9 +55,8 @@ Methods<D> methods() {
 }
 
 template <int D>
-void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer, double tolerance, bool claimsGap,
-           CaseResult& row) {
-  const CaseExpected& expected = c.expected;
+void judge(const CaseExpected& expected, const CaseGeometry<D>& g, const PairAnswer<D>& answer, double tolerance,
+           bool claimsGap, CaseResult& row) {
   const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
   const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, expected.distance);
   const double allowed = expected.tolerance + tolerance * s;
@@ -104,38 +102,42 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
   row.verdict = CaseVerdict::ok;
 }
 
-// Runs the referee on the case: it checks the file's expected value.
+// Runs the referee on the case: it checks the file's expected value, and replaces it in `expected` where it knows
+// better.
 template <int D>
-CaseResult judgeExpected(const Case& c, const CaseGeometry<D>& g) {
+CaseResult judgeExpected(const Case& c, const CaseGeometry<D>& g, CaseExpected& expected) {
   CaseResult row{
-      .id = c.id, .method = std::string(kReferee), .role = AlgorithmRole::referee, .expected = c.expected.distance};
+      .id = c.id, .method = std::string(kReferee), .role = AlgorithmRole::referee, .expected = expected.distance};
   if (!g.a.shape || !g.b.shape) {
-    row.reason = "unsupported_shape";
+    row.reason = kNoShape;
     return row;
   }
   const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
   const RefereeAnswer<D> truth = referee(a, g.a.X_WS, b, g.b.X_WS);
   if (!truth.decided) {
-    row.reason = "undecided";
+    row.reason = kNotDecided;
     return row;
   }
-  const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, c.expected.distance);
-  const double off = truth.interval().distanceTo(c.expected.distance);
-  const bool right = off <= c.expected.tolerance + toleranceOf(c) * s;
-  row.value = truth.interval().middle();
-  row.error = off / s;
-  row.verdict = right ? CaseVerdict::ok : CaseVerdict::wrong;
-  row.reason = right ? "" : "the file's expected value is not the distance";
+  row.value = truth.interval().middle(), row.verdict = CaseVerdict::ok;
+  if (!std::isnan(expected.distance)) {
+    const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, expected.distance);
+    const double off = truth.interval().distanceTo(expected.distance);
+    row.error = off / s;
+    if (off <= expected.tolerance + toleranceOf(c) * s) return row;
+    row.verdict = CaseVerdict::wrong, row.reason = "the file's expected value is not the distance";
+  }
+  expected.distance = row.value, expected.tolerance = truth.interval().width();
   return row;
 }
 
 template <int D>
-void askMethod(const Case& c, const CaseGeometry<D>& g, Method<D>& method, CaseResult& row) {
+void askMethod(const Case& c, const CaseExpected& expected, const CaseGeometry<D>& g, Method<D>& method,
+               CaseResult& row) {
   const auto end = [&](CaseVerdict verdict, const std::string& reason) { row.verdict = verdict, row.reason = reason; };
-  if (!g.a.shape || !g.b.shape) return end(CaseVerdict::refused, "unsupported_shape");
+  if (!g.a.shape || !g.b.shape) return end(CaseVerdict::refused, std::string(kNoShape));
   const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
   if (!method.query->supports(std::min(a.kind, b.kind), std::max(a.kind, b.kind))) {
-    return end(CaseVerdict::refused, "unsupported_shape");
+    return end(CaseVerdict::refused, std::string(kNoShape));
   }
   const PairAnswer<D> answer = queryPair(*method.query, a, b, g.a.X_WS.inverse() * g.b.X_WS);
   if (const Ending ending = method.ending(); ending == Ending::hung)
@@ -146,21 +148,23 @@ void askMethod(const Case& c, const CaseGeometry<D>& g, Method<D>& method, CaseR
     return end(answer.status == QueryStatus::refused ? CaseVerdict::refused : CaseVerdict::failed,
                "declared, yet status " + std::string(queryStatusName(answer.status)));
   }
-  judge<D>(c, g, answer, std::max(toleranceOf(c), verifyTolerance(method.witness())),
+  if (std::isnan(expected.distance)) return end(CaseVerdict::refused, std::string(kNotDecided));
+  judge<D>(expected, g, answer, std::max(toleranceOf(c), verifyTolerance(method.witness())),
            method.query->claimsGap(std::min(a.kind, b.kind), std::max(a.kind, b.kind)), row);
 }
 
 template <int D>
 void runDistance(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::vector<CaseResult>& rows) {
-  if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g));
+  CaseExpected expected = c.expected;
+  if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g, expected));
   for (Method<D>& method : methods) {
     const AlgorithmInfo& info = method.entry->info;
     rows.push_back({.id = c.id,
                     .method = info.name,
                     .role = info.role,
-                    .expected = c.expected.distance,
+                    .expected = expected.distance,
                     .sideAlone = owesSideAlone(StageKind::pairQuery, info)});
-    askMethod(c, g, method, rows.back());
+    askMethod(c, expected, g, method, rows.back());
   }
 }
 
@@ -188,14 +192,15 @@ void tell(const Verdict& verdict, CaseResult& row) {
 
 template <int D>
 void runContacts(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows) {
-  if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g));
+  CaseExpected expected = c.expected;
+  if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g, expected));
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
     const Candidate<ContactGenerator<D>> method = {
         r->info.name, r->info, [r] { return createStage<ContactGenerator<D>>(Spec::parse(r->info.name)); }};
     CaseResult& row = rows.emplace_back(
-        CaseResult{.id = c.id, .method = r->info.name, .role = r->info.role, .expected = c.expected.distance});
+        CaseResult{.id = c.id, .method = r->info.name, .role = r->info.role, .expected = expected.distance});
     if (!g.a.shape || !g.b.shape || !method.create()->supports(g.a.shape->kind(), g.b.shape->kind())) {
-      row.reason = "unsupported_shape";
+      row.reason = kNoShape;
       continue;
     }
     tell(verifyPair(g.pair(), method), row);
@@ -237,6 +242,10 @@ CaseResult runHull(const Case& c, const CaseGeometry<D>& g) {
     return row;
   }
   row.value = measureOf(*hull);
+  if (!c.expected.degenerate && c.expected.hullVertices.empty() && std::isnan(c.expected.measure)) {
+    row.reason = kNothing;
+    return row;
+  }
   double extent = 0;
   for (const Vec<D>& p : g.points) extent = std::max(extent, (p - g.points[0]).template cast<double>().norm());
   row.verdict = CaseVerdict::ok;
@@ -267,7 +276,11 @@ template <int D>
 CaseResult runMass(const Case& c, const CaseGeometry<D>& g) {
   CaseResult row{.id = c.id, .method = "mass_properties", .expected = c.expected.measure};
   if (!g.a.shape) {
-    row.verdict = CaseVerdict::refused, row.reason = "unsupported_shape";
+    row.reason = kNoShape;
+    return row;
+  }
+  if (std::isnan(c.expected.measure) && std::isnan(c.expected.center[0]) && c.expected.inertia.empty()) {
+    row.reason = kNothing;
     return row;
   }
   const MassProperties<D> m = transformed(massProperties(g.a.shape->view(), static_cast<Real>(c.density)), g.a.X_WS);
@@ -300,6 +313,10 @@ CaseResult runMass(const Case& c, const CaseGeometry<D>& g) {
 
 template <int D>
 void runCase(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::vector<CaseResult>& rows) {
+  if (!c.mistake.empty()) {
+    rows.push_back(unreadRow(c));
+    return;
+  }
   if (c.finding) {
     for (const std::string& method : methodsToAsk(c)) rows.push_back(askFound(c, method));
     return;
@@ -372,8 +389,16 @@ AlgorithmRole roleOf(const Case& c, const std::string& method) {
   return r ? r->info.role : AlgorithmRole::competitor;
 }
 
+CaseResult unreadRow(const Case& c) {
+  return {.id = c.id, .method = "-", .reason = c.mistake, .expected = kUnknown, .unread = true};
+}
+
 CaseResult askFound(const Case& c, const std::string& method) {
-  if (method == kReferee) return std::visit([&](const auto& g) { return judgeExpected(c, g); }, c.geometry);
+  if (!c.mistake.empty()) return unreadRow(c);
+  if (method == kReferee) {
+    CaseExpected expected = c.expected;
+    return std::visit([&](const auto& g) { return judgeExpected(c, g, expected); }, c.geometry);
+  }
   CaseResult row{.id = c.id, .method = method, .role = roleOf(c, method), .expected = c.expected.distance};
   const bool found = method == c.finding->method;
   const Registered* entry = registered(c, method);
@@ -401,79 +426,17 @@ std::vector<CaseResult> runCases(const std::vector<Case>& cases) {
 }
 
 bool isOurFault(const CaseResult& result) {
-  if (result.role != AlgorithmRole::competitor) return false;
+  if (result.role != AlgorithmRole::competitor || result.unread) return false;
   if (result.sideAlone && result.verdict == CaseVerdict::wrong) {
     return result.reason == kSide || result.reason == kWrongSide;
   }
-  const bool undeclared = result.reason == "unsupported_shape" || result.reason == "unsupported_query" ||
-                          result.reason == kUnknownMethod || result.reason == "undecided";
+  const bool undeclared = result.reason == kNoShape || result.reason == "unsupported_query" ||
+                          result.reason == kUnknownMethod || result.reason == kNotDecided || result.reason == kNothing;
   return result.verdict != CaseVerdict::ok && !(result.verdict == CaseVerdict::refused && undeclared);
 }
 
-namespace {
-
-bool hasValue(const CaseResult& row) { return row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong; }
-
-// Returns `otherwise` when the file has no expected value.
-std::string expectedOr(const CaseResult& row, const char* otherwise) {
-  return std::isnan(row.expected) ? otherwise : numberText(row.expected);
-}
-
-std::string reasonOf(const CaseResult& row) {
-  if (!row.again) return row.reason;
-  return *row.again ? "fails again: " + row.reason
-                    : row.reason + (row.reason.empty() ? "" : ", ") + "different from the failure found earlier";
-}
-
-void print(const CaseResult& row, std::ostream& out) {
-  out << std::left << std::setw(40) << row.id << ' ' << std::setw(19) << row.method << ' ' << std::setw(7)
-      << caseVerdictName(row.verdict) << ' ';
-  if (hasValue(row)) {
-    out << std::setprecision(17) << row.value << ' ' << expectedOr(row, "-") << ' ' << std::setprecision(2)
-        << row.error;
-  } else {
-    out << "- - -";
-  }
-  if (const std::string reason = reasonOf(row); !reason.empty()) out << ' ' << reason;
-  out << '\n';
-}
-
-void write(const CaseResult& row, std::ostream& csv) {
-  const bool listed = row.method.find(',') != std::string::npos;  // has several parameters
-  csv << row.id << ',' << (listed ? '"' + row.method + '"' : row.method) << ',' << caseVerdictName(row.verdict) << ','
-      << std::setprecision(17);
-  if (hasValue(row)) {
-    csv << row.value << ',' << expectedOr(row, "") << ',' << row.error;
-  } else {
-    csv << ",,";
-  }
-  csv << ',' << std::quoted(reasonOf(row), '"', '"') << '\n';
-}
-
-}  // namespace
-
-int printCases(const std::vector<CaseResult>& rows, std::ostream& out, std::ostream* csv) {
-  std::map<std::string, std::map<CaseVerdict, int>> summary;
-  int faults = 0, found = 0, again = 0;
-  if (csv) *csv << "id,method,verdict,value,expected,error,reason\n";
-  for (const CaseResult& row : rows) {
-    print(row, out);
-    if (csv) write(row, *csv);
-    ++summary[row.method][row.verdict];
-    faults += isOurFault(row), found += row.again.has_value(), again += row.again.value_or(false);
-  }
-  for (const auto& [method, counts] : summary) {
-    out << std::left << std::setw(19) << method;
-    for (const auto& [verdict, count] : counts) out << "  " << caseVerdictName(verdict) << ' ' << count;
-    out << '\n';
-  }
-  if (found > 0) out << "failures found earlier: " << found << ", of which " << again << " still fail" << '\n';
-  out << "wrong answers of LPC's own methods: " << faults << '\n';
-  return faults == 0 ? 0 : 1;
-}
-
-int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv) {
-  return printCases(runCases(readCases(path)), out, csv);
+bool isFilesFault(const CaseResult& result) {
+  return result.unread || (result.role == AlgorithmRole::referee && result.verdict == CaseVerdict::wrong);
 }
 
 }}  // namespace lpc::LPC_PRECISION

@@ -18,13 +18,15 @@ std::string_view caseVerdictName(CaseVerdict verdict);
 /// Result of one method on one case.
 struct CaseResult {
   std::string id, method;
+  std::string precision = sizeof(Real) == 8 ? "f64" : "f32";
   AlgorithmRole role = AlgorithmRole::competitor;
   CaseVerdict verdict = CaseVerdict::refused;
   std::string reason = {};  // unsupported_shape, unsupported_query, undecided, what is wrong, or what was not judged
   double value = 0;
-  double expected = 0;     // NaN when the file has none
+  double expected = 0;     // by which it was judged; NaN when nobody knows. The referee's: what the file has
   double error = 0;        // |value - expected| / s, s as in `errorScale`
   bool sideAlone = false;  // an approximate pair query, of which only the side is judged
+  bool unread = false;     // the case cannot be read, and no method was run
   /// For the method of the finding: true when it fails in the same way again.
   std::optional<bool> again = {};
 };
@@ -43,20 +45,28 @@ AlgorithmRole roleOf(const Case& c, const std::string& method);
 /// finding throws UserError instead, so that it cannot be mistaken for fixed.
 CaseResult askFound(const Case& c, const std::string& method);
 
+/// The row of a case that cannot be read.
+CaseResult unreadRow(const Case& c);
+
 /// Runs every case with every registered method that takes its query. Contacts are checked as in verifyContacts; hulls
 /// and mass properties are computed by `convexHull` and `massProperties`. The referee is in the table too: where it is
-/// `wrong`, it contradicts the file. A case with a finding is run as it was found, with the method of the finding
-/// first; a case of the other precision is run in this one.
+/// `wrong`, it contradicts the file. Methods are judged by the file's value, or by the referee's if the file has none
+/// or is contradicted. A case with a finding is run as it was found, with the method of the finding first; a case of
+/// the other precision is run in this one.
 std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 
 /// True for a result that fails the run: a competitor that is wrong (an approximate pair query: on the wrong side),
 /// fails, or rejects what it declares to support.
 bool isOurFault(const CaseResult& result);
 
-/// Prints one line per case and method (id, method, verdict, value, expected value, error/s, reason; `-` when there is
-/// no value) and a summary. Writes the same lines with a header to `csv`. Returns 0 when isOurFault() is false for all
-/// rows, otherwise 1.
-int printCases(const std::vector<CaseResult>& rows, std::ostream& out, std::ostream* csv = nullptr);
+/// True for a result that shows a mistake in the file: a value that the referee contradicts, or an unread case.
+bool isFilesFault(const CaseResult& result);
+
+/// Prints a header, one line per case and method (`-` when there is no value) and a summary. Writes the same lines to
+/// `csv`. Returns 1 when isOurFault() or isFilesFault() is true for a row, otherwise 0; with `skipBroken` an unread
+/// case does not count.
+int printCases(const std::vector<CaseResult>& rows, std::ostream& out, std::ostream* csv = nullptr,
+               bool skipBroken = false);
 
 /// Reads, runs and prints a file of cases, all in this precision.
 int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv = nullptr);

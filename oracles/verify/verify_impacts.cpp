@@ -95,12 +95,7 @@ Verdict judged(const MovingPair<D>& pair, Real duration, const TimeOfImpactAnswe
     out.wrongSide = out.failure == "missed";
   }
   if (answer.hit && std::isfinite(answer.t)) {
-    const PairView<D> view = pair.at(answer.t);
-    const RefereeAnswer<D> known = referee(view.a, Pose<D>{}, view.b, view.X_AB);
-    const double phi = known.interval().middle();
-    const double s = errorScale(view.a, pair.A.bodyAt(answer.t) * pair.A.X_CS, view.b,
-                                pair.B.bodyAt(answer.t) * pair.B.X_CS, phi);  // as for the band
-    if (known.decided) out.error = (answer.t > 0 ? std::abs(phi) : std::max(phi, 0.0)) / s;
+    if (const double error = impactError(pair, answer.t); std::isfinite(error)) out.error = error;
   }
   return out;
 }

@@ -80,14 +80,14 @@ double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<
 template <int D>
 Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnswer<D>& answer, AlgorithmRole role,
               Ending ending, double tolerance, bool claimsGap) {
-  // The bounds of a curved core are not exact: comparisons must allow ten times their width.
-  const bool narrow = 10 * known.answer.interval().width() <= tolerance * known.s;
-  if (!known.answer.decided || !narrow) return withoutAnswer(Tally::undecided);
   if (ending != Ending::answered) return withoutAnswer(endOf(ending));
   if (answer.status == QueryStatus::refused) return withoutAnswer(Tally::refused);
   const double phi = static_cast<double>(answer.distance);
   const bool finite = std::isfinite(phi) && answer.normal.allFinite();
   if (answer.status == QueryStatus::failed || !finite) return withoutAnswer(Tally::notFinite);
+  // The bounds of a curved core are not exact: comparisons must allow ten times their width.
+  const bool narrow = 10 * known.answer.interval().width() <= tolerance * known.s;
+  if (!known.answer.decided || !narrow) return withoutAnswer(Tally::undecided);
 
   const Interval truth = known.answer.interval();
   const double allowed = tolerance * known.s;

@@ -159,7 +159,7 @@ ENDS = {"ok": (RIGHT, "right"), "wrong": ("#D55E00", "wrong"), "failed": ("#6611
         "query": (NOT_ASKED, "other\nquery")}
 FAILURES = ("wrong", "failed", "hang")
 NOT_A_METHOD, REFEREE = "-", "referee"  # entries of the table that are no method: a query without a method, and the referee
-UNDECLARED = "unsupported_shape"  # reason of a refusal
+UNDECLARED = ("unsupported_shape", "undecided", "nothing_expected")  # reasons of a refusal that is no failure
 MADE_BY = "verify --cases tests/regressions/hard_cases.json"
 
 
@@ -179,6 +179,9 @@ def read(store):
     if not store.meta.get("corpus"):
         return pd.DataFrame()
     rows = pd.read_csv(io.StringIO(store.meta["corpus"]), dtype=str, keep_default_na=False)
+    if "precision" in rows:  # older stores have one
+        twice = rows.duplicated(["id", "method"], keep=False)
+        rows.loc[twice, "id"] += " " + rows.loc[twice, "precision"]
     stages = {entry["name"]: entry["stage"] for entry in store.algorithms if entry["stage"] in ("pair_query", "contacts")}
     query = lambda method: stages.get(method, method)  # noqa: E731
     asked = rows[rows["method"] != REFEREE]
@@ -194,7 +197,7 @@ def read(store):
 
 def _end(verdict, reason):
     """The end of a case. A refusal of declared shapes is a failure."""
-    return verdict if verdict != "refused" else "undeclared" if reason == UNDECLARED else "failed"
+    return verdict if verdict != "refused" else "undeclared" if reason in UNDECLARED else "failed"
 
 
 def counts(rows):

@@ -330,20 +330,25 @@ SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
           "Micro-benchmarks", "This store has no imported micro-benchmark.", made_by="import-benchmark bench.json")
 def micro(context):
     """One chart per stage. The newest result of each benchmark counts. Names are stage/dimension/algorithm/case.../size."""
-    groups, machines, found = OrderedDict(), [], {}
+    groups, machines, found, faults = OrderedDict(), [], {}, []
     for imported, data in context.store.benchmarks():
-        machine = data.get("context", {})
+        machine, faults = data["context"], faults + data["faults"]
         machines.append(f"{imported}: {machine.get('num_cpus', '?')} CPUs at {machine.get('mhz_per_cpu', '?')} MHz, load "
                         f"{', '.join(f'{x:.1f}' for x in machine.get('load_avg', [])) or 'not recorded'}")
         fresh = {}
-        for run in data.get("benchmarks", []):
+        for run in data["benchmarks"]:
             if run.get("run_type", "iteration") == "iteration" or run.get("aggregate_name") == "median":
                 fresh.setdefault(run.get("run_name", run["name"]), []).append(run)
         found.update(fresh)
     for name, runs in found.items():
         stage, algorithm, case = parts(name)
         groups.setdefault(stage, OrderedDict()).setdefault(algorithm, OrderedDict())[case] = runs
-    return [_micro_chart(context, stage, table, machines) for stage, table in groups.items()]
+    charts = [_micro_chart(context, stage, table, machines) for stage, table in groups.items()]
+    if faults and not charts:
+        charts = [Chart("micro", SINGLE, "Micro-benchmarks", "No imported benchmark can be drawn.", "")]
+    for chart in charts:
+        chart.holes += faults
+    return charts
 
 
 def parts(name):

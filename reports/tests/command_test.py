@@ -88,6 +88,7 @@ class Command(unittest.TestCase):
         done = command("--store", folder / "absent.db", "--out", folder / "o")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.refuses("no such store", "--store", folder / "absent.db", "--out", folder / "o")
+        self.refuses("no such store", "--store", folder / ("x" * 300), "--out", folder / "o")
         (folder / "text.db").write_text("this is not a database, only a text that is long enough to be one" * 20)
         self.refuses("not a result store", "--store", folder / "text.db", "--out", folder / "o")
         sqlite3.connect(folder / "blank.db").execute("CREATE TABLE other(x)")
@@ -113,6 +114,7 @@ class Command(unittest.TestCase):
         (folder / "full.svg").symlink_to("/dev/full")
         self.refuses("cannot be made: Not a directory", "--store", small, "--out", folder / "file" / "out")
         self.refuses("not a folder", "--store", small, "--out", folder / "file")
+        self.refuses("x: File name too long", "--store", small, "--out", folder / ("x" * 300))
         self.refuses("full.svg: cannot be written: No space left on device", "--store", small, "--chart",
                      "micro_broadphase_2d", "--to", folder / "full.svg")
 

@@ -71,8 +71,7 @@ const Table& table() {
 bool isCurved(ShapeKind kind) { return coreClass(kind) == CoreClass::curved; }
 
 // Required of an exact method: 1e-12 (f32: 1e-5), or ten times the referee's width if that is larger, as on some deep
-// curved pairs. Such pairs do not count for the largest error. There, a method that reports that it reached its limit
-// must only give the right side. An approximate method must only give the right side everywhere.
+// curved pairs. Such pairs do not count for the largest error. An approximate method must only give the right side.
 template <int D>
 void measure(const Candidate<PairQuery<D>>& m, ShapeKind a, ShapeKind b, const std::vector<HardPair<D>>& pairs,
              const std::vector<PairTruth<D>>& truths, Measured& out) {
@@ -89,7 +88,7 @@ void measure(const Candidate<PairQuery<D>>& m, ShapeKind a, ShapeKind b, const s
     const Verdict v = judge<D>({p.a.view(), p.b.view(), p.X_AB}, truth, answer, AlgorithmRole::competitor,
                                Ending::answered, std::max(pairTolerance(), 10.000001 * width));
     if (v.error && narrow) largest = std::max(largest, *v.error);
-    const bool sideAlone = m.info.guarantee == Guarantee::approximate || (v.capped && !narrow);
+    const bool sideAlone = m.info.guarantee == Guarantee::approximate;
     const bool right = v.end == Tally::agree || v.end == Tally::tie || v.end == Tally::undecided ||
                        (sideAlone && v.error && !v.wrongSide);
     if (right) continue;

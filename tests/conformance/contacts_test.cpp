@@ -248,6 +248,24 @@ TEST(Contacts, VerticesThatCoincideHaveADirection) {
   expectCaught("the normal is the way between the nearest vertices", caught == 0);
 }
 
+// Depths within the bias are alike, once: a face that replaces a deeper axis is not compared with another face first.
+TEST(Contacts, DeepBoxesAreWithinTheBias) {
+  PlainDraw draw(6);
+  for (int i = 0; i < 400; ++i) {
+    const auto size = [&] { return Vec<3>(draw.real(1, 2), draw.real(1, 2), draw.real(1, 2)); };
+    const Shape<3> a = Shape<3>::box(size()), b = Shape<3>::box(size());
+    const Pose<3> X_AB{{draw.real(-1, 1), draw.real(-1, 1), draw.real(-1, 1)}, drawRotation<3>(draw)};
+    const ContactScene<3> scene(a, b, {}, X_AB, 0);
+    for (const char* bias : {"0.001", "0.005"}) {  // m
+      const auto fresh =
+          scene.run(*createStage<ContactGenerator<3>>(Spec::parse(std::string("sat_clip{bias=") + bias + "}")));
+      ASSERT_EQ(fresh.size(), 1u);
+      EXPECT_GE(worldSeparation(scene, fresh[0].normal), scene.trueDistance() - std::stod(bias) - scene.rounding())
+          << bias << ", " << X_AB;
+    }
+  }
+}
+
 // "The running time is O(E + V)" (2009 report, 9.1.4): when bodies touch, few edges are measured against the other
 // body's support point. The planted bug measures each.
 TEST(Contacts, RoundedPolygonsMeasureFewEdges) {

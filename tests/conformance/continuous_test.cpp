@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/conformance/surface_across.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/continuous_bugs.h"
 #include "tests/small_worlds.h"
@@ -92,6 +93,33 @@ bool ballIsStopped(const std::string& method) {
 template <int D>
 bool bulletIsStopped(const std::string& method) {
   return areStopped<D>(method, bullets<D>());
+}
+
+// Thin surfaces hold balls, boxes, capsules and pointed bodies that turn, at any angle of impact. A body that gets
+// behind is not pushed back.
+template <int D>
+bool surfaceIsNotPassed(const std::string& method) {
+  std::vector<Vec<D>> corners = {at<D>(-0.1, -0.1, -0.1), at<D>(0.2, -0.1, 0.1), at<D>(-0.1, 0.2, 0.1)};
+  if constexpr (D == 3) corners.push_back(at<D>(0.1, 0.1, -0.2));
+  std::vector<Shape<D>> shot = bullets<D>();
+  shot.resize(3), shot.push_back(Shape<D>::polytope(corners));
+  const Shape<D> surface = surfaceAcross<D>();
+  Random random(28);
+  for (int k = 0; k < 20; ++k) {
+    for (const Shape<D>& bullet : shot) {
+      Range<D> w(method);
+      w.world.add(body<D>(surface, Vec<D>(Vec<D>::Zero()), BodyType::fixed));
+      // One after the other: compilers differ in the order of arguments.
+      const double y = random.uniform(-2, 2), x = random.uniform(-0.9, -0.4);
+      const double along = random.uniform(0, 2), into = random.uniform(1, 2);
+      const double spin = random.uniform(-10, 10), angle = random.uniform(-3, 3);
+      const Vec<D> velocity = at<D>(std::pow(10, into), std::pow(10, along));
+      const BodyHandle h = w.add(bullet, at<D>(x, y, 0.1 * k), velocity, angle, spin);
+      w.steps(12);
+      if (!(w.x(h) < 0.05)) return false;
+    }
+  }
+  return true;
 }
 
 // The centre passes above the end of a wall that the body hits with its lowest tenth.
@@ -295,6 +323,7 @@ struct Duty {
 template <int D>
 constexpr Duty<D> kDuties[] = {{"Continuous.BallIsStopped", ballIsStopped<D>},
                                {"Continuous.BulletIsStopped", bulletIsStopped<D>},
+                               {"Continuous.SurfaceIsNotPassed", surfaceIsNotPassed<D>},
                                {"Continuous.EdgeIsMet", edgeIsMet<D>},
                                {"Continuous.SpinningRodIsStopped", spinningRodIsStopped<D>},
                                {"Continuous.FastOnesMeet", fastOnesMeet<D>},
@@ -339,6 +368,7 @@ void twinsFail() {
   const auto bug = [](const std::string& name) { return "planted_continuous{bug=" + name + "}"; };
   const std::string in = " in " + std::to_string(D) + "D";
   expectCaught("late" + in, bulletIsStopped<D>(bug("late")));
+  expectCaught("nobody looks: a surface" + in, surfaceIsNotPassed<D>("none"));
   expectCaught("pairs of fast bodies are nobody's" + in, fastOnesMeet<D>(bug("blind_to_fast")));
   expectCaught("who touches at the start is stopped" + in, leavesAtOnce<D>(bug("stops_at_once")));
   expectCaught("whoever is near the way stops" + in, passesBy<D>(bug("stops_all")));
@@ -350,6 +380,25 @@ void twinsFail() {
 }
 TEST(Continuous, TwinsFail2) { twinsFail<2>(); }
 TEST(Continuous, TwinsFail3) { twinsFail<3>(); }
+
+// A part that is deeper in another than its inner ball goes no deeper, whatever its speed, and may leave.
+template <int D>
+void deepParts() {
+  const Shape<D> box = Shape<D>::box(Vec<D>::Constant(Real(0.1))), wall = Shape<D>::box(Vec<D>::Constant(2));
+  for (const char* method : {"cast", "cast{method=bilateral}"}) {
+    const auto cast = createStage<ContinuousCollision<D>>(Spec::parse(method));
+    for (const double speed : {60.0, -60.0}) {
+      FastPair<D> p{{wall.view(), box.view(), {}, {}}, {}, {}, false, true};
+      p.b.inner = Real(0.1), p.b.outer = Real(0.2);
+      p.pair.B.X_WC.p = at<D>(-1.95, 0), p.pair.B.motion.v = at<D>(speed, 0);  // 0.15 m deep
+      Real t = -1;
+      WorkDone work;
+      cast->timesOfImpact({&p, 1}, kDt, {&t, 1}, work);
+      EXPECT_EQ(t * Real(60) < Real(0.01), speed > 0) << method << ": " << t;
+    }
+  }
+}
+TEST(Continuous, DeepPartsGoNoDeeper) { deepParts<2>(), deepParts<3>(); }
 
 // --- duties of the world, whatever the method ------------------------------------------------------------------------
 

@@ -442,10 +442,6 @@ void errorsShrink() {
     for (const std::string& solver : everySolverOfJoints<D>()) {
       if (declares<D>(solver, "PositionError.Shrinks") || declares<D>(solver, "JointError.Shrinks")) continue;
       const JointError left = errorAfter<D>(kindOf<D>(kind), solver, Real(0.05));
-      if (declares<D>(solver, "Joint.ErrorsShrink")) {  // at least the weld's
-        EXPECT_TRUE(kind != "weld" || left.angular > 0.1) << solver;
-        continue;
-      }
       EXPECT_LT(left.linear, 0.1) << kind << " " << solver;
       EXPECT_LT(left.angular, 0.1) << kind << " " << solver;
     }

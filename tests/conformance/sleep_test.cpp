@@ -53,6 +53,7 @@ void twinsFail() {
   EXPECT_FALSE(slowPushWakes<D>(wall));
   EXPECT_FALSE(draggedSupportWakes<D>(wall));
   EXPECT_FALSE(creepingSupportWakes<D>(wall));
+  EXPECT_FALSE(stackWakesAsAWhole<D>(wall));
   EXPECT_FALSE(pendulumSleeps<D>(wall));
   CountsSteps<D> steps;
   EXPECT_FALSE(sleepsBySeconds<D>(steps));

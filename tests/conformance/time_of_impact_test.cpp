@@ -407,6 +407,32 @@ void closeMisses() {
 }
 TEST(TimeOfImpact, CloseMissesAreDecided) { closeMisses<2>(), closeMisses<3>(); }
 
+// A rod turns at 10 rad/s, and rises so fast that its corner comes down on the floor at 1 mm/s.
+template <int D>
+void slowClosings() {
+  forEach<D>([](const AlgorithmInfo& info, TimeOfImpact<D>& method) {
+    Shape<D> rod = Shape<D>::sphere(1), floor = rod;
+    MovingPair<D> pair = closeMiss<D>(0, rod, floor);
+    pair.B.X_WC.p[1] = -10;
+    constexpr double kTime = 0.05, kAngle = 0.5, kClosing = 1e-3;
+    const double c = std::cos(kAngle), s = std::sin(kAngle), w = 10, up = w * (c - 0.05 * s) - kClosing;
+    Ang<D> start = Ang<D>::Zero();
+    start[kAngDim<D> - 1] = static_cast<Real>(kAngle - w * kTime);
+    pair.A.X_WC.q = integrateRotation({}, start);
+    pair.A.X_WC.p[1] = static_cast<Real>(s + 0.05 * c - up * kTime), pair.A.motion.v[1] = static_cast<Real>(up);
+    const TimeOfImpactAnswer<D> answer = cast(method, pair);
+    EXPECT_LE(double(answer.t), kTime + 1e-12);
+    const bool declared = std::any_of(info.failures.begin(), info.failures.end(), [](const auto& f) {
+      return std::string_view(f.test) == "TimeOfImpact.SlowClosingsAreDecided";
+    });
+    if (sizeof(Real) == 8) {
+      EXPECT_EQ(answer.hit && answer.status == QueryStatus::converged, !declared)
+          << "what is declared is not what is seen";
+    }
+  });
+}
+TEST(TimeOfImpact, SlowClosingsAreDecided) { slowClosings<2>(), slowClosings<3>(); }
+
 // NaN and infinity give a status at once. A motion of zero duration is a query at its start.
 TEST(TimeOfImpact, NanAndInfiniteMotionsFail) {
   forEach<3>([](const AlgorithmInfo&, TimeOfImpact<3>& method) {

@@ -331,7 +331,6 @@ TEST(BadInput, InvalidStores) {
   refused(w, "sweep s.toml --store text.db/s.db", {"text.db/s.db: ", "cannot be created", "Not a directory"});
   refused(w, "sweep s.toml --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: "});
   refused(w, "sweep s.toml --dry-run --store text.db/s.db", {"text.db/s.db: ", "cannot be created", "Not a directory"});
-  refused(w, "sweep s.toml --dry-run --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: ", "cannot be created"});
   // Damaged in the middle: without a check, a sweep would notice only when it reads that page.
   std::filesystem::copy(w.path("whole.db"), w.path("torn.db"));
   const auto pages = std::filesystem::file_size(w.path("torn.db")) / 4096;
@@ -403,8 +402,8 @@ TEST(BadInput, CaseFiles) {
       {"{\"cases\": []}", {"'cases' is empty"}},
       {"{\"cases\": [{\"id\": 3}]}", {"number 0", "'id' holds 3", "a text"}},
       {start + "4, \"expected\": {}}]}", {"'c1'", "'dim' holds 4", "2, 3"}},
-      {start + "2}]}", {"'c1'", "'expected' is missing"}},
-      {start + "2, \"expected\": {}}]}", {"'c1'", "'poseA' is missing"}},
+      {start + "2}]}", {"'c1'", "'poseA' is missing"}},
+      {start + "2, \"expected\": 3, \"poseA\": {\"t\": [0]}}]}", {"'c1'"}},
       {start + "2, \"expected\": {}, \"poseA\": {\"t\": [0, \"x\"]}}]}", {"'c1'", "'t' holds \"x\"", "a number"}},
       {start + "3, \"expected\": {}, \"poseA\": {\"t\": [0, 0, 0], \"q_wxyz\": [0, 0, 0, 0]}}]}", {"'c1'", "unit"}},
       {start + "3, \"expected\": {}, \"poseA\": {\"t\": [0, 0, 1e999]}}]}", {"1e999"}},
@@ -415,8 +414,9 @@ TEST(BadInput, CaseFiles) {
     parts.push_back("c.json: ");
     refused(w, "verify --cases c.json", parts);
   }
-  refused(w, "verify --cases absent.json", {"absent.json: ", "cannot be read"});
-  refused(w, "verify --cases folder", {"folder: ", "cannot be read"});
+  refused(w, "verify --cases absent.json", {"absent.json: cannot be read: No such file or directory"});
+  refused(w, "verify --cases folder", {"folder: cannot be read: Is a directory"});
+  refused(w, "verify --cases /dev/null", {"/dev/null: is empty"});
   w.write("c.json", "[]");
   refused(w, "verify --cases c.json --csv absent/t.csv", {"absent/t.csv: ", "No such file"});
   refused(w, "verify --csv t.csv", {"--csv requires --cases"});
@@ -433,8 +433,8 @@ TEST(BadInput, BenchmarksPluginsAndScripts) {
   std::filesystem::create_directory(w.path("folder"));
   refused(w, "import-benchmark bench.json --store s.db", {"bench.json: ", "list \"benchmarks\""});
   refused(w, "import-benchmark cut.json --store s.db", {"cut.json: ", "not JSON of Google Benchmark"});
-  refused(w, "import-benchmark folder --store s.db", {"folder: ", "cannot be read"});
-  refused(w, "--plugin absent.so list", {"absent.so: ", "cannot be read"});
+  refused(w, "import-benchmark folder --store s.db", {"folder: cannot be read: Is a directory"});
+  refused(w, "--plugin absent.so list", {"absent.so: cannot be read: No such file or directory"});
   refused(w, "--plugin folder list", {"folder: "});
   for (const char* command : {"experiments/run", "experiments/run slow", "experiments/run quick --jobs",
                               "experiments/run quick full", "tests/run --fast", "tests/run -R"}) {

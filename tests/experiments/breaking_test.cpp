@@ -296,6 +296,12 @@ TEST(Breaking, TheCommandAgreesWithTheFormula) {
   EXPECT_EQ(ask(w.path("b.db"), "SELECT count(*) FROM planned WHERE axes LIKE '%\"question\":\"smallest friction\"%'"),
             trials);
 
+  if (std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-engine-worker-f32")) {  // an engine's work is not counted
+    const Outcome engine = w.lpc(kSlope + "--precision f32 --pipeline engine=box2d");
+    EXPECT_NE(engine.text.find(" holds; "), std::string::npos) << engine.text;
+    EXPECT_EQ(engine.text.find("nan"), std::string::npos) << engine.text;
+  }
+
   const Outcome told = w.lpc(
       "break slope --parameter friction --falling --from 0.2 --to 0.8 --limit \"slope_distance<1\" --steps 60 --seeds "
       "4 "

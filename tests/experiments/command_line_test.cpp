@@ -130,6 +130,24 @@ TEST(CommandLine, runPrintsUnitsByKind) {
   EXPECT_EQ(one.text.find("\nkinetic "), std::string::npos) << one.text;
 }
 
+// After a second of free fall the fastest body, the ball, has 9.81 m/s.
+TEST(CommandLine, drawsARunAsAPicture) {
+  const Workspace w;
+  w.write("fall.toml",
+          "name = \"f\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 100\n[[body]]\nposition = [0, 9]\n"
+          "shapes = [{ kind = \"circle\", radius = 0.5 }]\n");
+  const Outcome ran = w.lpc("run fall.toml --dt 0.01 --plot fall.svg");
+  ASSERT_EQ(ran.code, 0) << ran.text;
+  EXPECT_TRUE(ran.text.ends_with("\nplot      fall.svg\n")) << ran.text;
+  const std::string svg = readFile(w.path("fall.svg"));
+  for (const char* label : {">energy (J)<", ">largest penetration (m)<", ">speed of the fastest body (m/s)<", ">9.81<",
+                            ">1 s<", ">fall.toml, the default pipeline<"}) {
+    EXPECT_NE(svg.find(label), svg.npos) << label;
+  }
+  EXPECT_EQ(svg.find("nan"), svg.npos);
+  EXPECT_EQ(w.lpc("run fall.toml --plot no/fall.svg").code, 2);
+}
+
 // A spring that oscillates within a step: the axis ends at the series' extremes, and a column loses neither a peak nor
 // a dip.
 TEST(CommandLine, plotsPeaksAndDips) {
@@ -414,6 +432,35 @@ TEST(CommandLine, refusesAPluginOfAnotherBuild) {
   EXPECT_EQ(out.code, 2);
   EXPECT_NE(out.text.find("f32"), std::string::npos) << out.text;
   EXPECT_NE(out.text.find("f64"), std::string::npos) << out.text;
+}
+
+// Code of a plugin may throw what is no exception, abort, exit or loop, when it is loaded and in constructors. The
+// program says so in one line, or records the failure of the trial.
+TEST(CommandLine, survivesAPluginThatFails) {
+  Workspace w;
+  const std::string plugin = std::string("--plugin ") + LPC_BINARY_DIR + "/lib/liblpc_planted.so ";
+  const auto expectOneLine = [](const Outcome& out, const std::string& part) {
+    EXPECT_EQ(out.code, 2) << out.text;
+    EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+    EXPECT_NE(out.text.find(part), std::string::npos) << out.text;
+  };
+  for (const auto& [how, says] : {std::pair("throws", "it throws an object that is no std::exception"),
+                                  {"exits", "it exits with code 0"},
+                                  {"twice", "two algorithms are registered as broadphase planted_rude (2D)"}}) {
+    ::setenv("LPC_PLANTED_LOAD", how, 1);
+    const Outcome out = w.lpc(plugin + "list");
+    ::unsetenv("LPC_PLANTED_LOAD");
+    expectOneLine(out, says);
+  }
+  for (const auto& [bug, says] : {std::pair(1, "it throws an object that is no std::exception"),
+                                  {2, "it dies of signal 6"},
+                                  {3, "it exits with code 0"}}) {
+    const std::string rude = "\"broadphase=planted_rude{bug=" + std::to_string(bug) + "}\"";
+    expectOneLine(w.lpc(plugin + "run vertical_stack --dimension 2 --steps 2 --pipeline " + rude),
+                  std::string("broadphase planted_rude cannot be created: ") + says);
+  }
+  expectOneLine(w.lpc(plugin + "verify --stage broadphase --dimension 2 --pairs 1 --methods \"planted_rude{bug=2}\""),
+                "broadphase planted_rude cannot be created: it dies of signal 6");
 }
 
 TEST(CommandLine, versionIsTheProjects) {

@@ -8,6 +8,7 @@
 
 #include "experiments/trial/scene/scene_file.h"
 #include "framework/scene/director.h"
+#include "framework/world/settings.h"
 #include "framework/world/world.h"
 #include "tests/check_property.h"
 #include "tests/experiments/scene_states.h"
@@ -55,21 +56,17 @@ void sameBits(const SceneFile& file, int number) {
   const SceneSpec<D> scene = file.build<D>({}, file.defaultSeed());
   if (scene.spawns.size() > kBodies) return;
   SCOPED_TRACE(file.name() + " in " + std::to_string(D) + "D");
-  // The default generator does not support curved cores.
-  const auto bodies = census(scene);
-  const bool curved = bodies.count("dynamic cylinder") || bodies.count("dynamic ellipsoid");
-  const std::string contacts = curved ? "contacts=query_clip " : "";
-  const std::uint64_t expected = historyOf(scene, contacts);
+  const std::uint64_t expected = historyOf(scene, "");
   for (const std::string& pipeline :
-       {contacts, contacts + "solver=soft_step sleep=split_average",
+       {std::string(), std::string("solver=soft_step sleep=split_average"),
         std::string("contacts=query_clip solver=split_solver{velocity=naive,position=linear}")}) {
-    const std::uint64_t once = pipeline == contacts ? expected : historyOf(scene, pipeline);
+    const std::uint64_t once = pipeline.empty() ? expected : historyOf(scene, pipeline);
     EXPECT_EQ(historyOf(scene, pipeline), once) << pipeline;
   }
   const int share = test::caseCount(test::kCases) > test::kCases ? 1 : kShare;
   for (const Registered* r : Registry::instance().list(StageKind::broadphase, D)) {
     if (number++ % share != 0) continue;
-    EXPECT_EQ(historyOf(scene, contacts + "broadphase=" + r->info.name), expected) << r->info.name;
+    EXPECT_EQ(historyOf(scene, "broadphase=" + r->info.name), expected) << r->info.name;
   }
 }
 
@@ -80,6 +77,23 @@ TEST(Determinism, EveryScene) {
     sameBits<3>(file, number + 2);
     ++number;
   }
+}
+
+// The contact generators of the default pipeline and of the 2009 settings support the shapes of every scene.
+template <int D>
+void needsNoOtherPipeline(const SceneFile& file) {
+  if (!file.has(D)) return;
+  std::array<bool, kShapeKinds> kinds{};
+  for (const auto& spawn : file.build<D>({}, file.defaultSeed()).spawns) {
+    for (const ShapeDef<D>& def : spawn.body.shapes) markKinds(def.shape, kinds);
+  }
+  for (const Pipeline& pipeline : {Pipeline{}, Settings::lpc2009(D).pipeline()}) {
+    const auto contacts = createStage<ContactGenerator<D>>(pipeline[StageKind::contacts]);
+    EXPECT_NO_THROW(requireContacts(*contacts, kinds, file.name())) << D << "D, " << pipeline.text();
+  }
+}
+TEST(Determinism, EverySceneNeedsNoOtherPipeline) {
+  for (const SceneFile& file : scenes()) needsNoOtherPipeline<2>(file), needsNoOtherPipeline<3>(file);
 }
 
 // The check must be able to fail: one bit in a start position changes the history.

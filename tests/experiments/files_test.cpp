@@ -96,7 +96,7 @@ TEST(Files, NoInputBlocks) {
     if (name != "bench.json") refused(w, "needs r.toml --store " + name, {name + ": ", "not a regular file"});
     if (name != "bench.json") refused(w, "merge s.db " + name, {name + ": ", "not a regular file"});
   }
-  refused(w, "replay absent.rec", {"absent.rec: cannot be read"});
+  refused(w, "replay absent.rec", {"absent.rec: cannot be read: No such file or directory"});
 }
 
 // Some services start programs with closed streams. A worker's files must not get the descriptor of a closed stream.

@@ -22,8 +22,8 @@ std::size_t countOf(const std::string& text, const std::string& part) {
 std::vector<std::pair<double, double>> heights(const std::string& svg) {
   std::vector<std::pair<double, double>> out;
   const std::regex path("<path d=\"([^\"]*)Z\" fill=\"#([0-9a-f]*)\""), corner("[ML]([-0-9.]+) ([-0-9.]+)");
-  for (std::size_t from = svg.find("<text"), begin = 0; from != svg.npos;
-       begin = from, from = svg.find("<text", from + 1)) {
+  for (std::size_t from = svg.find(">step "), begin = 0; from != svg.npos;
+       begin = from, from = svg.find(">step ", from + 1)) {
     const std::string picture = svg.substr(begin, from - begin);
     std::pair<double, double> span(1e9, -1e9);
     for (std::sregex_iterator p(picture.begin(), picture.end(), path), end; p != end; ++p) {
@@ -47,7 +47,7 @@ TEST(Film, DrawsWhatHappens) {
         w.lpc(std::string("run bouncing_ball --steps 55 --film ball.strip.svg --dimension ") + dimension);
     ASSERT_EQ(out.code, 0) << out.text;
     const std::string svg = readFile(w.path("ball.strip.svg"));
-    EXPECT_EQ(countOf(svg, "<text"), 8u);
+    EXPECT_EQ(countOf(svg, ">split_solver catto split_impulse<"), 8u);
     EXPECT_NE(svg.find(">step 0, 0.00 s<"), svg.npos);
     EXPECT_NE(svg.find(">step 55, 0.92 s<"), svg.npos);
     const auto seen = heights(svg);
@@ -55,6 +55,103 @@ TEST(Film, DrawsWhatHappens) {
     for (std::size_t i = 1; i < seen.size(); ++i) {
       EXPECT_GT(seen[i].first, seen[i - 1].first) << "picture " << i << " in " << dimension << "D";
       EXPECT_NEAR(seen[i].second - seen[i].first, seen[0].second - seen[0].first, 0.5) << "it has another size";
+    }
+  }
+}
+
+// Of each picture of a strip: faces of static bodies, which are grey, and of moving ones that reach into it.
+struct Seen {
+  std::size_t fixed = 0, moving = 0;
+};
+std::vector<Seen> seenIn(const std::string& svg) {
+  std::vector<Seen> out;
+  const std::regex size(" width=\"([0-9.]+)\" height=\"([0-9.]+)\""), corner("[ML]([-0-9.]+) ([-0-9.]+)");
+  const std::regex path("<path d=\"([^\"]*)Z\" fill=\"#([0-9a-f]*)\"");
+  for (std::size_t at = svg.find("<svg x="); at != svg.npos; at = svg.find("<svg x=", at + 1)) {
+    const std::string picture = svg.substr(at, svg.find("</svg>", at) - at);
+    std::smatch wide;
+    if (!std::regex_search(picture, wide, size)) continue;
+    Seen seen;
+    for (std::sregex_iterator p(picture.begin(), picture.end(), path), end; p != end; ++p) {
+      const std::string corners = (*p)[1], fill = (*p)[2];
+      double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+      for (std::sregex_iterator c(corners.begin(), corners.end(), corner); c != end; ++c) {
+        const double x = std::stod((*c)[1]), y = std::stod((*c)[2]);
+        left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
+      }
+      if (right < 0 || left > std::stod(wide[1]) || bottom < 0 || top > std::stod(wide[2])) continue;
+      ++(fill.substr(0, 2) == fill.substr(2, 2) ? seen.fixed : seen.moving);
+    }
+    out.push_back(seen);
+  }
+  return out;
+}
+
+// The camera sees the bodies until the end, and the ground: at a fall of 28 m, beside a body that flies off at 60 m/s,
+// with bodies that come later, and with a lone body that flies 4 km. A fixed camera of 10 m showed empty pictures.
+TEST(Film, KeepsBodiesAndGroundInView) {
+  const std::string head = "name = \"s\"\nsummary = \"s\"\ndimensions = [2, 3]\nsteps = 140\n",
+                    floor =
+                        "[[body]]\ntype = \"fixed\"\nposition = [0, -1]\n"
+                        "shapes = [{ kind = \"box\", half = [30, 1, 3] }]\n",
+                    ball = "shapes = [{ kind = \"circle\", radius = 0.5 }]\n";
+  const auto body = [&](const std::string& keys) { return "[[body]]\n" + keys + ball; };
+  struct Case {
+    const char* what;
+    std::string scene;
+    bool ground;
+  };
+  const Case cases[] = {
+      {"fall", head + floor + body("position = [0, 28]\n"), true},
+      {"slide", head + floor + body("position = [-28, 0.5]\nvelocity = [24, 0]\n"), true},
+      {"one flies off",
+       head + floor + body("position = [0, 0.5]\n") + body("position = [3, 0.5]\n") +
+           body("position = [6, 0.5]\nvelocity = [60, 60]\n"),
+       true},
+      {"later",
+       head + floor + body("position = [0, 0.5]\n") + "[[event]]\ndo = \"add\"\nstep = 20\nposition = [8, 24]\n" + ball,
+       true},
+      {"flight", "gravity = [0, 0]\n" + head + body("velocity = [2000, 1000]\n"), false},
+  };
+  for (const Case& c : cases) {
+    for (const std::string dimension : {"2", "3"}) {
+      Workspace w;
+      w.write("s.toml", c.scene);
+      const Outcome ran = w.lpc("run s.toml --film s.strip.svg --dimension " + dimension);
+      ASSERT_NE(ran.code, 2) << c.what << ": " << ran.text;
+      const std::vector<Seen> seen = seenIn(readFile(w.path("s.strip.svg")));
+      ASSERT_EQ(seen.size(), 8u) << c.what;
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        EXPECT_GT(seen[i].moving, 0u) << c.what << ", picture " << i << " in " << dimension << "D";
+        EXPECT_TRUE(!c.ground || seen[i].fixed > 0) << c.what << ", picture " << i << " in " << dimension << "D";
+      }
+    }
+  }
+}
+
+// A film is as wide as its page, and draws joints and springs.
+TEST(Film, ScalesAndShowsWhatHoldsBodies) {
+  Workspace w;
+  const std::string scene =
+      "name = \"s\"\nsummary = \"s\"\ndimensions = [2, 3]\nsteps = 2\n[[body]]\nname = \"b\"\nposition = [1, -2]\n"
+      "shapes = [{ kind = \"circle\", radius = 0.5 }]\n";
+  const std::string nail =
+      "[[body]]\nname = \"nail\"\ntype = \"fixed\"\nshapes = [{ kind = \"circle\", radius = 0.1, mask = 0 }]\n";
+  w.write("joint.toml", "needs = [\"joints\"]\n" + scene + nail +
+                            "[[joint]]\nkind = \"pivot\"\na = \"nail\"\nb = \"b\"\nanchor = [0, 0]\n");
+  w.write("spring.toml", scene + "[[force]]\nkind = \"spring\"\nb = \"b\"\nanchor_a = [0, 0]\nanchor_b = [0.3, 0]\n");
+  w.write("free.toml", scene);
+  const std::string joint = "fill=\"#146ea0\"", spring = "fill=\"#8c5a28\"";
+  for (const std::string dimension : {"2", "3"}) {
+    for (const std::string name : {"joint", "spring", "free"}) {
+      const Outcome ran = w.lpc("run " + name + ".toml --film s.strip.svg --dimension " + dimension);
+      ASSERT_EQ(ran.code, 0) << ran.text;
+      const std::string svg = readFile(w.path("s.strip.svg")), root = svg.substr(0, svg.find('>'));
+      EXPECT_NE(root.find("width=\"100%\" viewBox=\"0 0 "), root.npos) << root;
+      EXPECT_EQ(root.find("height="), root.npos) << root;
+      // In each of three pictures two anchors, a line from that of the body to its centre, and a spring between them.
+      EXPECT_EQ(countOf(svg, joint), name == "joint" ? 9u : 0u) << name << dimension;
+      EXPECT_EQ(countOf(svg, spring), name == "spring" ? 12u : 0u) << name << dimension;
     }
   }
 }
@@ -215,10 +312,11 @@ TEST(Film, ReportsWhatItOmits) {
   GTEST_SKIP() << "600 pictures by what other tests draw under sanitizers";
 #endif
   Workspace w;
-  // A body that flies far to the side makes pictures low, so that 600 are made quickly.
+  // Bodies in a long row make pictures low, so that 600 are made quickly.
   w.write("fly.toml",
           "name = \"fly\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 700\ngravity = [0, 0]\n"
-          "[[body]]\nvelocity = [10, 0]\nshapes = [{ kind = \"circle\", radius = 0.1 }]\n");
+          "[[body]]\nrepeat = { i = 2 }\nposition = [\"100 * i\", 0]\nvelocity = [10, 0]\n"
+          "shapes = [{ kind = \"circle\", radius = 0.1 }]\n");
   ASSERT_EQ(w.lpc("run fly.toml --record r.rec").code, 0);
   const std::pair<const char*, const char*> cases[] = {
       {"x.svg", "film      x.svg: 120 of 701 frames\n"},

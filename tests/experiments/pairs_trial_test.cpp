@@ -240,6 +240,54 @@ TEST(PairsTrial, TheRefereesCodeIncludesNoAdapter) {
   EXPECT_NE(hash("before", "same"), hash("after", "same"));
 }
 
+// Right on circles, except that each answer with a number below `share` of 20 is spoilt.
+template <int D>
+class Spoilt final : public PairQuery<D> {
+ public:
+  struct Params {
+    int share = 0, how = 0;
+    void visit(ParamVisitor& v) {
+      v.integer("share", share, 0, 20, "of 20 answers");
+      v.integer("how", how, 0, 5, "0 NaN, 1 infinity, 2 NaN normal, 3 long normal, 4 failed, 5 refused");
+    }
+  };
+  explicit Spoilt(const Params& params) : m_params(params) {}
+  static AlgorithmInfo info() { return {.name = "planted_spoilt", .summary = "", .paper = "", .complexity = "1"}; }
+  bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::sphere && b == ShapeKind::sphere; }
+
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory> memory, WorkDone& work) override {
+    constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN(), kInf = std::numeric_limits<Real>::infinity();
+    m_right->query(pairs, need, answers, memory, work);
+    for (PairAnswer<D>& answer : answers.first(static_cast<std::size_t>(m_params.share))) {
+      if (m_params.how <= 1) answer.distance = m_params.how == 0 ? kNan : kInf;
+      if (m_params.how == 2) answer.normal[0] = kNan;
+      if (m_params.how == 3) answer.normal *= 2;
+      if (m_params.how == 4) answer.status = QueryStatus::failed;
+      if (m_params.how == 5) answer.status = QueryStatus::refused;
+    }
+  }
+
+ private:
+  Params m_params;
+  std::unique_ptr<PairQuery<D>> m_right = createStage<PairQuery<D>>(Spec{"closed_form", {}});
+};
+
+template <int D>
+void everyAnswerCounts() {
+  static const Registrar<PairQuery, Spoilt, D> planted(__FILE__);
+  const auto outcome = [](int share, int how) {
+    const std::string spec = "planted_spoilt{share=" + std::to_string(share) + ",how=" + std::to_string(how) + "}";
+    return runTrial({.trial = drawn(D, "sphere", "sphere", 20, spec)});
+  };
+  EXPECT_EQ(outcome(0, 0).outcome, "ok");
+  for (const int share : {1, 20}) {
+    for (int how = 0; how <= 5; ++how) EXPECT_EQ(outcome(share, how).outcome, "wrong") << share << ' ' << how;
+  }
+  EXPECT_EQ(outcome(20, 0).reason, "0 wrong answers, 20 of 20 without a finite answer");
+}
+TEST(PairsTrial, AnAnswerThatIsNotFiniteIsWrong) { everyAnswerCounts<2>(), everyAnswerCounts<3>(); }
+
 TEST(PairsTrial, AxesOfAStreamNeedAScene) {
   const nlohmann::json drawn = {{"dimension", 3}, {"kind_a", "box"}, {"kind_b", "box"}, {"pair_query", "sat"}};
   Planner planner;

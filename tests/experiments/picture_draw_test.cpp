@@ -35,7 +35,10 @@ void aWorldIsItsFilm() {
   addHeap(world, 8, 3);
   const ShapePart<D> parts[] = {{Shape<D>::sphere(Real(0.5)), {at<D>(-1, 0), {}}},
                                 {Shape<D>::sphere(Real(0.5)), {at<D>(1, 0), {}}}};
-  world.add(body<D>(Shape<D>::compound(parts), at<D>(5, 1)));
+  const BodyHandle held = world.add(body<D>(Shape<D>::compound(parts), at<D>(5, 1)));
+  JointDef<D> joint{.kind = "pivot", .bodyB = held};
+  joint.X_WJ.p = at<D>(5, 2);
+  world.add(joint);
   const Camera<D> camera = cameraOf<D>(Viewport{{-6, -2}, {8, 13}}, 400);
   std::vector<Picture> live, awake;
   {

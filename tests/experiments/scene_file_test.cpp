@@ -175,6 +175,29 @@ shapes = [
   EXPECT_LT((flatScene.spawns[0].body.X_WB.q * Vec<2>(1, 0) - Vec<2>(0, 1)).norm(), 1e-15);
 }
 
+// Both dimensions take every form: a number is the same about each axis, and 2D uses what is about z.
+TEST(SceneFile, AnInertiaIsANumberAListOrRows) {
+  const auto body = [](const std::string& inertia) {
+    return SceneFile::parse(kHead + "[[body]]\nmass = 2\ninertia = " + inertia + "\n", "t.toml");
+  };
+  const std::vector<std::pair<std::string, Vec<3>>> right = {{"3", {3, 3, 3}},
+                                                             {"\"1 + 2\"", {3, 3, 3}},
+                                                             {"0", {0, 0, 0}},
+                                                             {"[2, 3, 4]", {2, 3, 4}},
+                                                             {"[[2, 0, 0], [0, 3, 0], [0, 0, 4]]", {2, 3, 4}}};
+  for (const auto& [text, diagonal] : right) {
+    EXPECT_EQ(body(text).build<2>({}, 1).spawns.at(0).body.mass->inertia(0, 0), diagonal[2]) << text;
+    EXPECT_EQ(body(text).build<3>({}, 1).spawns.at(0).body.mass->inertia, Inertia<3>(diagonal.asDiagonal())) << text;
+  }
+  for (const std::string text : {"-1", "[2, 3, -1]", "[]", "[5]", "[2, 3]", "[[1, 0], [0, 1]]", "true",
+                                 "[2, 3, [4, 0, 0]]", "[[2, 0, 0], 3, 4]"}) {
+    EXPECT_THROW(body(text).build<2>({}, 1), UserError) << text;
+    EXPECT_THROW(body(text).build<3>({}, 1), UserError) << text;
+  }
+  EXPECT_EQ(messageOf("[[body]]\nmass = 2\ninertia = [2, 3]\n"),
+            "t.toml:6: 'inertia' is a list of 2; valid: a number, a list of three, or three rows of three");
+}
+
 // Every mistake is one line: where, what was found, what is valid. `part` counts within one entry of `parts` and is 0
 // everywhere else.
 TEST(SceneFile, partsRepeat) {

@@ -407,7 +407,7 @@ TEST(Store, merges) {
 
 TEST(Store, takesBenchmarks) {
   Workspace w;
-  w.write("bench.json", "{\"context\": {}, \"benchmarks\": [{\"name\": \"a\"}]}");
+  w.write("bench.json", R"({"context": {}, "benchmarks": [{"name": "a", "cpu_time": 1, "real_time": 1e3}]})");
   ASSERT_EQ(w.lpc("import-benchmark bench.json --store x.db").code, 0);
   EXPECT_EQ(ask(w.path("x.db"), "SELECT json_extract(data, '$.benchmarks[0].name') FROM benchmark"), "a");
 }

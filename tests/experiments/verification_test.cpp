@@ -229,13 +229,26 @@ TEST(Verification, FoundCasesRunInTheirOwnPrecision) {
   const Outcome run = w.lpc("verify --cases " + found);
   EXPECT_EQ(run.code, 0) << run.text;
   EXPECT_NE(run.text.find(", of which 0 still fail\n"), std::string::npos) << run.text;
-  // The file is read in that precision; if it cannot be, the error is one line.
-  const Outcome large = w.lpc("verify --cases " + w.write("large.json", R"({"cases": [{"id": "x", "dim": 2,
-    "query": "broadphase", "slots": 1, "steps": [[{"added": 0, "lo": [0, 0], "hi": [1e300, 1], "body": 0,
-    "active": true, "category": 1, "mask": 1}]], "expected": {}, "found": {"stage": "broadphase", "precision": "f32",
-    "method": "naive", "failure": "x", "error": null, "seed": 1, "number": 1}}]})"));
-  EXPECT_EQ(large.code, 2);
-  EXPECT_EQ(large.text, "lpc: " + w.path("large.json") + ": case 'x': slot 0: 'lo' or 'hi' is too large for f32\n");
+  // A case with a number beyond its precision fails alone; each other is asked.
+  w.write("large.json", R"({"cases": [{"id": "x", "dim": 2, "query": "broadphase", "slots": 1, "steps": [[{"added": 0,
+    "lo": [0, 0], "hi": [1e300, 1], "body": 0, "active": true, "category": 1, "mask": 1}]], "expected": {}, "found":
+    {"stage": "broadphase", "precision": "f32", "method": "naive", "failure": "x", "error": null, "seed": 1, "number": 1}},
+    {"id": "y", "dim": 2, "query": "signed_distance", "shapeA": {"type": "circle", "radius": 1}, "poseA": {"t": [0, 0]},
+    "shapeB": {"type": "circle", "radius": 1}, "poseB": {"t": [3, 0]}}, {"id": "z", "dim": 2}]})");
+  EXPECT_EQ(w.lpc("verify --cases large.json").text, "lpc: large.json: case 'z': field 'query' is missing\n");
+  for (const std::string precision : {"f64", "f32"}) {
+    const Outcome large = w.lpc("verify --cases large.json --skip-broken --csv x.csv --precision " + precision);
+    EXPECT_EQ(large.code, 0) << large.text;
+    EXPECT_NE(large.text.find("cases that cannot be read, skipped: 2\n"), std::string::npos) << large.text;
+    const std::string csv = readFile(w.path("x.csv"));
+    EXPECT_NE(csv.find("x,-,f32,refused,,,,\"field 'hi' holds 1.0000000000000001e+300, which is too large for f32\"\n"),
+              csv.npos)
+        << csv;
+    EXPECT_NE(csv.find("y,gjk_epa," + precision + ",ok,1,1,0,\"\"\n"), csv.npos) << csv;
+    EXPECT_NE(csv.find("z,-,f64,refused,,,,\"field 'query' is missing\"\n"), csv.npos) << csv;
+  }
+  const Outcome both = w.lpc("verify --cases large.json --skip-broken --precision f32,f64");
+  EXPECT_NE(both.text.find("\ngjk_epa              ok 2\n"), both.text.npos) << both.text;
   const Outcome half =
       w.lpc("verify --cases " + w.write("half.json", R"({"cases": [{"id": "x", "dim": 2, "query": "contacts",
     "found": {"stage": "contacts", "precision": "f16", "method": "sat", "failure": "x", "seed": 1, "number": 1},

@@ -155,7 +155,7 @@ struct Damaged : SavedState<D> {
 
   std::string refusal() const {
     try {
-      requireValidState<D>(*this, *createStage<ContactGenerator<D>>(Spec{contacts, {}}));
+      requireValidState<D>(*this, *createStage<ContactGenerator<D>>(Spec::parse(contacts)));
     } catch (const UserError& e) {
       return e.what();
     }
@@ -211,7 +211,7 @@ std::vector<Damage<D>> damages() {
       {"a shape's pose", [](P p) { p.shapes[0].X_CS.q = Rot<D>{0}; }},
       {"friction", [](P p) { p.shapes[0].friction = -1; }},
       {"a plane on a body", [](P p) { p.shape(ShapeKind::plane).body = 2; }},
-      {"does not support", [](P p) { p.contacts = "sat_clip"; }},
+      {"does not support", [](P p) { p.contacts = "query_clip{query=closed_form}"; }},
       {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyB = -1; }},
       {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyA = -7; }},
       {"a joint refers to an invalid body", [](P p) { p.joints[0].bodyB = p.bodies.size(); }},
@@ -246,7 +246,7 @@ std::vector<Damage<D>> damages() {
       {"a record has a negative part number", [](P p) { p.records[0].partB = -1; }},
       {"pair records out of order", [](P p) { std::swap(p.records[0], p.records[1]); }},
       {"pair records out of order", [](P p) { p.records[1] = p.records[0]; }},
-      {"of unknown kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(6); }},
+      {"of unknown kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(7); }},
       {"an event refers to an invalid body", [](P p) { p.events[0].body = -1; }},
       {"an event refers to an invalid body", [](P p) { p.events[0].other = p.bodies.size(); }},
       {"vertex is not finite", [](P p) { p.hull([](auto& h) { h.vertices[1][0] = kNan; }); }},

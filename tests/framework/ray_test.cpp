@@ -280,10 +280,44 @@ void refusedRays() {
   EXPECT_EQ(refused(x, kInfinite * x, 1), "ray: its start or direction is not finite");
   EXPECT_EQ(refused(x, x, -1), "ray: maxT is -1.000000; valid: a number >= 0");
   EXPECT_TRUE(refused(x, x, kNotANumber).ends_with("; valid: a number >= 0"));
-  EXPECT_EQ(world.rayAll(at<D>(0, 0), at<D>(0, 0), 1).size(), 1u) << "no direction: who holds the point";
-  EXPECT_TRUE(world.rayAll(at<D>(2, 0), at<D>(0, 0), 1).empty());
+  for (const Real start : {Real(0), Real(2)}) {
+    EXPECT_EQ(refused(at<D>(start, 0), at<D>(0, 0), 1),
+              "ray: its direction is zero; valid: any other direction, of any length");
+  }
 }
 TEST(Ray, InvalidRaysAreRefused) { refusedRays<2>(), refusedRays<3>(); }
+
+// A ray in 2^e times the direction hits the same bodies, with the same normals, at 2^-e times the parameters.
+template <int D>
+void anyLength() {
+  World<D> world(Pipeline::parse("contacts=query_clip"));  // for the ellipsoid
+  threeBalls(world);
+  world.add(body<D>(Shape<D>::capsule(1, Real(0.5)), at<D>(-3, 2)));
+  world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5)), Real(0.1)), at<D>(3, -2)));
+  world.add(body<D>(Shape<D>::curved(ShapeKind::ellipsoid, std::vector<Real>(D, Real(0.75))), at<D>(-3, -2)));
+  constexpr int kMost = std::numeric_limits<Real>::max_exponent - 4;
+  const auto times = [](const Vec<D>& v, int e) {
+    return Vec<D>(v.unaryExpr([e](Real x) { return std::ldexp(x, e); }));
+  };
+  PlainDraw draw(3);
+  int hits = 0;
+  for (int i = 0; i < 120; ++i) {
+    const Vec<D> p = 5 * drawDirection<D>(draw), d = 4 * drawVector<D>(draw) - p;
+    const auto expected = world.rayAll(p, d, 2);
+    hits += static_cast<int>(expected.size());
+    for (const int e : {-kMost + 20, -kMost / 2, kMost / 2, kMost}) {
+      const auto found = world.rayAll(p, times(d, e), std::ldexp(Real(2), -e));
+      ASSERT_EQ(found.size(), expected.size()) << i << ": 2^" << e;
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        EXPECT_EQ(found[k].body, expected[k].body);
+        EXPECT_EQ(found[k].t, std::ldexp(expected[k].t, -e));
+        EXPECT_EQ(found[k].normal, expected[k].normal);
+      }
+    }
+  }
+  EXPECT_GT(hits, 20);
+}
+TEST(Ray, ItsDirectionMayHaveAnyLength) { anyLength<2>(), anyLength<3>(); }
 
 // In a compound, the part that the ray enters first gives the normal.
 template <int D>

@@ -293,15 +293,20 @@ TYPED_TEST(WorldTest, ProfilerCsvDescribesItself) {
   EXPECT_NE(header.find("row_updates"), std::string::npos);
 }
 
+// Bytes of a frame after its bodies: the number of links and the heap's pivot, a flag and four positions.
+template <int D>
+constexpr std::size_t kLinks = 4 + 1 + 4 * D * sizeof(double);
+
 TYPED_TEST(WorldTest, RecordingReadsBackAndDropsATornFrame) {
   constexpr int D = TypeParam::D;
   World<D> world;
   addHeap(world, 4, 1);
   std::ostringstream out;
-  Recorder<D> recorder(out);
+  Recorder<D> recorder(out, "a title");
   for (int i = 0; i < 5; ++i) world.step(kDt), recorder.frame(world);
   std::istringstream in(out.str());
   const Recording<D> r = Recording<D>::read(in);
+  EXPECT_EQ(r.title, "a title");
   ASSERT_EQ(r.frames.size(), 5u);
   EXPECT_EQ(r.frames[0].newBodies.size(), 7u);
   EXPECT_EQ(r.frames[4].newBodies.size(), 0u);
@@ -314,6 +319,15 @@ TYPED_TEST(WorldTest, RecordingReadsBackAndDropsATornFrame) {
   EXPECT_FALSE(r.torn);
   std::istringstream header(out.str().substr(0, 10));
   EXPECT_NE(messageOf([&] { Recording<D>::read(header); }).find("ends early"), std::string::npos);
+  // The first format has no title and no links. A frame ends with their number and the heap's pivot.
+  ASSERT_EQ(r.frames[4].links.size(), 1u);
+  EXPECT_EQ(r.frames[4].links[0].to, world.bodies().pose[6].p);
+  std::ostringstream untitled;
+  Recorder<D>(untitled).frame(world);
+  const std::string second = untitled.str(), dimension = second.substr(8, 4);
+  std::istringstream first("LPCREC1" + second.substr(7, 1) + dimension +
+                           second.substr(16, second.size() - 16 - kLinks<D>));
+  EXPECT_EQ(Recording<D>::read(first).frames.at(0).bodies.size(), 7u);
   std::istringstream wrong("no recording at all");
   EXPECT_NE(messageOf([&] { Recording<D>::read(wrong); }), "");
 }
@@ -327,7 +341,7 @@ TYPED_TEST(WorldTest, ADamagedRecordingIsToldOrHarmless) {
   Recorder<D> recorder(out);
   for (int i = 0; i < 2; ++i) world.step(kDt), recorder.frame(world);
   int told = 0;
-  for (std::size_t i = 12; i < out.str().size(); ++i) {
+  for (std::size_t i = 16; i < out.str().size(); ++i) {
     std::string bytes = out.str();
     bytes[i] = static_cast<char>(bytes[i] ^ 0xf8);
     std::istringstream in(bytes);
@@ -354,11 +368,13 @@ TYPED_TEST(WorldTest, ADamagedRecordingIsToldOrHarmless) {
     std::istringstream in(bytes);
     return messageOf([&] { Recording<D>::read(in); });
   };
-  EXPECT_EQ(toldOf(36 + 3, '\x80'), "the recording is damaged (frame 1: a body with an invalid slot)");
-  EXPECT_EQ(toldOf(36 + 8, '\x03'), "the recording is damaged (frame 1: a body of unknown type)");
-  const std::size_t pose = (D + (D == 2 ? 2 : 4)) * sizeof(double), lastBody = out.str().size() - pose - 9;
+  EXPECT_EQ(toldOf(40 + 3, '\x80'), "the recording is damaged (frame 1: a body with an invalid slot)");
+  EXPECT_EQ(toldOf(40 + 8, '\x03'), "the recording is damaged (frame 1: a body of unknown type)");
+  const std::size_t pose = (D + (D == 2 ? 2 : 4)) * sizeof(double), lastBody = out.str().size() - kLinks<D> - pose - 9;
   EXPECT_EQ(toldOf(lastBody + 3, '\x80'), "the recording is damaged (frame 2: a body with an invalid slot)");
   EXPECT_EQ(toldOf(lastBody + 8, '\x02'), "the recording is damaged (frame 2: a body's flag is neither 0 nor 1)");
+  EXPECT_EQ(toldOf(lastBody + 9 + pose + 4, '\x02'),
+            "the recording is damaged (frame 2: a link's flag is neither 0 nor 1)");
 }
 
 TYPED_TEST(WorldTest, DirectorBringsAndTakesBodiesAtStepNumbers) {

@@ -16,7 +16,7 @@ class PlantedContinuous final : public ContinuousCollision<D> {
  public:
   enum class Bug {
     none,
-    late,         // the impact is a hundredth of the step late
+    late,         // the impact is a twentieth of the step late
     blindToFast,  // ignores pairs of two fast bodies
     stopsAtOnce,  // stops bodies that touch at the start
     stopsAll,     // stops every body near another
@@ -55,7 +55,7 @@ class PlantedContinuous final : public ContinuousCollision<D> {
         }
       }
       m_right->timesOfImpact({&p, 1}, duration, t.subspan(i, 1), work);
-      if (m_bug == Bug::late) t[i] += duration / 100;
+      if (m_bug == Bug::late) t[i] += duration / 20;
       if (m_bug == Bug::blindToFast && p.fastA && p.fastB) t[i] = std::numeric_limits<Real>::infinity();
       if (m_bug == Bug::stopsAll) t[i] = 0;
       if (m_bug == Bug::stopsAtOnce) {

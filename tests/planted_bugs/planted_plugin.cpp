@@ -83,6 +83,36 @@ class Dice : public Planted<D, Bug::dice> {
   }
 };
 
+/// Its constructor throws what is no exception, aborts, exits or loops.
+template <int D>
+class Rude : public Planted<D, Bug::forget> {
+ public:
+  struct Params {
+    int bug = 0;
+    void visit(ParamVisitor& v) { v.integer("bug", bug, 0, 4, "0 none, 1 throws, 2 aborts, 3 exits, 4 loops"); }
+  };
+  explicit Rude(const Params& params) : Planted<D, Bug::forget>({}) {
+    if (params.bug == 1) throw 1;
+    if (params.bug == 2) std::abort();
+    if (params.bug == 3) std::exit(0);
+    while (params.bug == 4) usleep(1000);
+  }
+  static AlgorithmInfo info() {
+    return {.name = "planted_rude", .summary = "planted bug", .paper = "", .complexity = "n^2"};
+  }
+};
+
+/// Fails while the library is loaded, as the environment asks.
+struct LoadTime {
+  LoadTime() {
+    const char* const bug = std::getenv("LPC_PLANTED_LOAD");
+    if (!bug) return;
+    if (!std::strcmp(bug, "throws")) throw 1;
+    if (!std::strcmp(bug, "exits")) std::exit(0);
+    if (!std::strcmp(bug, "twice")) Registrar<Broadphase, Rude, 2>{__FILE__};  // LPC_REGISTER does it again
+  }
+} const loadTime;
+
 /// On circles. One returns half the depth, the other crashes on large concentric circles.
 template <int D, bool kCrashes>
 class PlantedQuery : public PairQuery<D> {
@@ -151,5 +181,6 @@ LPC_REGISTER(Broadphase, Forget, 2);
 LPC_REGISTER(Broadphase, Dice, 2);
 LPC_REGISTER(Broadphase, Slow, 2);
 LPC_REGISTER(Broadphase, Hoard, 2);
+LPC_REGISTER(Broadphase, Rude, 2);
 
 }}  // namespace lpc::LPC_PRECISION

@@ -37,6 +37,7 @@ class PlantedSolver final : public Solver<D> {
     heats,          // each step increases every speed by a thousandth
     shares,         // every body gets a little of every speed
     creeps,         // each step moves every body by 0.01 mm
+    turns,          // moving sideways turns a body
     hops,           // every hundredth step lifts every body
     divides,        // divides by a parameter that may be 0
     writesDown      // no bug: its state is in the saved memory of solvers
@@ -47,7 +48,7 @@ class PlantedSolver final : public Solver<D> {
     void visit(ParamVisitor& v) {
       v.choice("bug", bug,
                {"none", "remembers", "remembers_runs", "counts_bodies", "watches", "far_is_coarse", "heats", "shares",
-                "creeps", "hops", "divides", "writes_down"},
+                "creeps", "turns", "hops", "divides", "writes_down"},
                "what is wrong");
       v.real("divisor", divisor, 0, 1, "1", "of bug=divides");
     }
@@ -96,6 +97,9 @@ class PlantedSolver final : public Solver<D> {
         break;
       case Bug::creeps:
         pose.p[0] += Real(1e-5);
+        break;
+      case Bug::turns:
+        pose.q = integrateRotation(pose.q, Ang<D>::Constant(Real(0.01) * motion.v[0] * in.dt).eval());
         break;
       case Bug::hops:
         if (m_steps % 100 == 0) motion.v[1] += Real(0.01);
@@ -194,6 +198,29 @@ class PlantedBroadphase final : public Broadphase<D> {
   std::unique_ptr<Broadphase<D>> m_right;
 };
 LPC_REGISTER(Broadphase, PlantedBroadphase, 2, 3);
+
+/// by_feature that brings back the contacts of sleeping bodies whose shapes are no longer near each other.
+template <int D>
+class PlantedCache final : public ContactCache<D> {
+ public:
+  using Params = NoParams;
+  explicit PlantedCache(const Params&) : m_right(createStage<ContactCache<D>>({"by_feature", {}})) {}
+  static AlgorithmInfo info() { return planted("cache"); }
+
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+    m_right->carry(in, fresh);
+    const std::size_t right = fresh.size();
+    for (const Manifold<D>& old : in.old) {
+      const auto same = [&](const Manifold<D>& m) { return m.key() == old.key(); };
+      if (std::none_of(fresh.begin(), fresh.begin() + static_cast<std::ptrdiff_t>(right), same)) fresh.push_back(old);
+    }
+    std::sort(fresh.begin(), fresh.end(), [](const auto& a, const auto& b) { return a.key() < b.key(); });
+  }
+
+ private:
+  std::unique_ptr<ContactCache<D>> m_right;
+};
+LPC_REGISTER(ContactCache, PlantedCache, 2, 3);
 
 /// Returns every manifold twice.
 template <int D>

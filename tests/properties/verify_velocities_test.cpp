@@ -76,6 +76,23 @@ void agree() {
 TEST(VerifyVelocities, OursAndSiconosAgree2) { agree<2>(); }
 TEST(VerifyVelocities, OursAndSiconosAgree3) { agree<3>(); }
 
+// info().failures of admm: its default of 100 iterations leaves problems that the settings of convergedResolvers()
+// solve.
+template <int D>
+void needsManyIterations() {
+  std::vector<Method<D>> methods = {registered<D>({"admm", {}})};
+  for (const Spec& spec : convergedResolvers(D)) {
+    if (spec.name == "admm") methods.push_back(registered<D>(spec));
+  }
+  ASSERT_EQ(methods.size(), 2u);
+  const Verified v = asked<D>(methods, kProblems);
+  const auto wrong = [&](const Method<D>& m) { return rowOf<D>(v, m.name)[Tally::wrong]; };
+  std::printf("%dD: %ld of %d wrong by default, %ld converged\n", D, wrong(methods[0]), kProblems, wrong(methods[1]));
+  EXPECT_GE(wrong(methods[0]), kProblems / 10);
+  EXPECT_LE(wrong(methods[1]), 1);
+}
+TEST(VerifyVelocities, AdmmNeedsManyIterations) { needsManyIterations<2>(), needsManyIterations<3>(); }
+
 template <int D>
 Method<D> witness(std::function<std::unique_ptr<VelocityResolver<D>>()> create) {
   AlgorithmInfo info;

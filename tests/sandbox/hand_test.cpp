@@ -154,6 +154,22 @@ void carries() {
 }
 TEST(SandboxHand, CarriesExactlyOrByASpring) { carries<2>(), carries<3>(); }
 
+template <int D>
+void selectsByShapes() {
+  Table<D> t;
+  const int a = t.add(0, 0);
+  const Vec<2> middle = t.pixel(0, 0), right = t.pixel(1, 0);
+  const Vec<2> across = right - middle;  // px of a metre
+  const auto selected = [&](Real from, Real to) {
+    t.drag(middle + from * across + Vec<2>(0, -2), middle + to * across + Vec<2>(0, 2));
+    return t.hand.selected();
+  };
+  EXPECT_EQ(selected(Real(0.3), 3), std::vector<int>{a}) << D << "D, the right rim";
+  EXPECT_EQ(selected(-3, Real(-0.3)), std::vector<int>{a}) << D << "D, the left rim";
+  EXPECT_EQ(selected(Real(-0.1), Real(0.1)), std::vector<int>{a}) << D << "D, inside";
+  EXPECT_EQ(selected(Real(0.8), 3), std::vector<int>{}) << D << "D, beside";
+}
+
 TEST(SandboxHand, ARectangleSelectsAndKeysActOnAll) {
   Table<2> t;
   const int a = t.add(-2, 0), b = t.add(0, 0), c = t.add(4, 4);
@@ -173,6 +189,10 @@ TEST(SandboxHand, ARectangleSelectsAndKeysActOnAll) {
   t.hand.removeSelected();
   EXPECT_EQ(t.session.world().bodyCount(), 2);
 }
+
+// By its shape, as in 2009: a rectangle over the rim of a circle, without its centre, selects it; one beside it does
+// not.
+TEST(SandboxHand, ARectangleSelectsByShapes) { selectsByShapes<2>(), selectsByShapes<3>(); }
 
 TEST(SandboxHand, JoinsTwoBodiesOrOneWithTheWorld) {
   Table<2> t;

@@ -240,7 +240,7 @@ class Sandbox(Played):
                 self.assertEqual(run["hash"], state["lanes"][0]["hash"])
 
     def test_by_hand_beside_events_and_a_script(self):
-        orders = ["until 58", "key p", "key g", *drag((-8, 0.5), (-7, 3)), "key c", *drag((0, 5), (0, 5.5)), "key p", "until 62",
+        orders = ["until 58", "key p", "key g", *drag((-8, 4), (-7, 5)), "key c", *drag((0, 5), (0, 5.5)), "key p", "until 62",
                   "at 6 10", "key d", "wait 20", "key p", "wait 1", "key F4", "wait 2"]
         state = self.play(orders, "script_events", "-S", "firework", "--param", "speed=2", "--param", "x=-3", size=(640, 480))
         self.assertIn("ends bit for bit the same", state["message"])
@@ -335,6 +335,7 @@ class Sandbox(Played):
     def test_mistakes_are_one_line_and_exit_code_2(self):
         (self.folder / "broken.toml").write_text('name = "broken"\nsummary = 3\n')
         (self.folder / "bad.txt").write_text("wait 1\nfly 3\n")
+        (self.folder / "jpg.txt").write_text("shot x.jpg\n")
         (self.folder / "nowhere.txt").write_text("shot nowhere/a.png\n")
         before = sorted(self.folder.iterdir())
         for arguments, env, say in (
@@ -355,7 +356,12 @@ class Sandbox(Played):
                 (("x.db", "--trial", "ab", "2d"), {}, "dimension"),
                 (("x.db", "--trial", "ab", "--dt", "0.1"), {}, "excludes"),
                 (("1", "-o", "p.csv"), {}, "-p or -g"),
+                (("2d", "3d", "-i"), {}, "one dimension"),
+                (("x.db", "--trial", ""), {}, "--trial: the value is empty"),
+                (("-s", ""), {}, "--scene: the value is empty"),
+                (("",), {}, "the scene is ''"),
                 (("1", "--input", "bad.txt"), {}, "bad.txt:2"),
+                (("1", "--input", "jpg.txt"), {}, "jpg.txt:1: 'shot' has 'x.jpg'; valid: FILE.png"),
                 (("1", "--input", "nowhere.txt"), {}, "nowhere/a.png: cannot be written: No such file or directory"),
                 (("1", "--input", "none.txt"), {}, "none.txt")):
             with self.subTest(arguments=arguments, env=env):

@@ -186,10 +186,10 @@ TEST(Sandbox, AFailedCompetitorCanBeSteppedBack) {
 
 // Also before its first step: all competitors step back together, and one that cannot follow stays where it failed.
 TEST(Sandbox, ACompetitorThatCannotFollowStaysBehind) {
-  Session<3> session(heap<3>(), {"contacts=query_clip", "contacts=sat_clip"});
-  BodyDef<3> def = ball<3>(1, 2);
-  def.shapes[0].shape = Shape<3>::curved(ShapeKind::cylinder, std::vector<Real>{Real(0.5), Real(0.5)});
-  session.perform(AddBody<3>{def});
+  Session<2> session(heap<2>(), {"contacts=query_clip", "contacts=rounded_polygon"});
+  BodyDef<2> def = ball<2>(1, 2);
+  def.shapes[0].shape = Shape<2>::curved(ShapeKind::ellipsoid, std::vector<Real>{Real(0.5), Real(0.25)});
+  session.perform(AddBody<2>{def});
   const std::string why = session.competitors()[1].fallen;
   ASSERT_FALSE(why.empty());
   for (int i = 0; i < 3; ++i) session.step();

@@ -92,7 +92,7 @@ inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real least, Real li
 }
 
 /// Two boxes in closed form: 15 axes (Gottschalk 1996). The compiler knows their indices, as in sat_boxes3.h.
-inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, const Mat<3>& R, Real limit, Real bias,
+inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, const Mat<3>& R, Real limit,
                     Axes3& axes) {
   const Triple h1(half1), h2(half2), t1(p);
   const auto size = [&](int r, int c) __attribute__((always_inline)) { return std::abs(R(r, c)); };
@@ -109,8 +109,8 @@ inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, c
   offerFaces.template operator()<0>(), offerFaces.template operator()<1>(), offerFaces.template operator()<2>();
   if (face1.separation > limit || face2.separation > limit) return false;
   axes.face1 = face1, axes.face2 = face2;
-  // An edge axis is used only if it clearly beats the faces. Separations of edge axes are compared without normalising.
-  Real best = std::max(face1.separation, face2.separation) + bias;
+  // Separations of edge axes are compared without normalising.
+  Real best = std::max(face1.separation, face2.separation);
   int bestI = -1, bestJ = -1;
   Real bestT = 0;
   const auto offerEdges = [&]<int i, int j>() __attribute__((always_inline)) {

@@ -65,7 +65,7 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
   const bool boxes = s1.core() == CoreClass::box && s2.core() == CoreClass::box;
   if (boxes) {
     work[WorkCount::axisTests] += 15;
-    if (!boxAxes(s1.half, s2.half, pair.X_12.p, pair.X_12.q.matrix(), pair.limit, pair.tolerance, axes)) return;
+    if (!boxAxes(s1.half, s2.half, pair.X_12.p, pair.X_12.q.matrix(), pair.limit, axes)) return;
   }
   const Core3 c1 = makeCore3(s1, nullptr, s.first), c2 = makeCore3(s2, &pair.X_12, s.second);
   if (c1.faceCount() == 0 && c2.faceCount() == 0) {

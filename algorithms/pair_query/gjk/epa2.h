@@ -10,13 +10,21 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace pair_query {
 
+/// For EpaLimits::local: never.
+inline constexpr int kNotLocal = std::numeric_limits<int>::max();
+
 struct EpaLimits {
   int faces, expansions;  // give up beyond
+  int local;              // faces beyond which the rest is left to steps from them; 3D only
   Real tolerance;         // m
   Real part;              // allowed relative error of the depth, if larger than the tolerance
   bool inside;            // whether the simplex contains the origin, except for rounding
 
   Real allowed(Real offset) const { return std::max(tolerance, part * std::abs(offset)); }
+};
+
+struct NoFinish {
+  auto operator()(const auto& n) const { return n; }
 };
 
 template <int D, class Watch = NoWatch>
@@ -28,7 +36,7 @@ class Epa<2, Watch> {
   explicit Epa(const Watch& watch = {}) : m_watch(watch) {}
 
   QueryStatus run(const CorePair<2>& pair, const Simplex<2>& start, const EpaLimits& limits, BestAxis<2>& best,
-                  WorkDone& work) {
+                  WorkDone& work, const auto&... /* finish, as in 3D */) {
     if (!seed(pair, start, best, work)) return QueryStatus::converged;  // flat: both normals of its line are tested
     // Only bounds of true edges end the search: from outside, the polygon's own edges give no upper bound.
     Real settled = -std::numeric_limits<Real>::infinity();

@@ -16,17 +16,20 @@ class Epa<3, Watch> {
  public:
   explicit Epa(const Watch& watch = {}) : m_watch(watch) {}
 
+  /// `finish(n)` raises the bound by steps from the direction n, and returns where they end; unused below
+  /// `limits.local` faces.
+  template <class Finish = NoFinish>
   QueryStatus run(const CorePair<3>& pair, const Simplex<3>& start, const EpaLimits& limits, BestAxis<3>& best,
-                  WorkDone& work) {
+                  WorkDone& work, const Finish& finish = {}) {
     m_pair = &pair, m_best = &best, m_work = &work;
     m_visible = kVisible * pair.scale;
-    m_points.clear();
+    m_points.clear(), m_reached.clear();
     m_count = m_waitingCount = 0, m_doubt = 0;
     m_inside = limits.inside, m_tolerance = limits.tolerance;
     if (!seed(start)) return QueryStatus::converged;  // flat: both normals of its plane are tested
     // Only bounds of true faces end the search: from outside, the polytope's own faces give no upper bound.
     Real settled = -std::numeric_limits<Real>::infinity();
-    for (int expansions = 0;;) {
+    for (int expansions = 0, idle = 0;;) {
       const int lowest = takeLowest();
       if (lowest < 0) return QueryStatus::converged;
       const Face& face = m_faces[at(lowest)];
@@ -39,6 +42,21 @@ class Epa<3, Watch> {
         m_doubt = std::max(m_doubt, tiltError(face));
         continue;
       }
+      if (m_count >= limits.local) {
+        if (m_reached.empty()) m_reached.push_back(finish(best.n));
+        if (m_inside && -face.offset <= best.bound + allowed) return QueryStatus::converged;
+        const Real more = Real(m_count) / Real(limits.local), more2 = more * more;
+        if (height - face.offset <= kNearFace * more2 * more2 * std::abs(face.offset)) {
+          const Vec<3> n = -face.outward.vector();
+          if (isReached(n)) continue;
+          const Real before = best.bound;
+          const Vec<3> end = finish(n);
+          idle = best.bound > before + allowed ? 0 : idle + isReached(end);
+          m_reached.push_back(end);
+          if (idle == kMostIdleStarts || m_reached.size() == kMostStarts) return QueryStatus::converged;
+          continue;
+        }
+      }
       if (m_count >= limits.faces || expansions >= limits.expansions) {
         return QueryStatus::iterationLimit;
       }
@@ -47,6 +65,8 @@ class Epa<3, Watch> {
     }
   }
 
+  /// Whether `finish` was used.
+  bool finished() const { return !m_reached.empty(); }
   /// How far (m) the best bound may be below the truth because the corners of a settled face, which are rounded sums,
   /// are nearly collinear, so that its normal is inaccurate.
   Real doubt() const { return m_doubt; }
@@ -80,6 +100,10 @@ class Epa<3, Watch> {
     return w;
   }
 
+  bool isReached(const Vec<3>& n) const {
+    return std::any_of(m_reached.begin(), m_reached.end(),
+                       [&](const Vec<3>& end) { return (n - end).squaredNorm() < kSameDirection * kSameDirection; });
+  }
   bool isKnown(const Triple& w) const {
     bool known = false;
     for (const Triple& p : m_points) known |= (p.x == w.x) & (p.y == w.y) & (p.z == w.z);
@@ -286,7 +310,8 @@ class Epa<3, Watch> {
   bool m_inside = false;
   FacePlanes m_planes;
   std::vector<Triple> m_points;
-  std::vector<Face> m_faces;  // the first m_count
+  std::vector<Vec<3>> m_reached;  // results of `finish`
+  std::vector<Face> m_faces;      // the first m_count
   int m_count = 0;
   std::vector<Real> m_turn;    // the offset of a waiting face, else kNever
   std::vector<int> m_waiting;  // the first m_waitingCount, with removed faces

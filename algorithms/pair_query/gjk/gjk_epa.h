@@ -228,10 +228,24 @@ class GjkEpaSearch {
     // From outside, EPA continues the search for a distance.
     const Real depthPart = inside ? std::max(m_params.tolerance, m_params.depthTolerance) : m_params.tolerance;
     const bool ofSize = m_params.measure == Measure::size;
-    const EpaLimits limits{m_params.faces, m_params.expansions,
-                           ofSize ? std::max(depthPart * pair.scale, rounding) : rounding, ofSize ? Real(0) : depthPart,
+    const EpaLimits limits{m_params.faces,
+                           m_params.expansions,
+                           curved ? kLocalFaces : kNotLocal,
+                           ofSize ? std::max(depthPart * pair.scale, rounding) : rounding,
+                           ofSize ? Real(0) : depthPart,
                            inside};
-    const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
+    const auto finish = [&](const Vec<D>& n) {
+      const Vec<D> end = m_polish.improveFrom(pair, n, best, work);
+      m_watch([&](auto& t) { t.refined(pair, best, "Newton's steps on the curved cores"); });
+      return end;
+    };
+    const QueryStatus status = m_epa.run(pair, simplex, limits, best, work, finish);
+    if constexpr (D == 3) {  // nearly coaxial cores of revolution: the other end of the ring may be as deep
+      if (m_epa.finished()) {
+        const Vec<3> axes[2] = {Vec<3>::Unit(0), pair.r.col(0)};
+        for (const Vec<3>& axis : axes) finish(2 * best.n.dot(axis) * axis - best.n);
+      }
+    }
     // If a tolerance was asked for and met, the last steps are skipped.
     const bool enough = allowedToLeave(pair, best.bound) > 0 && status == QueryStatus::converged;
     if (curved && !enough) m_polish.improve(pair, best, work);

@@ -17,6 +17,20 @@ struct AvbdJoint {
   Real linear, angular;                                 // penalties
   Real reachA, reachB;                                  // from the centres of mass to the frames, m
 
+  /// Starts a step: rows of the present poses, and this multiple of the stored impulses. Penalties stay unset.
+  void begin(std::int32_t number, const JointRecord<D>& record, const Bodies<D>& bodies, Real warm) {
+    joint = number, a = record.bodyA, b = record.bodyB;
+    reachA = a < 0 ? Real(0) : record.X_CaJ.p.norm(), reachB = record.X_CbJ.p.norm();
+    jointRows(record, bodies, rows);
+    impulse.fill(0), start.fill(0);
+    for (int i = 0; i < rows.count; ++i) {
+      const ConstraintRow<D>& row = rows.row[i];
+      if (row.absent()) continue;
+      impulse[i] = warm * record.impulse[i];
+      if (row.binds()) start[i] = row.error;
+    }
+  }
+
   /// Relative speed along a row, m/s or rad/s.
   Real speed(const Bodies<D>& bodies, const ConstraintRow<D>& row) const {
     const Motion<D> from = a < 0 ? Motion<D>{} : bodies.motion[a];
@@ -44,6 +58,18 @@ struct AvbdJoint {
       const Real sum = row.angular ? angularSum : linearSum;
       mass[i] = sum > 0 ? static_cast<Real>(row.angular ? angularRows : linearRows) / sum : Real(0);
     }
+  }
+
+  /// Adds the geometric stiffness of a loaded line between two points, whose direction follows the bodies. Without it a
+  /// tight line of light bodies throws them across it. That of a pushing line is negative and counts by its magnitude,
+  /// so the matrix stays positive definite; twice the diagonal bounds the coupling of shift and turn. `load`: kg m.
+  template <class Block>
+  void addBend(const ConstraintRow<D>& row, Real load, bool isB, bool shifts, bool rotates, Block& matrix) const {
+    const Real reach = isB ? reachB : reachA;
+    const Real stiffness = (shifts && rotates && reach > 0 ? 2 : 1) * load * row.bend;
+    if (shifts) matrix.template topLeftCorner<D, D>() += stiffness * (Mat<D>::Identity() - row.d * row.d.transpose());
+    if (!rotates) return;
+    matrix.template bottomRightCorner<kAngDim<D>, kAngDim<D>>().diagonal().array() += stiffness * reach * reach;
   }
 
  private:

@@ -35,6 +35,31 @@ Real lastImpulseScale(const Input& in) {
   return in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
 }
 
+/// Arms (m, world axes) after bodies have moved since the detection: each to its own body's anchor, and from there half
+/// the separation along the normal. Where bodies slide past each other, the midpoint of the anchors lags behind both by
+/// half the way, and a push there would turn them; so a depth would heal worse at speed. The two impulses form a torque
+/// where the anchors have slid apart, so these arms are for displacements, not for velocities.
+template <int D>
+ContactArms<D> ownArms(const ContactPoint<D>& c, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB) {
+  ContactArms<D> arms(c, n, X_WA, X_WB);
+  const Vec<D> half = (arms.separation / 2) * n;
+  arms.rA = X_WA.q * c.localA + half, arms.rB = X_WB.q * c.localB - half;
+  return arms;
+}
+
+/// Arms (m, world axes) after bodies have moved since the detection, to one point shared by both, so that an impulse
+/// keeps angular momentum. Where the anchors have slid apart, the point is nearer to that of the body that turns more
+/// easily; beside a body that does not turn it is the other's own.
+template <int D>
+ContactArms<D> sharedArms(const ContactPoint<D>& c, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB,
+                          const Inertia<D>& invIA, const Inertia<D>& invIB) {
+  ContactArms<D> arms = ownArms(c, n, X_WA, X_WB);
+  const Vec<D> gap = (X_WB.p - X_WA.p) + arms.rB - arms.rA;  // along the tangents
+  const Real easeB = invIB.trace(), sum = invIA.trace() + easeB, share = sum > 0 ? easeB / sum : Real(0.5);
+  arms.rA += share * gap, arms.rB -= (1 - share) * gap;
+  return arms;
+}
+
 /// One direction d of impulse between two bodies.
 template <int D>
 struct Row {
@@ -149,8 +174,9 @@ struct ContactRows {
   IndexedVector<ManifoldRows<D>> manifolds;
   IndexedVector<PointRows<D>> points;
 
-  /// Call before any impulse is applied: restitution uses the present velocities.
-  void prepare(const VelocityInput<D>& in) {
+  /// Call before any impulse is applied: restitution uses the present velocities. `moved`: bodies have moved since the
+  /// detection, so that anchors may have slid apart.
+  void prepare(const VelocityInput<D>& in, bool moved = false) {
     std::size_t count = 0;
     for (int i : in.order) count += static_cast<std::size_t>(in.manifolds[i].count);
     manifolds.resize(in.order.size());
@@ -171,7 +197,10 @@ struct ContactRows {
       for (int i = 0; i < m.count; ++i, ++p) {
         const ContactPoint<D>& c = m.points[i];
         PointRows<D>& row = points[p];
-        const ContactArms<D> arms(c, m.normal, bodies.pose[a], bodies.pose[b]);
+        const Pose<D>&X_WA = bodies.pose[a], &X_WB = bodies.pose[b];
+        const ContactArms<D> arms =
+            moved ? sharedArms(c, m.normal, X_WA, X_WB, bodies.invInertia[a], bodies.invInertia[b])
+                  : ContactArms<D>(c, m.normal, X_WA, X_WB);
         const auto make = [&](const Vec<D>& d) {
           return makeRow<D>(d, arms.rA, arms.rB, invMassSum, bodies.invInertia[a], bodies.invInertia[b]);
         };

@@ -72,9 +72,9 @@ class NgsSweep {
 
   ContactArms<D> armsOf(const Bodies<D>& bodies, std::int32_t a, std::int32_t b, const ContactPoint<D>& c,
                         const Vec<D>& n) const {
-    if (m_displacements.empty()) return ContactArms<D>(c, n, bodies.pose[a], bodies.pose[b]);
+    if (m_displacements.empty()) return ownArms(c, n, bodies.pose[a], bodies.pose[b]);
     const auto [atA, atB] = m_displacements.pair(bodies, a, b);
-    return ContactArms<D>(c, n, atA, atB);
+    return ownArms(c, n, atA, atB);
   }
 
   void move(const PositionInput<D>& in, std::int32_t body) {

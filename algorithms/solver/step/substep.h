@@ -12,6 +12,7 @@
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/step/free_motion.h"
+#include "algorithms/solver/step/gyroscopic.h"
 #include "framework/math/indexed.h"
 #include "framework/stage/profiler.h"
 
@@ -53,11 +54,17 @@ inline const FailureMode kArmsStay = {
     "bodies in contact that rotate together",
     "they lose angular momentum: bodies rotate in the sub-steps, but lever arms do not",
     "Solver.TurningKeepsAngularMomentum"};
+/// Failure of solvers that move bodies within a step.
+inline const FailureMode kRollsExplicitly = {
+    "a body that rocks or rolls on a curved one",
+    "its swing grows: within a step, forces do not follow the contact point as it rolls; contacts=substep does",
+    "KnownAnswer.rocking_plank"};
 /// A method's own failures and those of all sub-step methods that warm start from sub-step to sub-step. `braked`
 /// describes how.
 inline std::vector<FailureMode> substepFailures(const std::string& braked, std::vector<FailureMode> own) {
   for (const FailureMode& shared :
-       {FailureMode{
+       {kNoGyroscopicTerm, kRollsExplicitly,
+        FailureMode{
             "bodies that separate within the step",
             "a contact that opened in a sub-step keeps its impulse, so the result depends on the order of contacts",
             "Solver.OrderDoesNotMatter"},
@@ -74,6 +81,20 @@ inline std::vector<FailureMode> substepFailures(const std::string& braked, std::
   return own;
 }
 
+enum class ContactsOf { step, substep };
+template <class Visitor>
+void visitContactsOf(Visitor& v, ContactsOf& contacts) {
+  v.choice("contacts", contacts, {"step", "substep"},
+           "made for the step, or again for each sub-step, which costs more");
+}
+
+struct SubstepPlan {
+  int count = 1;
+  bool warmStart = true;  // from the impulses of the last step
+  bool gyroscopic = false, armsAsMade = false;
+  ContactsOf contacts = ContactsOf::step;
+};
+
 /// The contacts and joints of a step of equal sub-steps. Directions of contacts are those of the detection, and so are
 /// arms unless they are turned. Separations are those of the anchors, which move with the bodies.
 ///
@@ -82,38 +103,19 @@ inline std::vector<FailureMode> substepFailures(const std::string& braked, std::
 template <int D>
 class Substeps {
  public:
-  /// Prepares the step, warm started from the impulses of the last step.
-  void prepare(const StepInput<D>& in, int count, bool warmStart, bool armsAsMade = false) {
+  void prepare(const StepInput<D>& in, const SubstepPlan& plan) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
-    m_count = static_cast<Real>(count), m_h = in.dt / m_count;
+    m_plan = plan, m_count = static_cast<Real>(plan.count), m_h = in.dt / m_count;
     haltUnmoving(in.bodies, in.model.rotation);
     m_start.resize(in.bodies.pose.size());
     for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
     m_displacement.assign(m_start.size(), Vec<D>::Zero());
     const Real scale = lastImpulseScale(in) / m_count;
-    const NoBias none;
-    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.model,
-                        in.restitutionThreshold, in.work, in.profiler});
-    if (armsAsMade) keepArms(in);
-    m_detected.clear();
-    m_states.resize(m_contacts.points.size());
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Manifold<D>& from = in.manifolds[m.manifold];
-      const Motion<D>& a = in.bodies.motion[m.a];
-      const Motion<D>& b = in.bodies.motion[m.b];
-      for (int k = 0; k < m.count; ++k) {
-        const ContactPoint<D>& c = from.points[k];
-        PointRows<D>& row = m_contacts.points[m.first + k];
-        m_states[m.first + k] = {c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.model.rotation), 0, 0, 0};
-        if (!warmStart) continue;
-        row.impulse[0] = std::max(scale * c.impulse[0], Real(0));
-        for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = scale * c.impulse[d];
-      }
-    }
+    prepareContacts(in, plan.warmStart ? scale : 0);
     m_jointImpulse.resize(in.joints.size());
     for (std::size_t j = 0; j < in.joints.size(); ++j) {
       m_jointImpulse[j] = {};
-      for (std::size_t i = 0; i < kJointRows && warmStart; ++i) {
+      for (std::size_t i = 0; i < kJointRows && plan.warmStart; ++i) {
         m_jointImpulse[j].substep[i] = scale * in.joints[j].memory[i];
       }
     }
@@ -123,10 +125,12 @@ class Substeps {
 
   Real h() const { return m_h; }  // s
 
-  /// Applies the forces of sub-step i and makes the joint rows at the present poses.
+  /// Applies the forces of sub-step i and makes the joint rows, and if so planned the contacts, at the present poses.
   void begin(const StepInput<D>& in, int i) {
+    if (i > 0 && m_plan.contacts == ContactsOf::substep) makeContacts(in);
     Profiler::Scope scope(in.profiler, "solver.integrate");
     kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.model, in.work}, m_wrenches);
+    if (m_plan.gyroscopic && in.model.rotation) gyroscopicStep(in.bodies, m_h, 1);
     if (!in.model.joints) return;
     m_joints.prepare(in.work, in.bodies, in.joints, 0, displacements());
     m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) { return m_jointImpulse[joint].substep[row]; });
@@ -155,8 +159,7 @@ class Substeps {
   BodyDisplacements<D> displacements() { return {m_start, m_displacement}; }
 
   /// Turns the arms of contacts with the bodies. Shared: both bodies get the impulse at one point, so it adds no torque
-  /// to the pair. If their anchors have slid apart, the point is nearer to the anchor of the lighter body; beside a
-  /// static body it is the moving body's own. Not shared: each body gets the impulse at its own anchor.
+  /// to the pair (sharedArms()). Not shared: each body gets the impulse at its own anchor.
   void turnArms(const StepInput<D>& in, bool shared) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     if (in.model.restitution && m_detected.empty()) m_detected = m_contacts.points;
@@ -165,13 +168,15 @@ class Substeps {
       const auto a = rows.a, b = rows.b;
       const auto [atA, atB] = displacements().pair(in.bodies, a, b);
       countMadeRows<D>(in.work, rows.rows());
-      const Real sum = rows.invMassA + rows.invMassB, share = sum > 0 ? rows.invMassB / sum : Real(0.5);
       for (int k = 0; k < rows.count; ++k) {
         const ContactPoint<D>& c = m.points[k];
-        const Vec<D> fromA = atA.q * c.localA, fromB = atB.q * c.localB, gap = (atB.p - atA.p) + fromB - fromA;
-        const Vec<D> rA = shared ? Vec<D>(fromA + share * gap) : fromA;
-        const Vec<D> rB = shared ? Vec<D>(fromB - (1 - share) * gap) : fromB;
-        makeRows(in, rows, rA, rB, m_contacts.points[rows.first + k]);
+        if (shared) {
+          const auto& inverse = in.bodies.invInertia;
+          const ContactArms<D> arms = sharedArms(c, m.normal, atA, atB, inverse[a], inverse[b]);
+          makeRows(in, rows, arms.rA, arms.rB, m_contacts.points[rows.first + k]);
+        } else {
+          makeRows(in, rows, atA.q * c.localA, atB.q * c.localB, m_contacts.points[rows.first + k]);
+        }
       }
     }
   }
@@ -227,12 +232,7 @@ class Substeps {
         for (Real& x : m_contacts.points[m.first + k].impulse) x *= m_count;
       }
     }
-    m_contacts.store(in.manifolds);
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      for (int k = 0; k < m.count; ++k) {
-        in.manifolds[m.manifold].points[k].load = m_states[m.first + k].load;
-      }
-    }
+    storeContacts(in);
     const auto store = [&](std::int32_t j) {
       JointRecord<D>& joint = in.joints[j];
       const JointImpulse& sum = m_jointImpulse[j];
@@ -257,6 +257,61 @@ class Substeps {
   };
   // The sweeps overwrite the targets of ContactRows.
   struct NoBias final : PositionResolver<D> {};
+
+  // Contacts start with this multiple of their stored impulses.
+  void prepareContacts(const StepInput<D>& in, Real warmStart) {
+    const NoBias none;
+    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.model,
+                        in.restitutionThreshold, in.work, in.profiler});
+    if (m_plan.armsAsMade) keepArms(in);
+    m_detected.clear();
+    m_states.resize(m_contacts.points.size());
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Manifold<D>& from = in.manifolds[m.manifold];
+      const Motion<D>& a = in.bodies.motion[m.a];
+      const Motion<D>& b = in.bodies.motion[m.b];
+      for (int k = 0; k < m.count; ++k) {
+        const ContactPoint<D>& c = from.points[k];
+        PointRows<D>& row = m_contacts.points[m.first + k];
+        m_states[m.first + k] = {c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.model.rotation), 0, 0, 0};
+        if (!(warmStart > 0)) continue;
+        row.impulse[0] = std::max(warmStart * c.impulse[0], Real(0));
+        for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = warmStart * c.impulse[d];
+      }
+    }
+  }
+
+  void storeContacts(const StepInput<D>& in) {
+    m_contacts.store(in.manifolds);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        in.manifolds[m.manifold].points[k].load = m_states[m.first + k].load;
+      }
+    }
+  }
+
+  // Makes the contacts of the present poses. A point that has carried load inherits its impulses and its velocity
+  // before the step.
+  void makeContacts(const StepInput<D>& in) {
+    storeContacts(in);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        in.manifolds[m.manifold].points[k].memory[0] = m_states[m.first + k].velocity;
+      }
+    }
+    in.detect.again();
+    Profiler::Scope scope(in.profiler, "solver.prepare");
+    prepareContacts(in, 1);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        const ContactPoint<D>& c = in.manifolds[m.manifold].points[k];
+        State& state = m_states[m.first + k];
+        state.load = state.maxImpulse = c.load;
+        if (c.load > 0) state.velocity = c.memory[0];
+      }
+    }
+    measure(in);
+  }
 
   // Arms of points that a cache has kept: each body's own, in world axes of the time when the points were made. The
   // rotation of A at that time is stored with each point, also of a point that a listener vetoes, since it may be
@@ -386,6 +441,7 @@ class Substeps {
     }
   }
 
+  SubstepPlan m_plan;
   Real m_count = 1, m_h = 0;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/trial/formats/ledger_json.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -48,14 +49,17 @@ Verified verifiedFromJson(const json& j) {
 
 json caseRowsToJson(const std::vector<CaseResult>& rows) {
   json out = json::array();
+  const auto number = [](double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); };
   for (const CaseResult& r : rows) {
     out.push_back({{"id", r.id},
                    {"method", r.method},
+                   {"precision", r.precision},
+                   {"unread", r.unread},
                    {"role", r.role},
                    {"side_alone", r.sideAlone},
                    {"verdict", r.verdict},
                    {"reason", r.reason},
-                   {"numbers", {r.value, r.expected, r.error}}});
+                   {"numbers", {number(r.value), number(r.expected), number(r.error)}}});
     if (r.again) out.back()["again"] = *r.again;
   }
   return out;
@@ -64,19 +68,21 @@ json caseRowsToJson(const std::vector<CaseResult>& rows) {
 std::vector<CaseResult> caseRowsFromJson(const json& j) {
   std::vector<CaseResult> out;
   for (const json& row : j) {
-    const auto number = [&](std::size_t i) {  // null if not finite
+    const auto number = [&](std::size_t i) {  // null if not finite, and text if infinite
       const json& x = row.at("numbers")[i];
-      return x.is_null() ? kUnknown : x.get<double>();
+      return x.is_null() ? kUnknown : x.is_string() ? std::stod(x.get<std::string>()) : x.get<double>();
     };
     CaseResult& r = out.emplace_back(CaseResult{.id = row.at("id"),
                                                 .method = row.at("method"),
+                                                .precision = row.at("precision"),
                                                 .role = row.at("role"),
                                                 .verdict = row.at("verdict"),
                                                 .reason = row.at("reason"),
                                                 .value = number(0),
                                                 .expected = number(1),
                                                 .error = number(2),
-                                                .sideAlone = row.at("side_alone")});
+                                                .sideAlone = row.at("side_alone"),
+                                                .unread = row.at("unread")});
     if (row.contains("again")) r.again = row.at("again").get<bool>();
   }
   return out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Meshes from OBJ and STL, read by assimp. assimp ignores many errors: it skips an invalid vertex line of an OBJ, so
-// that all faces refer to other points, and a truncated STL just ends early. Therefore the text is checked first.
+// Meshes from OBJ, STL, PLY and glTF. Invalid points and truncated files, which readers of these formats commonly
+// accept, are refused.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Largest file size (bytes): assimp needs about ten times as much memory.
+/// Largest file size (bytes): reading needs about ten times as much memory.
 inline constexpr std::size_t kMostMeshBytes = std::size_t{64} << 20;
 /// Largest number of points, and of triangles, of a file.
 inline constexpr long kMostMeshItems = 1000000;

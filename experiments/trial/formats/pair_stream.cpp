@@ -53,7 +53,7 @@ std::vector<ShapePair> shapePairs(const Simulation<D>& simulation, Real margin, 
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     if (shapes[s].body >= 0) boxes.add(s, shapes[s]);
   }
-  boxes.sync(shapes, bodies, simulation.settings().sleepingContacts);
+  boxes.sync(shapes, bodies, {}, simulation.settings().sleepingContacts);
   std::vector<ProxyPair> found;
   boxes.findPairs(found, work);
   const auto unpaired = unpairedBodies(simulation);

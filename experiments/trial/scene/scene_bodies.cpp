@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "experiments/trial/formats/body_type_name.h"
-#include "experiments/trial/formats/written_rotation.h"
 #include "experiments/trial/scene/scene_parsed.h"
 #include "framework/math/inverse_inertia.h"
 #include "framework/math/names.h"
@@ -15,26 +14,6 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
-
-// In 3D, 2D points with a `depth` become a prism: one file describes the scene in both dimensions.
-template <int D>
-std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
-  const toml::node& list = shape.require("points");
-  if (!list.is_array()) shape.fail(list, "'points' is " + describe(list) + "; valid: a list of points");
-  const double depth = numbers.between(shape, "depth", 0, 0, kLargest);
-  numbers.count(list, "points", static_cast<long>(list.as_array()->size()));
-  std::vector<Vec<D>> points;
-  for (const toml::node& n : *list.as_array()) {
-    Vec<D> p = numbers.vector<D>(n);
-    if (D == 3 && depth > 0) {
-      p[D - 1] = static_cast<Real>(-depth);
-      points.push_back(p);
-      p[D - 1] = static_cast<Real>(depth);
-    }
-    points.push_back(p);
-  }
-  return points;
-}
 
 // A polytope with the given number of `corners`, at random positions on a circle or ball of this `radius`. Each corner
 // stays in its own sector; otherwise some would be needles: a triangle has at least 0.4 radius^2, a hull of four
@@ -65,35 +44,6 @@ std::vector<Vec<D>> drawCorners(TableReader& shape, SceneNumbers& numbers) {
     }
   }
   return corners;
-}
-
-template <int D>
-Shape<D> readSurface(TableReader& shape, SceneNumbers& numbers) {
-  if (D == 3 && shape.find("file")) {
-    const MeshFile mesh = readMesh(shape, numbers);
-    if (numbers.rehearsing()) return {};
-    if constexpr (D == 3) return Shape<D>::mesh(mesh.points, mesh.triangles);
-  }
-  const std::vector<Vec<D>> points = readPoints<D>(shape, numbers);
-  const toml::node& list = shape.require("triangles");
-  if (!list.is_array()) shape.fail(list, "'triangles' is " + describe(list) + "; valid: a list of three numbers each");
-  numbers.count(list, "triangles", static_cast<long>(list.as_array()->size()));
-  std::vector<std::array<int, 3>> triangles;
-  for (const toml::node& n : *list.as_array()) {
-    const toml::array* corners = n.as_array();
-    if (!corners || corners->size() != 3) {
-      shape.fail(n, "a triangle is " + describe(n) + "; valid: a list of three point numbers");
-    }
-    auto& triangle = triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      const toml::node& corner = *corners->get(k);
-      const double value =
-          numbers.between(corner, "a corner", 0, std::max(0.0, static_cast<double>(points.size()) - 1));
-      if (value != std::floor(value)) shape.fail(corner, "a corner is " + asText(value) + "; valid: whole numbers");
-      triangle[k] = static_cast<int>(value);
-    }
-  }
-  return Shape<D>::mesh(points, triangles);
 }
 
 // A block that makes nothing in this dimension may belong to the other one: all kinds of both dimensions are valid,
@@ -234,6 +184,21 @@ ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::tab
   return def;
 }
 
+// A number is the same about every axis; a list of three is the diagonal, and three rows are the matrix. 2D uses what
+// is about z.
+Inertia<3> readInertia(TableReader& body, SceneNumbers& numbers, const toml::node& inertia) {
+  if (!inertia.is_array()) return static_cast<Real>(numbers.number(inertia)) * Inertia<3>::Identity();
+  const toml::array& list = *inertia.as_array();
+  if (list.size() != 3) {
+    body.fail(inertia, "'inertia' is a list of " + std::to_string(list.size()) +
+                           "; valid: a number, a list of three, or three rows of three");
+  }
+  if (!list.get(0)->is_array()) return numbers.vector<3>(inertia).asDiagonal();
+  Inertia<3> rows;
+  for (int i = 0; i < 3; ++i) rows.row(i) = numbers.vector<3>(*list.get(static_cast<std::size_t>(i))).transpose();
+  return rows;
+}
+
 // Mass given by hand replaces the mass of the shapes. Values not given are those of the shapes, scaled to this mass.
 template <int D>
 void readMass(TableReader& body, SceneNumbers& numbers, BodyDef<D>& def) {
@@ -251,19 +216,16 @@ void readMass(TableReader& body, SceneNumbers& numbers, BodyDef<D>& def) {
   given.mass = kilograms;
   if (center) given.center = numbers.vector<D>(*center);
   if (inertia) {
+    const Inertia<3> all = readInertia(body, numbers, *inertia);
     if constexpr (D == 2) {
-      given.inertia(0, 0) = static_cast<Real>(numbers.between(*inertia, "inertia", 0, kLargest));
-    } else if (const toml::array* rows = inertia->as_array(); rows && rows->get(0) && rows->get(0)->is_array()) {
-      if (rows->size() != 3) body.fail(*inertia, "'inertia' has " + std::to_string(rows->size()) + " rows; valid: 3");
-      for (int i = 0; i < 3; ++i) {
-        given.inertia.row(i) = numbers.vector<3>(*rows->get(static_cast<std::size_t>(i))).transpose();
-      }
+      given.inertia(0, 0) = all(2, 2);
     } else {
-      given.inertia = numbers.vector<3>(*inertia).asDiagonal();
+      given.inertia = all;
     }
     if (!numbers.rehearsing() && !isInertia(given.inertia)) {
-      body.fail(*inertia, std::string("the inertia is not that of a rigid body; valid: ") +
-                              (D == 2 ? "a number >= 0" : "three numbers >= 0, each at most the sum of the other two"));
+      body.fail(*inertia, std::string("the inertia is not that of a rigid body; valid: a number >= 0, or ") +
+                              (D == 2 ? "a list whose third is one"
+                                      : "three numbers >= 0, each at most the sum of the other two"));
     }
   }
   def.mass = given;
@@ -393,58 +355,6 @@ Vec<D> SceneNumbers::vector(TableReader& table, const std::string& key) {
   return n ? vector<D>(*n) : Vec<D>(Vec<D>::Zero());
 }
 
-template <int D>
-Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string& key) {
-  const toml::node* n = table.find(key);
-  Ang<D> out = Ang<D>::Zero();
-  if (!n) return out;
-  const Vec<3> v = n->is_array() ? numbers.vector<3>(*n) : Vec<3>(0, 0, static_cast<Real>(numbers.number(*n)));
-  if constexpr (D == 2) {
-    out[0] = v[2];
-  } else {
-    out = v;
-  }
-  return out;
-}
-
-template <int D>
-Ang<D> readAngle(TableReader& table, SceneNumbers& numbers, const std::string& key) {
-  const Ang<D> angle = readAngular<D>(table, numbers, key);
-  for (const Real a : angle) {
-    if (std::abs(a) <= static_cast<Real>(kLargestAngle)) continue;
-    table.fail(*table.find(key), "'" + key + "' is " + asText(a) + "; valid: -" + asText(kLargestAngle) + " to " +
-                                     asText(kLargestAngle) + " rad");
-  }
-  return angle;
-}
-
-template <int D>
-Rot<D> readRotation(TableReader& table, SceneNumbers& numbers) {
-  constexpr std::size_t kNumbers = D == 2 ? 2 : 4;
-  const toml::node *given = table.find("rotation"), *angle = table.find("angle");
-  if (!given) return rotationOf(readAngle<D>(table, numbers, "angle"));
-  if (angle) table.fail(*given, "'rotation' and 'angle' are both given; valid: one of them");
-  const toml::array* list = given->as_array();
-  std::array<Real, kNumbers> x{};
-  const bool other = numbers.rehearsing() && list && list->size() == 6 - kNumbers;  // of the other dimension
-  if (!other && (!list || list->size() != kNumbers)) {
-    table.fail(*given, "'rotation' is " + describe(*given) + "; valid: a list of " +
-                           (D == 2 ? "cosine and sine" : "the four numbers w, x, y, z of a quaternion"));
-  }
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const auto value = static_cast<Real>(numbers.number(*list->get(i)));
-    if (!other) x[i] = value;
-  }
-  Rot<D> q;
-  if constexpr (D == 2) {
-    q = {x[0], x[1]};
-  } else {
-    q = {x[0], x[1], x[2], x[3]};
-  }
-  if (!numbers.rehearsing() && !takeWritten<D>(q)) table.fail(*given, "'rotation' does not have length 1");
-  return numbers.rehearsing() ? Rot<D>{} : q;
-}
-
 BodyType readBodyType(TableReader& body) {
   const std::string type = body.string("type", bodyTypeName(BodyType::dynamic));
   if (type == "static") return BodyType::fixed;
@@ -487,12 +397,6 @@ template Vec<2> SceneNumbers::vector<2>(const toml::node&);
 template Vec<3> SceneNumbers::vector<3>(const toml::node&);
 template Vec<2> SceneNumbers::vector<2>(TableReader&, const std::string&);
 template Vec<3> SceneNumbers::vector<3>(TableReader&, const std::string&);
-template Ang<2> readAngle<2>(TableReader&, SceneNumbers&, const std::string&);
-template Ang<3> readAngle<3>(TableReader&, SceneNumbers&, const std::string&);
-template Ang<2> readAngular<2>(TableReader&, SceneNumbers&, const std::string&);
-template Ang<3> readAngular<3>(TableReader&, SceneNumbers&, const std::string&);
-template Rot<2> readRotation(TableReader&, SceneNumbers&);
-template Rot<3> readRotation(TableReader&, SceneNumbers&);
 template BodyDef<2> readBody(TableReader&, SceneNumbers&, const toml::table*, const Settings&);
 template BodyDef<3> readBody(TableReader&, SceneNumbers&, const toml::table*, const Settings&);
 

@@ -2,6 +2,7 @@
 // Internals of a SceneFile; only the sources that read scenes include it.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <map>
 #include <string_view>
@@ -104,7 +105,8 @@ class SceneNumbers {
 
   Expressions expressions;
   const SceneMeshes& meshes;
-  std::map<std::tuple<std::string, double, bool>, std::shared_ptr<const Polytope<3>>> hulls;  // by file, scale, `hull`
+  /// By file, scale and `hull`.
+  std::map<std::tuple<std::string, std::array<double, 3>, bool>, std::shared_ptr<const Polytope<3>>> hulls;
 
  private:
   std::string m_file;
@@ -175,8 +177,12 @@ std::shared_ptr<const Polytope<3>> hullWithNormals(std::span<const Vec<3>> corne
 /// Reads a polytope from `file`.
 template <int D>
 Shape<D> readHull(TableReader& shape, SceneNumbers& numbers, Real rounding);
-/// Reads points and triangles from `file`, in metres; none in a rehearsal.
-MeshFile readMesh(TableReader& shape, SceneNumbers& numbers);
+/// Reads `points`. In 3D, 2D points with a `depth` become a prism: one file describes the scene in both dimensions.
+template <int D>
+std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers);
+/// Reads a mesh from `file`, or from `points` and `triangles`.
+template <int D>
+Shape<D> readSurface(TableReader& shape, SceneNumbers& numbers);
 
 /// One [[body]] block at one turn of its loops. [defaults] fill in what a shape omits, and the settings what these
 /// omit.
