@@ -21,7 +21,8 @@ struct ScratchOf<3> {
 };
 
 // The default generator: separating axes give the normal, clipping the facing faces gives the points. A curved core has
-// no list of axes, so query_clip makes its contacts, cold: the memory of pairs would cost all others time.
+// no list of axes, so query_clip makes its contacts, without pair memory: keeping memory would cost all other pairs
+// time.
 template <int D>
 class SatClip final : public ContactGenerator<D> {
  public:

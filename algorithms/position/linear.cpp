@@ -10,7 +10,7 @@ using namespace solver;
 
 // The first method of the 2009 engine: bodies in contact are moved apart along the normal, each by its share of inverse
 // mass, and not turned. A tilted box that touches with one corner is lifted as a whole. Joints are corrected by
-// nonlinear Gauss-Seidel, which turns bodies: no translation closes a loop whose bars have wrong angles.
+// nonlinear Gauss-Seidel, which turns bodies: no translation closes a loop of bars that have wrong angles.
 template <int D>
 class Linear final : public PositionResolver<D> {
  public:

@@ -52,7 +52,7 @@ class Millington final : public SleepPolicy<D> {
                           "Sleep.SteadySliderStaysAwake"},
                          {"a ball rolls at a centimetre per second", "it falls asleep while moving",
                           "Sleep.SlowRollerStaysAwake"},
-                         {"a sleeping stack whose support is taken away",
+                         {"a sleeping stack that loses its support",
                           "its bodies wake and fall one after the other, a step apart", "Sleep.StackWakesAsAWhole"},
                          {"a body moves by position correction alone",
                           "it falls asleep before its joint error is corrected", "Sleep.CreeperStaysAwake"},

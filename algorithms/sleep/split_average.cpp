@@ -38,7 +38,7 @@ class SplitAverage final : public SleepPolicy<D> {
                       "Sleep.SteadySliderStaysAwake"},
                      {"a support slides away slower than `wake_separation`",
                       "the sleeping load does not wake and stays in place", "Sleep.CreepingSupportWakes"},
-                     {"a sleeping stack whose support is taken away",
+                     {"a sleeping stack that loses its support",
                       "its bodies wake and fall one after the other, a step apart", "Sleep.StackWakesAsAWhole"},
                      {"a body moves by position correction alone",
                       "it falls asleep before its joint error is corrected", "Sleep.CreeperStaysAwake"},

@@ -9,10 +9,10 @@ namespace {
 
 // Sleeping of Box2D 2 (b2Island::Solve): an island of touching or jointed bodies sleeps when each body has been slow
 // for some time, and wakes as a whole. An awake body wakes everything that it touches, at any speed, so impacts,
-// supports and loads need no rules. Three differences: the island does not wait until position errors are repaired,
-// which a policy does not see; a moving platform keeps its island awake at any speed; and an island may sleep only if
-// something that cannot fall holds it, because in weak gravity a throw is slow for longer than any time limit. A body
-// that hangs on a spring or is wedged between walls therefore stays awake.
+// supports and loads need no rules. Three differences: the island waits while position correction opens deep contacts,
+// but not for errors of joints, which a policy does not see; a moving platform keeps its island awake at any speed; and
+// an island may sleep only if something that cannot fall holds it, because in weak gravity a throw is slow for longer
+// than any time limit. A body that hangs on a spring or is wedged between walls therefore stays awake.
 template <int D>
 class TimerIsland final : public SleepPolicy<D> {
  public:

@@ -100,8 +100,9 @@ inline bool recentAverage(Real& stored, Real bias, Real now, Real threshold) {
 /// - A support that slides away wakes everything on it up to the top, and no body falls asleep on a support that would
 /// wake it in the next step. The distance to such a support does not change, and sleepers would hold it like a wall.
 /// A body on a support that is taken away wakes once its own support leaves it: a stack falls as a wave (6.5.1).
-/// - A body that appears inside a sleeper, slower than an impact, wakes everything that touches the sleeper, and no
-/// body falls asleep while it, or a body that it touches, is pushed out of another.
+/// - A body that appears inside a sleeper, slower than an impact, wakes the sleeper and all bodies in contact with it,
+/// directly or through others. While position correction pushes a body out of another, no body in contact with it,
+/// directly or through others, falls asleep.
 /// - Jointed bodies sleep and wake together.
 /// Call order in a step: byEvents, byBlows, bySlides, byJoints, fallAsleep.
 template <int D>
@@ -378,7 +379,7 @@ class WakeRules {
   Real m_wakeSeparation;
   // Scratch of one decision, by body slot.
   IndexedVector<std::uint8_t> m_woken, m_carried, m_stands, m_flag, m_front, m_dropped, m_pushedOut;
-  std::vector<std::pair<std::int32_t, std::int32_t>> m_met;  // bodies whose contact has begun
+  std::vector<std::pair<std::int32_t, std::int32_t>> m_met;  // pairs of bodies in new contact
   IndexedSpan<const std::int32_t> m_group;                   // group of jointed bodies; -1 if a body is not dynamic
   IndexedVector<Real> m_speed, m_next;
 };

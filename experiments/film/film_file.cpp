@@ -34,7 +34,7 @@ void putPatches(std::ostream& out, const Picture& picture) {
 }
 
 void putHead(std::ostream& out, double width, double height) {
-  // A viewBox without a height: as wide as the page or the window.
+  // Without the attribute `height` the picture is as wide as the page or the window.
   out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100%\" viewBox=\"0 0 " << width << " " << height
       << "\" font-family=\"sans-serif\" font-size=\"12\" stroke-linejoin=\"round\">\n"
       << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";

@@ -39,7 +39,7 @@ int toParent = -1;
   _exit(0);
 }
 
-// Also reached from an initialiser of a library, whose exceptions nothing can catch.
+// Also the handler of std::terminate: nothing can catch an exception of a library's initialiser.
 [[noreturn]] void tellException() {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());

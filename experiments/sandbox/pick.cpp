@@ -86,8 +86,8 @@ bool isWithin(const ViewCamera<2>& camera, const ShapeView<2>& view, const Pose<
   return overlapsBox(view, X_WP, Aabb<2>{a.cwiseMin(b), a.cwiseMax(b)});
 }
 
-// Compares the hull of 64 support points on the screen: a rectangle beside it by less than about 1/400 of the shape's
-// size may be missed.
+// Compares the hull of 64 support points on the screen. A rectangle that overlaps only a flat corner, or in strong
+// perspective only the rim, may be missed, by up to about 1/40 of the shape's size.
 bool isWithin(const ViewCamera<3>& camera, const ShapeView<3>& view, const Pose<3>& X_WP, const Vec<2>& lo,
               const Vec<2>& hi) {
   constexpr int kDirections = 64;

@@ -11,18 +11,18 @@
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// Corrects contacts of a convex part Q that touches several parts which do not move relative to each other: parts of
-/// all static and kinematic bodies together, or parts of one body. The contact generator sees each pair alone. So it
-/// makes contacts with sides and corners that another part covers, such as the side of the next tile of a floor, and
-/// sliding bodies stop at them.
+/// Corrects contacts of a convex part Q that touches several parts of one group: the parts of all static and kinematic
+/// bodies, or the parts of one body. The motion of kinematic bodies is ignored. The contact generator sees each pair
+/// alone. So it makes contacts with sides and corners that another part covers, such as the side of the next tile of a
+/// floor, and sliding bodies stop at them.
 ///
 /// A contact rests on a plane: through its deepest point, perpendicular to its normal. Another contact of Q is covered
 /// when the feature that it touches does not stand out of this plane by more than kFlush, because Q then passes over
 /// the feature:
 ///
 /// - A covered contact whose normal is closer to the plane than to the plane's normal is removed.
-/// - Any other covered contact whose deepest point is at the plane gets the plane's normal. Points whose foot moves by
-///   more than kFlush are removed.
+/// - Any other covered contact whose deepest point is at the plane gets the plane's normal. Points whose closest
+///   point on P moves by more than kFlush are removed.
 ///
 /// A covered contact does not cover others. Of two contacts that cover each other the deeper one stays; of equally deep
 /// ones both stay.
@@ -38,7 +38,7 @@ class FlushContacts {
   // A manifold as seen from one of its parts, Q; P is the other part.
   struct Touch {
     std::int32_t shape, part;  // of Q
-    std::int32_t group;        // of P: bodies of one group do not move relative to each other
+    std::int32_t group;        // of P: see above
     std::int32_t index;        // of the manifold: in `fresh`, from its size on in `kept`
     bool isA;                  // Q is the manifold's A
     auto operator<=>(const Touch&) const = default;

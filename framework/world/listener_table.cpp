@@ -146,7 +146,7 @@ void ListenerTable<D>::notify(const World<D>& world, BodyTable<D>& table, const 
       if (known ? l.persist(world, m) : l.begin(world, m)) return;
       for (Manifold<D>& manifold : pair) manifold.ignored = 1;
     });
-    // A veto also wakes bodies that rest on it, and its end those that have come in meanwhile.
+    // A veto that begins wakes the bodies in contact; one that ends wakes those that overlap by then.
     if (known && m.ignored && !before[0].ignored) wakeEvent(SleepEvent::contactLost, m, 0);
     if (known && !m.ignored && before[0].ignored) {
       wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, table.bodies));

@@ -24,7 +24,7 @@ struct CaseResult {
   std::string reason = {};  // unsupported_shape, unsupported_query, undecided, what is wrong, or what was not judged
   double value = 0;
   double expected = 0;     // by which it was judged; NaN when nobody knows. The referee's: what the file has
-  double error = 0;        // |value - expected| / s, s as in `errorScale`
+  double error = 0;        // |value - expected| / s, s as in `errorScale`; of a time of impact: the separation then / s
   bool sideAlone = false;  // an approximate pair query, of which only the side is judged
   bool unread = false;     // the case cannot be read, and no method was run
   /// For the method of the finding: true when it fails in the same way again.

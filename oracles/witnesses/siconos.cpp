@@ -70,8 +70,7 @@ F* found(const char* name) {
 // contacts together, may call a worse one solved.
 constexpr double kSolved = 1e-9;
 
-// Residual of the contact law for impulses r: the largest change of a contact's impulse, times W_ii, by a projection on
-// its cone (m/s).
+// Largest over all contacts of |projection on the cone of (w r - u') - w r|, w = W_ii, u' with De Saxce's term (m/s).
 double residual(const Question& of, const Vector& r) {
   if (!r.allFinite()) return std::numeric_limits<double>::infinity();
   const Vector u = of.w * r + of.q;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -114,20 +113,5 @@ void everySolver(std::uint64_t seed) {
 }
 TEST(Sliding, HeightIgnoresSpeed2) { everySolver<2>(kSeed); }
 TEST(Sliding, HeightIgnoresSpeed3) { everySolver<3>(kSeed); }
-
-// Counts the wrong among many seeds.
-template <int D>
-void print(int seeds) {
-  for (const std::string& solver : test::everySolver<D>()) {
-    int wrong = 0;
-    Real largest = 0;
-    for (int seed = 0; seed < seeds; ++seed) {
-      const Real x = worst<D>(solver, static_cast<std::uint64_t>(seed));
-      wrong += !(x < kTolerance), largest = worse(largest, x);
-    }
-    std::printf("%dD %-60s %.1e m, %d of %d\n", D, solver.c_str(), double(largest), wrong, seeds);
-  }
-}
-TEST(Sliding, DISABLED_print) { print<2>(20), print<3>(20); }
 
 }}}}  // namespace lpc::LPC_PRECISION::test::sliding_test

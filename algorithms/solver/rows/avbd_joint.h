@@ -60,8 +60,8 @@ struct AvbdJoint {
     }
   }
 
-  /// Adds the geometric stiffness of a loaded line between two points, whose direction follows the bodies. Without it a
-  /// tight line of light bodies throws them across it. That of a pushing line is negative and counts by its magnitude,
+  /// Adds the geometric stiffness of a loaded line between two points. Its direction follows the bodies. Without it
+  /// light bodies on a tight line are thrown sideways. That of a pushing line is negative and counts by its magnitude,
   /// so the matrix stays positive definite; twice the diagonal bounds the coupling of shift and turn. `load`: kg m.
   template <class Block>
   void addBend(const ConstraintRow<D>& row, Real load, bool isB, bool shifts, bool rotates, Block& matrix) const {
