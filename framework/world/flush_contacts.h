@@ -69,7 +69,7 @@ class FlushContacts {
   std::vector<Touch> m_touches;
   std::vector<Rest> m_rests;
   std::vector<int> m_restOf;         // by touch of a run
-  std::vector<std::size_t> m_order;  // of the rests, the least deep first
+  std::vector<std::size_t> m_order, m_deepestFirst;  // of the rests; the first has the least deep first
 };
 
 }}  // namespace lpc::LPC_PRECISION

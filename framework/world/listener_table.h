@@ -17,7 +17,7 @@ template <int D>
 struct StepContacts {
   std::span<Manifold<D>> now;
   std::span<const Manifold<D>> before;
-  Real lastDt = 0;     // s, length of the last step
+  Real sinceBefore = 0;  // s, from the detection of `before` to this step; 0 in the first step
   bool again = false;  // contacts are made again within the step
 };
 

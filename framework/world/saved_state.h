@@ -23,7 +23,7 @@ struct SavedState {
   std::vector<Manifold<D>> manifolds;
   std::vector<Wrench<D>> userForces;
   std::vector<SleepEvent> events;
-  Real time = 0, lastDt = 0;
+  Real time = 0, lastDt = 0, sinceContacts = 0;  // s; the last: from the last detection of contacts
   std::int64_t steps = 0;
   std::vector<PairRecord> records;
   std::vector<ForceRecord<D>> forces;

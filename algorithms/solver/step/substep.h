@@ -13,6 +13,7 @@
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/step/free_motion.h"
 #include "algorithms/solver/step/gyroscopic.h"
+#include "algorithms/solver/step/remade_contacts.h"
 #include "framework/math/indexed.h"
 #include "framework/stage/profiler.h"
 
@@ -81,13 +82,6 @@ inline std::vector<FailureMode> substepFailures(const std::string& braked, std::
   return own;
 }
 
-enum class ContactsOf { step, substep };
-template <class Visitor>
-void visitContactsOf(Visitor& v, ContactsOf& contacts) {
-  v.choice("contacts", contacts, {"step", "substep"},
-           "made for the step, or again for each sub-step, which costs more");
-}
-
 struct SubstepPlan {
   int count = 1;
   bool warmStart = true;  // from the impulses of the last step
@@ -110,6 +104,7 @@ class Substeps {
     m_start.resize(in.bodies.pose.size());
     for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
     m_displacement.assign(m_start.size(), Vec<D>::Zero());
+    if (plan.contacts == ContactsOf::substep) m_startMotion.assign(in.bodies.motion.begin(), in.bodies.motion.end());
     const Real scale = lastImpulseScale(in) / m_count;
     prepareContacts(in, plan.warmStart ? scale : 0);
     m_jointImpulse.resize(in.joints.size());
@@ -159,8 +154,10 @@ class Substeps {
   BodyDisplacements<D> displacements() { return {m_start, m_displacement}; }
 
   /// Turns the arms of contacts with the bodies. Shared: both bodies get the impulse at one point, so it adds no torque
-  /// to the pair (sharedArms()). Not shared: each body gets the impulse at its own anchor.
+  /// to the pair (sharedArms()). Not shared: each body gets the impulse at its own anchor. Contacts that this sub-step
+  /// has made have shared arms already.
   void turnArms(const StepInput<D>& in, bool shared) {
+    if (shared && m_plan.contacts == ContactsOf::substep) return;
     Profiler::Scope scope(in.profiler, "solver.prepare");
     if (in.model.restitution && m_detected.empty()) m_detected = m_contacts.points;
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
@@ -290,24 +287,23 @@ class Substeps {
     }
   }
 
-  // Makes the contacts of the present poses. A point that has carried load inherits its impulses and its velocity
-  // before the step.
+  // Makes the contacts of the present poses. Two parts that have pushed each other in this step rebound from their
+  // velocity before the step, as the contacts of a whole step do; others from their present velocity.
   void makeContacts(const StepInput<D>& in) {
     storeContacts(in);
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      for (int k = 0; k < m.count; ++k) {
-        in.manifolds[m.manifold].points[k].memory[0] = m_states[m.first + k].velocity;
-      }
-    }
+    m_remade.keep(in.manifolds, in.active);
     in.detect.again();
     Profiler::Scope scope(in.profiler, "solver.prepare");
+    m_remade.restore(in.manifolds, in.active, PointImpulse::ofSubstep);
     prepareContacts(in, 1);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Manifold<D>& of = in.manifolds[m.manifold];
+      if (!m_remade.isLoaded(of)) continue;
       for (int k = 0; k < m.count; ++k) {
-        const ContactPoint<D>& c = in.manifolds[m.manifold].points[k];
         State& state = m_states[m.first + k];
-        state.load = state.maxImpulse = c.load;
-        if (c.load > 0) state.velocity = c.memory[0];
+        state.load = state.maxImpulse = of.points[k].load;
+        state.velocity = rowVelocity<D>(m_contacts.points[m.first + k].normal, m.n, m_startMotion[m.a],
+                                        m_startMotion[m.b], in.model.rotation);
       }
     }
     measure(in);
@@ -446,6 +442,8 @@ class Substeps {
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
   IndexedVector<Vec<D>> m_start, m_displacement;  // by body: position at the start of the step, displacement since, m
+  IndexedVector<Motion<D>> m_startMotion;         // by body, before the step; unless contacts are of the step
+  RemadeContacts<D> m_remade;
   IndexedVector<PointRows<D>> m_detected;         // by point, before arms were turned; empty if they were not
   IndexedVector<State> m_states;                  // by point
   IndexedVector<JointImpulse> m_jointImpulse;     // by joint slot
