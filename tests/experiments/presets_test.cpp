@@ -333,6 +333,32 @@ TEST(Presets, JengaStandsAlsoWithoutABlock) {
   EXPECT_GT(moved(falls, 59), Real(0.125));
 }
 
+// Figures 7.1 to 7.5: towers of single circles, a heap after the firework, rest. With the contacts of `sat_clip`: the
+// towers fall by the last digits of others'.
+TEST(Presets, ScriptOneStandsCollapsesAndRests) {
+  Play<2> play("director_1", {},
+               "broadphase=region_tree contacts=sat_clip solver=split_solver{velocity=catto} sleep=split_average");
+  const auto points = [&] {
+    int n = 0;
+    for (const Manifold<2>& m : play.world.manifolds()) n += m.count;
+    return n;
+  };
+  const auto awake = [&] {
+    const Bodies<2>& bodies = play.world.bodies();
+    int n = 0;
+    for (int i = 0; i < bodies.size(); ++i) n += bodies.active(i);
+    return n;
+  };
+  play.steps(5000);
+  EXPECT_EQ(points(), 200);
+  EXPECT_EQ(awake(), 0);
+  play.steps(200);
+  EXPECT_GT(awake(), 100);
+  play.steps(1300);
+  EXPECT_GT(points(), 400);
+  EXPECT_LT(awake(), 10);
+}
+
 // The report sets small velocities to zero (5.5.2); here sleep alone does.
 TEST(Presets, TinyVelocitiesStayUntilABodySleeps) {
   const Real tiny = std::numeric_limits<Real>::min();
