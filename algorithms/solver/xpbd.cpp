@@ -185,8 +185,8 @@ class Xpbd final : public Solver<D> {
       }
     }
   }
-  // Numbers the pairs of bodies by their first manifold. Manifolds are sorted by shapes, so those of two bodies need not
-  // be adjacent.
+  // Numbers the pairs of bodies by their first manifold. Manifolds are sorted by shapes, so those of two bodies need
+  // not be adjacent.
   void findPairs() {
     const auto& manifolds = m_contacts.manifolds;
     const auto key = [&](std::size_t k) { return std::tuple(manifolds[k].a, manifolds[k].b, k); };
@@ -341,8 +341,8 @@ class Xpbd final : public Solver<D> {
   IndexedVector<Vec<D>> m_start, m_displacement,
       m_ahead;                 // position at the start of the step, displacement since, the same with this sub-step, m
   IndexedVector<Real> m_work;  // of each two bodies in this sub-step, J
-  IndexedVector<std::size_t> m_pair;   // by manifold: where its work is in m_work
-  std::vector<std::size_t> m_byPair;   // manifolds, sorted by their bodies
+  IndexedVector<std::size_t> m_pair;  // by manifold: where its work is in m_work
+  std::vector<std::size_t> m_byPair;  // manifolds, sorted by their bodies
   RemadeContacts<D> m_remade;
   IndexedVector<Motion<D>> m_arrival;  // before this sub-step's forces
   IndexedVector<IndexedArray<Real, D>> m_total;

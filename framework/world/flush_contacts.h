@@ -68,7 +68,7 @@ class FlushContacts {
   std::vector<std::int32_t> m_count;  // of touches, by shape
   std::vector<Touch> m_touches;
   std::vector<Rest> m_rests;
-  std::vector<int> m_restOf;         // by touch of a run
+  std::vector<int> m_restOf;                         // by touch of a run
   std::vector<std::size_t> m_order, m_deepestFirst;  // of the rests; the first has the least deep first
 };
 

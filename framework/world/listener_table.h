@@ -18,7 +18,7 @@ struct StepContacts {
   std::span<Manifold<D>> now;
   std::span<const Manifold<D>> before;
   Real sinceBefore = 0;  // s, from the detection of `before` to this step; 0 in the first step
-  bool again = false;  // contacts are made again within the step
+  bool again = false;    // contacts are made again within the step
 };
 
 /// Stores the listeners for all bodies and the listeners for single bodies.

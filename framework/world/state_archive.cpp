@@ -265,8 +265,8 @@ void fields(Archive& a, WorldSettings<D>& s) {
 
 template <int D>
 void fields(Archive& a, SavedState<D>& s) {
-  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.sinceContacts, s.steps,
-    s.records, s.forces);
+  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.sinceContacts,
+    s.steps, s.records, s.forces);
 }
 
 Header readHeader(std::istream& in) {

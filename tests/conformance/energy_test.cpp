@@ -217,8 +217,8 @@ double longGain(const std::string& solver, int seeds) {
   return worst;
 }
 
-// Two cubes fall flat on the seam between two plates of one body, so that the contacts of two bodies are not adjacent in
-// the order of the manifolds.
+// Two cubes fall flat on the seam between two plates of one body, so that the contacts of two bodies are not adjacent
+// in the order of the manifolds.
 template <int D>
 double gainOnTwoPlates(const std::string& solver) {
   WorldSettings<D> settings;

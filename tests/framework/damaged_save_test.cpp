@@ -149,6 +149,7 @@ struct Damaged : SavedState<D> {
                       {{SleepEvent::userChange, 0, -1}},
                       1,
                       kDt,
+                      kDt,
                       1,
                       {w.pairRecords().begin(), w.pairRecords().end()},
                       {w.forces().begin(), w.forces().end()}} {}

@@ -183,16 +183,15 @@ void nothingSlowsInEveryPipeline() {
 TEST(Tiles, NothingSlowsInEveryPipeline2) { nothingSlowsInEveryPipeline<2>(); }
 TEST(Tiles, NothingSlowsInEveryPipeline3) { nothingSlowsInEveryPipeline<3>(); }
 
-// avbd solves a body for the rows that were active before. Rows that become active together are stiffer than the body is
-// heavy, and their impulses alternate between none and too much. A second solve sees which rows are active.
+// avbd solves a body for the rows that were active before. Rows that become active together are stiffer than the body
+// is heavy, and their impulses alternate between none and too much. A second solve sees which rows are active.
 template <int D>
 double liftBySmallTiles(const std::string& solver) {
   World<D> world(Pipeline::parse("solver=" + solver));
   for (int i = 0; i < 60; ++i) {
     world.add(slippery<D>(Shape<D>::box(at<D>(0.05, 0.5, 2)), at<D>(0.1 * (i - 10), -0.5)));
   }
-  BodyDef<D> def =
-      slippery<D>(Shape<D>::box(Vec<D>::Constant(Real(0.4))), at<D>(0, 0.405), BodyType::dynamic);
+  BodyDef<D> def = slippery<D>(Shape<D>::box(Vec<D>::Constant(Real(0.4))), at<D>(0, 0.405), BodyType::dynamic);
   def.velocity = at<D>(2, 0);
   const BodyHandle handle = world.add(def);
   double lift = 0;
@@ -203,7 +202,8 @@ double liftBySmallTiles(const std::string& solver) {
   return lift;
 }
 TEST(Tiles, ManyContactsAtOnceLiftNothing) {
-  for (const std::string solver : {"split_solver", "soft_step", "tgs", "tgs_ngs", "pgs_soft", "xpbd", "avbd{tries=1}"}) {
+  for (const std::string solver :
+       {"split_solver", "soft_step", "tgs", "tgs_ngs", "pgs_soft", "xpbd", "avbd{tries=1}"}) {
     EXPECT_LT(liftBySmallTiles<2>(solver), 1e-3) << solver;
     EXPECT_LT(liftBySmallTiles<3>(solver), 1e-3) << solver;
   }

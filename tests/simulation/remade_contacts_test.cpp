@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Solvers that make contacts again within a step (contacts=substep): what a step has done to a contact stays known, also
-// where no cache keeps contacts and where features change.
+// Solvers that make contacts again within a step (contacts=substep): what a step has done to a contact stays known,
+// also where no cache keeps contacts and where features change.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -52,13 +52,14 @@ double rebound(const std::string& pipeline, const WorldSettings<D>& settings, co
 // The height after a bounce does not depend on how often contacts are made.
 template <int D>
 void bounces() {
-  forMemories<WorldSettings<D>>([](const std::string& often, const std::string& once, const WorldSettings<D>& settings) {
-    for (const Shape<D>& shape : {Shape<D>::sphere(Real(0.5)), Shape<D>::box(Vec<D>::Constant(Real(0.5)))}) {
-      const double expected = rebound<D>(once, settings, shape);
-      EXPECT_GT(expected, 1);
-      EXPECT_NEAR(rebound<D>(often, settings, shape), expected, 0.05) << shapeKindName(shape.kind());
-    }
-  });
+  forMemories<WorldSettings<D>>(
+      [](const std::string& often, const std::string& once, const WorldSettings<D>& settings) {
+        for (const Shape<D>& shape : {Shape<D>::sphere(Real(0.5)), Shape<D>::box(Vec<D>::Constant(Real(0.5)))}) {
+          const double expected = rebound<D>(once, settings, shape);
+          EXPECT_GT(expected, 1);
+          EXPECT_NEAR(rebound<D>(often, settings, shape), expected, 0.05) << shapeKindName(shape.kind());
+        }
+      });
 }
 TEST(RemadeContacts, BounceAsThoseOfAStep2) { bounces<2>(); }
 TEST(RemadeContacts, BounceAsThoseOfAStep3) { bounces<3>(); }

@@ -43,8 +43,8 @@ class RemadeContacts {
         m.points[k].load = 0;
         if (kind == PointImpulse::sum) m.points[k].impulse.fill(0);
       }
-      const auto at = std::partition_point(m_old.begin(), m_old.end(),
-                                           [&](const Manifold<D>& old) { return old.key() < m.key(); });
+      const auto at =
+          std::partition_point(m_old.begin(), m_old.end(), [&](const Manifold<D>& old) { return old.key() < m.key(); });
       if (at != m_old.end() && at->key() == m.key()) hand(*at, m, kind);
     }
   }

@@ -444,9 +444,9 @@ class Substeps {
   IndexedVector<Vec<D>> m_start, m_displacement;  // by body: position at the start of the step, displacement since, m
   IndexedVector<Motion<D>> m_startMotion;         // by body, before the step; unless contacts are of the step
   RemadeContacts<D> m_remade;
-  IndexedVector<PointRows<D>> m_detected;         // by point, before arms were turned; empty if they were not
-  IndexedVector<State> m_states;                  // by point
-  IndexedVector<JointImpulse> m_jointImpulse;     // by joint slot
+  IndexedVector<PointRows<D>> m_detected;      // by point, before arms were turned; empty if they were not
+  IndexedVector<State> m_states;               // by point
+  IndexedVector<JointImpulse> m_jointImpulse;  // by joint slot
   IndexedVector<Wrench<D>> m_wrenches;
 };
 
