@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The solvers that "every solver" means in tests: each registered solver by name, sub-step methods with contacts of each
-// sub-step too, and split_solver with each part, order, loop and impact law that can be chosen.
+// The solvers that "every solver" means in tests: each registered solver by name, sub-step methods with contacts of
+// each sub-step too, and split_solver with each part, order, loop and impact law that can be chosen.
 #pragma once
 
 #include <algorithm>
