@@ -82,11 +82,15 @@ def found_energy(context, shown, dimension, at):
             row |= {"methods that gain": "", "remark": "no ranked run finished"}
         elif len(gains):
             worst = gains.loc[gains["energy_gain"].idxmax()]
+            in_joules = worst["exchanged"] < LITTLE * largest or worst["energy_gain"] > 1
+            if in_joules:
+                worst = gains.loc[(gains["energy_gain"] * gains["exchanged"]).idxmax()]
             row |= {"methods that gain": methods(sorted(gains["method"].unique()), everyone), "most": worst["method"],
                     "gain [J]": worst["energy_gain"] * worst["exchanged"], "of the energy exchanged [1]": worst["energy_gain"],
                     "remark": "little energy is exchanged" if worst["exchanged"] < LITTLE * largest else
                     "more than is exchanged" if worst["energy_gain"] > 1 else ""}
-            gaining.append((worst["exchanged"] >= LITTLE * largest, worst["energy_gain"], where, row))
+            head = f"{gains['method'].nunique()} of {plural(good['method'].nunique(), 'method')} gain energy on {where}"
+            gaining.append((worst["exchanged"] >= LITTLE * largest, worst["energy_gain"], where, row, head, in_joules))
         rows.append(row)
         rows += [{"scene": where, "methods that gain": m, "remark": f"not ranked: {why}"}
                  for m, why in ranking.unranked(context, part).items()]
@@ -94,13 +98,13 @@ def found_energy(context, shown, dimension, at):
     compared = sum(not scripted for _, _, scripted in shown)
     if not gaining:
         return Finding(fits(*(f"In {dimension}D{text} no ranked method that finishes gains energy." for text in (at, ""))), table)
-    _, share, where, row = max(gaining, key=lambda entry: entry[:2])
-    much = f"{si(row['gain [J]'], 'J')}" if row["remark"] else f"{si(100 * share)} % of the energy exchanged"
-    on = f" on {len(gaining)} of {compared} scenes" if compared > 1 else ""
-    place = f" on {where}" if compared > 1 else ""
+    in_joules = max(gaining, key=lambda entry: entry[:2])[-1]
+    _, share, where, row, head, _ = max(gaining, key=lambda entry: entry[3]["gain [J]"] if in_joules else entry[:2])
+    much = f"{si(row['gain [J]'], 'J')}" if in_joules else f"{si(100 * share)} % of the energy exchanged"
     one = row["methods that gain"] == row["most"]
-    said = (f"methods gain energy{on or f' on {where}'}, {row['most']} most{place} ({much})" if not one or len(gaining) > 1 else
-            f"{row['most']} gains energy on {where}, {much}")
+    said = (f"methods gain energy on {len(gaining)} of {compared} scenes, {row['most']} most on {where} ({much})"
+            if compared > 1 and (not one or len(gaining) > 1) else
+            f"{row['most']} gains energy on {where}, {much}" if one else f"{head}, {row['most']} most ({much})")
     return Finding(fits(*(f"In {dimension}D{text} {said}." for text in (at, ""))), table)
 
 

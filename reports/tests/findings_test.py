@@ -285,6 +285,17 @@ class Findings(with_store.WithStore):
         self.assertEqual(found.finding.headline, "In 2D box2d gains energy on fall, 50 J.")
         self.assertEqual(row(found, "fall")["remark"], "more than is exchanged")
 
+    def test_the_method_that_gains_most_joules_is_not_that_with_the_largest_share(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label")
+            for label, exchanged, gain in (("catto", 10.0, 2.0), ("box2d", 0.1, 0.2), ("naive", 10.0, 0.0)):
+                series = {"kinetic": np.array([0.0, exchanged, 0.0]),
+                          "potential": 20 + np.array([exchanged, 0.0, exchanged + gain])}
+                axes = {"kind": "world", "scene": "fall", "dimension": 2, "resolver": label, "timed": False, "repeat": 0}
+                maker.trial("costs", axes, {}, series=series)
+        found = self.made(energy, fill)[0]
+        self.assertEqual(found.finding.headline, "In 2D 2 of 3 methods gain energy on fall, catto most (2 J).")
+
     def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
