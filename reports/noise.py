@@ -135,9 +135,10 @@ def tells(a, b, metric, least):
 
 
 def above(cell, metric, bound, least):
-    """Whether a time exceeds a bound by more than the noise."""
+    """Whether a time exceeds a bound by more than the noise. Too few repeats to measure a floor give no room above the bound."""
     value, (low, _) = float(cell[metric]), interval(measured.runs(cell, metric))
-    return value > bound and value > bound * between(least, cell, cell, metric) and not low <= bound
+    room = least.between(cell, cell) if isinstance(least, Floor) else least
+    return value > bound and value > bound * (1.0 if room == UNMEASURED else room) and not low <= bound
 
 
 def leaders(cells, metric, least):
