@@ -380,7 +380,7 @@ def _chart(context, cells, where, setting, refused):
             ends = [*part[cost], max(good[cost])]
             ax.step([across.place(v) for v in ends], [up.place(v) for v in (*reached, reached[-1])], where="post",
                     **{**looks(method), "lw": 1.3}, markevery=list(range(len(part))))
-        for budget in marks(cells, cost, error):
+        for budget in marks(ranking.eligible(context, cells), cost, error):
             ax.axvline(budget, color="#999999", lw=0.8, ls=":", zorder=0.5)
             for method, cell in within(cells, cost, error, budget, least_of(context, cells, cost)).items():
                 numbers = quantity(f"{context.title(cost)}, at most", context.unit(cost), [budget])

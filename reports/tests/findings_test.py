@@ -19,6 +19,7 @@ import budget  # noqa: E402
 import chart  # noqa: E402
 import noise  # noqa: E402
 import over_steps  # noqa: E402
+import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
@@ -138,6 +139,9 @@ class Findings(with_store.WithStore):
                                                                                                  "shapes"]),
                          ("catto", "1 mm"))
         self.assertIn("A time above a budget by no more than the noise is within it", found.note)
+        few = self.context(self.cut([1.5, 1.51])).store.cells("costs")
+        self.assertEqual(sorted(budget.within(few, COST, "penetration_poses", 1.02, least)), ["naive"], "two repeats")
+        self.assertEqual(sorted(budget.within(few, COST, "penetration_poses", 1.02, noise.UNMEASURED)), ["naive"])
 
     @undrawn.drawn
     def test_a_cost_of_0_is_drawn_and_within_every_budget(self):
@@ -295,6 +299,21 @@ class Findings(with_store.WithStore):
                 maker.trial("costs", axes, {}, series=series)
         found = self.made(energy, fill)[0]
         self.assertEqual(found.finding.headline, "In 2D 2 of 3 methods gain energy on fall, catto most (2 J).")
+
+    @undrawn.drawn
+    def test_the_budgets_that_are_drawn_are_those_of_the_table(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label", iterations="setting")
+            for iterations in (4, 40):
+                for label, ms in (("catto", 1.0), ("soft_step", 2.0), ("naive", 0.2)):
+                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
+                    maker.world("costs", axes, ms * iterations / 4, 1e-3 / ms, repeats=1)
+            maker.leave_rows(50, "naive")  # not ranked
+        found = self.made(error_within_budgets, fill)[0]
+        drawn = [f"{style.si(line.get_xdata()[0], 'ms')} per step" for line in found.figure.axes[0].lines
+                 if line.get_linestyle() == ":"]
+        self.assertGreaterEqual(len(drawn), 2)
+        self.assertEqual(drawn, [text for text in (told["within"] for told in found.finding.rows()) if text.endswith(" ms per step")])
 
     def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
         def fill(maker):
