@@ -257,7 +257,7 @@ class OfStores(with_store.WithStore):
                                                 "penetration_poses": error})
 
     def test_the_floor_of_every_chart_is_that_of_its_sweep(self):
-        context, everywhere = self.context(self.two_scenes), "up to 20 % in 95 of 100 cells"
+        context, everywhere = self.context(self.two_scenes), "up to 20 % in the 6 cells with enough repeats"
         self.assertAlmostEqual(noise.floor_of(context, "costs", COST), 1.2)
         for found in chart.made(cost_against_error, context):
             self.assertIn(everywhere, found.note, found.id)
@@ -286,7 +286,8 @@ class OfStores(with_store.WithStore):
         for floor, told in ((least, "1.20"), (float(least), "noise")):  # a plain number: the planted bug, one floor for all
             self.assertEqual(noise.said(sat, gjk, "ns_per_query", floor), told)
         self.assertEqual(noise.said(sat, fcl, "ns_per_query", least), "noise")
-        self.assertIn("2 % (competitor), 90 % (witness) in 95", noise.rule(least))
+        self.assertIn("up to 2 % (competitor) in the 4 cells with enough repeats and 90 % (witness) in the 2 cells with enough",
+                      noise.rule(least))
         self.assertEqual([noise.percent(v) for v in (1.0234, 1.9, 2.6)], ["2.3", "90", "160"])
         found = chart.made(noise_floor, context)[0]
         self.assertEqual({row["sweep"]: row["noise floor"] for row in found.finding.rows()},
@@ -294,6 +295,22 @@ class OfStores(with_store.WithStore):
         self.assertIn("Drawn at the edge of the first panel: marks of pairs (witness) (a factor of up to 1.9)", found.note)
         with unittest.mock.patch.object(measurements, "WIDEST", 200.0):
             self.assertNotIn("Drawn at the edge", chart.made(noise_floor, context)[0].note)
+
+    def test_the_rule_tells_how_many_cells_measure_the_floor_and_that_others_have_few_repeats(self):
+        def fill(cells, few):
+            def into(maker):
+                maker.sweep("costs", "world", resolver="label")
+                for i in range(cells):
+                    for repeat in range(2 if i < few else 4):
+                        axes = {"kind": "world", "scene": f"s{i}", "dimension": 2, "resolver": "catto", "precision": "f64",
+                                "timed": True, "repeat": repeat}
+                        maker.trial("costs", axes, {COST: 1 + 0.1 * (repeat % 2)})
+            return into
+        rule = lambda *cells: noise.rule(noise.floor_of(self.context(fill(*cells)), "costs", COST))  # noqa: E731
+        self.assertIn("up to 10 % in 95 of 100 cells.", rule(21, 0))
+        self.assertIn("up to 10 % in the 20 cells with enough repeats.", rule(21, 1))
+        self.assertIn("it is noise. Cells with fewer than 4 repeats need a ratio over 2.", rule(21, 1))
+        self.assertNotIn("fewer than 4 repeats", rule(21, 0))
 
     def test_a_cell_of_few_repeats_is_judged_by_a_larger_floor(self):
         many = cell([1.0, 1.01, 1.02, 1.01, 1.0])
