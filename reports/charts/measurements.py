@@ -154,9 +154,10 @@ def beyond(rows):
     """For the note: sweeps with marks outside the first panel, which are drawn at its edge."""
     said = []
     for row in rows:
-        most = max([row["floor"], *(max(ratio, 1 / ratio) for ratio in row["ratios"])]) if row["ratios"] else 1.0
-        if 100 * (most - 1) > WIDEST:
-            said.append(f"{row['sweep']} (a factor of up to {most:.2g})")
+        marks = [*row["ratios"], row["floor"], 1 / row["floor"]] if row["ratios"] else []
+        outside = [max(ratio, 1 / ratio) for ratio in marks if abs(100 * (ratio - 1)) > WIDEST]
+        if outside:
+            said.append(f"{row['sweep']} (a factor of up to {max(outside):.2g})")
     return f" Drawn at the edge of the first panel: marks of {listing(said)}." if said else ""
 
 

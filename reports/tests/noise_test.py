@@ -295,6 +295,7 @@ class OfStores(with_store.WithStore):
         self.assertIn("Drawn at the edge of the first panel: marks of pairs (witness) (a factor of up to 1.9)", found.note)
         with unittest.mock.patch.object(measurements, "WIDEST", 200.0):
             self.assertNotIn("Drawn at the edge", chart.made(noise_floor, context)[0].note)
+        self.assertEqual(measurements.beyond([{"sweep": "s", "ratios": [0.65, 1.1], "floor": 1.4}]), "", "-35 % is no +54 %")
 
     def test_the_rule_tells_how_many_cells_measure_the_floor_and_that_others_have_few_repeats(self):
         def fill(cells, few):
