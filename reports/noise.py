@@ -170,7 +170,7 @@ def said(a, b, metric, least):
 
 def inside(count):
     """The cells that a floor contains, of `count` that measure it: `floor` takes the largest ratio of up to 20."""
-    return f"{LIKELY} of 100 cells" if count > 20 else f"the {plural(count, 'cell')} with enough repeats"
+    return f"{LIKELY} of 100 cells" if count > 20 else plural(count, "cell")
 
 
 def percent(least):
@@ -186,7 +186,7 @@ def rule(least):
                 "overlap.")
     known = {role: v for role, v in least.of_role.items() if v != UNMEASURED} if isinstance(least, Floor) else {"": least}
     noise = listing(f"{percent(v)} %{f' ({role})' if len(known) > 1 else ''} in "
-                    f"{inside(least.cells_of[role] if role else math.inf)}" for role, v in known.items())
+                    f"{inside(least.cells_of[role] if role else math.inf)} with enough repeats" for role, v in known.items())
     few = f" Cells with fewer than {FEWEST} repeats need a ratio over {UNMEASURED:g}." if getattr(least, "few", False) else ""
     return (f"A method differs from itself by up to {noise}. A ratio counts if it exceeds that and the two whiskers do not "
             f"overlap; otherwise it is noise.{few}")

@@ -16,7 +16,7 @@ import ranking
 from chart import Chart, of_store
 from finding import Finding, cut
 from load import NOT_RUN, SEVERITY
-from sentences import listing, plural, some, verb
+from sentences import listing, plural, some, span, verb
 from style import OUTCOMES, WIDTH, grid_of_axes, plt
 
 DIFFERENT = "Are these methods different?"
@@ -145,9 +145,9 @@ def noise_floor(context):
                            "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
     return [Chart("noise", NOISY, "The same method against itself", finding_of_noise(rows), "", figure, table,
                   [], "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, "
-                  f"from the same rounds. The bar is the noise floor, with {noise.LIKELY} of 100 cells inside. A ratio counts "
-                  "in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries and engines have their "
-                  "own floors." + beyond(rows) + " Load is the mean of a minute.")]
+                  f"from the same rounds. The bar is the noise floor: of up to 20 cells all are inside, of more {noise.LIKELY} of "
+                  "100. A ratio counts in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries "
+                  "and engines have their own floors." + beyond(rows) + " Load is the mean of a minute.")]
 
 
 def beyond(rows):
@@ -186,19 +186,19 @@ def _drawn(rows):
 
 def finding_of_noise(rows):
     known = sorted((row for row in rows if row["ratios"]), key=lambda row: row["floor"])
-    found = [{"sweep": row["sweep"], "noise floor": f"{noise.percent(row['floor'])} %", "cells": len(row["ratios"])}
-             for row in known]
-    found += [{"sweep": row["sweep"], "noise floor": f"too few repeats: only ratios beyond {noise.UNMEASURED:g} count",
-               "cells": row["cells"]} for row in rows if not row["ratios"]]
+    few = f"too few repeats: only ratios beyond {noise.UNMEASURED:g} count"
+    found = [{"sweep": row["sweep"], "noise floor": f"{noise.percent(row['floor'])} %" if row["ratios"] else few,
+              "cells with enough repeats": len(row["ratios"])}
+             for row in [*known, *(row for row in rows if not row["ratios"])]]
     loads = {row["sweep"]: row["loads"] for row in rows if row["loads"]}
     for row in found if loads else ():
         mine = loads.get(row["sweep"], [])
         row["load average, median to most"] = f"{np.median(mine):.2g} to {max(mine):.2g}" if mine else ""
     if not known:
         return Finding("No cell has enough repeats to measure the noise.", cut(pd.DataFrame(found)))
-    ends = dict.fromkeys(f"{noise.percent(row['floor'])} % ({row['sweep']})" for row in (known[0], known[-1]))
-    return Finding(f"A method differs from itself by at most {' to '.join(ends)} in {noise.LIKELY} of 100 cells.",
-                   cut(pd.DataFrame(found)))
+    ends = span(*(f"{noise.percent(row['floor'])} % ({row['sweep']}, {noise.inside(len(row['ratios']))})"
+                  for row in (known[0], known[-1])))
+    return Finding(f"A method differs from itself by at most {ends}.", cut(pd.DataFrame(found)))
 
 
 def _rows(context, sweep):
