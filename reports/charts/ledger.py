@@ -2,6 +2,7 @@
 """The ledger of verifications: which method is wrong or gives no answer, and time against error of pair queries."""
 
 import math
+from collections import Counter
 
 import pandas as pd
 from matplotlib.lines import Line2D
@@ -10,7 +11,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 import failure
 import noise
 from chart import Chart, Headline, of_store
-from finding import Finding, cut
+from finding import Finding, cut, fits
 from load import family
 from sentences import clauses, listing, methods, plural, some, verb
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
@@ -331,14 +332,18 @@ def _cost_finding(rows, dimension, precision):
     if not len(good):
         return Finding(f"{where} every pair query fails somewhere on every pair of shapes.", table)
     alone = [found[0] for found in leaders.values() if len(found) == 1]
-    pairs, near = plural(len(leaders), "pair of shapes", "pairs of shapes"), sum(len(found) > 1 for found in leaders.values())
+    pairs = plural(len(leaders), "pair of shapes", "pairs of shapes")
+    close = Counter(method for found in leaders.values() if len(found) > 1 for method in found)
     first = max(sorted(set(alone)), key=alone.count, default="")
-    said = [first and f"{first} is the fastest without a failure on {alone.count(first)}",
-            near and f"several methods are within {noise.UNMEASURED:g} times the fastest on "
-                     f"{'all' if near == len(leaders) else near}",
-            only and f"{some(sorted(set(only.values())))} alone {verb(len(set(only.values())), 'have')} no failure on "
-                     f"{len(only)}"]
-    return Finding(f"{where} of {pairs}, {listing(filter(None, said))}.", table)
+    groups = [(sorted(m for m in close if close[m] == count), count) for count in sorted(set(close.values()), reverse=True)[:2]]
+    clean, most = "" if first else " without a failure", max(close.values(), default=0)
+    near = [f"{some(named)} {verb(len(named), 'are')} within {noise.UNMEASURED:g} times the fastest{clean} on {count}"
+            if count == most else f"{some(named)} on {count}" for named, count in groups]
+    fastest = [f"{first} is the fastest without a failure on {alone.count(first)}"] if first else []
+    sole = [f"{some(sorted(set(only.values())))} alone {verb(len(set(only.values())), 'have')} no failure on {len(only)}"
+            ] if only else []
+    return Finding(fits(*(f"{where} of {pairs}, {listing(said)}." for said in (
+        fastest + near + sole, fastest + near[:1] + sole, fastest + near[:1] or sole))), table)
 
 
 ROW, CELL, HEAD = 0.22, 0.4, 0.3  # inches

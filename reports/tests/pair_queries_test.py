@@ -182,12 +182,18 @@ class OneTiming(undrawn.Undrawn):
         four = (ours(100, 150), ours(100, 250), ours(180, 100), ours(300, 100))
         found = self.finding(*four)
         self.assertEqual(found.headline, "In 3D, f64, of 4 pairs of shapes, gjk_epa is the fastest without a failure on 1 and "
-                         "several methods are within 2 times the fastest on 2.")
+                         "gjk_epa and sat are within 2 times the fastest on 2.")
         counts = lambda found: {row["method"]: row["fastest on"] for row in found.rows()}  # noqa: E731
         self.assertEqual(counts(found), {"gjk_epa": 1, "sat": 1})
         self.assertEqual([row["within 2 times the fastest on"] for row in found.rows()], [2, 2])
         with unittest.mock.patch.object(noise, "UNMEASURED", 1.0):
             self.assertEqual(counts(self.finding(*four)), {"gjk_epa": 2, "sat": 2}, "the planted bug: every difference counts")
+
+    def test_without_a_single_fastest_the_methods_near_it_are_counted(self):
+        three = lambda *ns: [(m, "competitor", n, 0.0) for m, n in zip(("by_kind", "sat", "gjk_epa"), ns)]  # noqa: E731
+        self.assertEqual(self.finding(three(10, 11, 30), three(10, 12, 30), three(10, 30, 15)).headline,
+                         "In 3D, f64, of 3 pairs of shapes, by_kind is within 2 times the fastest without a failure on 3 and sat "
+                         "on 2.")
 
     def test_witnesses_compete_only_where_they_do_not_fail(self):
         fast = lambda share: [("sat", "competitor", 100, 0.0), ("gjk_epa", "competitor", 300, 0.0),  # noqa: E731
