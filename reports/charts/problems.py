@@ -398,7 +398,7 @@ def found(where, cells, setting):
     best = solved if len(solved) else falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]
     return {**row, "methods": sorted(best["method"]), "residual before": ends(best["before"].min(), best["before"].max(), "1"),
             "residual after": f"<{si(FLOOR)}" if len(solved) else si(float(best["after"].iloc[0])),
-            "does not fall": f"{int(((before > 0) & (after >= before)).sum())} of {len(table)}",
+            "does not fall": f"{int(((after > 0) & (after >= before)).sum())} of {len(table)}",
             f"below {si(FLOOR)} throughout": f"{int(((before == 0) & (after == 0)).sum())} of {len(table)}",
             "outcome": "solved to rounding" if len(solved) else "falls most"}
 
