@@ -13,7 +13,7 @@ import measured
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
-from finding import Finding, cut, told
+from finding import Finding, cut, fits, told
 from load import one_machine, varying
 from sentences import listing, plural, some, verb
 from style import (NOT_ASKED, OUTCOMES, RIGHT, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si,
@@ -317,9 +317,11 @@ def finding_of_failures(good, bad, dimension):
     elif not bad:
         head = f"In {dimension}D no query of {np.nansum(asked):,.0f} fails, judged at {tolerances(good)}."
     else:
-        _, method, pair, found, number = max(bad)
-        head = (f"In {dimension}D {len(clean)} of {count} methods never fail at {tolerances(good)}; {method} fails most often, "
-                f"on {pair}: {share_of(found, number)}.")
+        rate, *_, found, number = max(bad)
+        first, pairs = (sorted({one[at] for one in bad if one[0] == rate}) for at in (1, 2))
+        head = fits(*(f"In {dimension}D {len(clean)} of {count} methods never fail at {tolerances(good)}; {some(first)} "
+                      f"{verb(len(first), 'fail')} most often{on}: {share_of(found, number)}."
+                      for on in (f", on {some(pairs)}", "")))
     return Finding(head, cut(pd.DataFrame(rows)))
 
 

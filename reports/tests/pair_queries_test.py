@@ -132,7 +132,10 @@ class PairQueries(undrawn.Undrawn):
     def test_shares_have_the_number_of_queries_beside_them(self):
         rates = self.made(failing=("fcl_libccd",))[1]
         self.assertEqual(rates.finding.headline, "In 2D 3 of 4 methods never fail at 1e-12 of the size; fcl_libccd fails most "
-                         "often, on sphere–sphere: 8 of 96 (8.3%).")
+                         "often, on box–box, box–sphere and 1 more: 8 of 96 (8.3%).")
+        both = self.made(failing=("fcl_libccd", "libccd_mpr"), missing=[
+            ("fcl_libccd", "sphere", "sphere"), ("libccd_mpr", "box", "sphere"), ("libccd_mpr", "sphere", "sphere")])[1]
+        self.assertIn("fcl_libccd and libccd_mpr fail most often, on box–box and box–sphere: 8 of 96", both.finding.headline)
         table = rates.finding.table.set_index("method")
         self.assertEqual(list(table["queries of a pair"]), ["600", "600", "600", "96"])
         self.assertEqual(list(table["unseen share, at most"]), ["0.5%", "0.5%", "0.5%", ""])
