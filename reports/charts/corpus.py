@@ -274,9 +274,9 @@ def _note(rows, file):
              "mass_properties": "a mass", NOT_A_METHOD: "a query without a method, such as a time of impact"}
     of = [f"{number} {words.get(query, query.replace('_', ' '))}" for query, number in cases.items()]
     return (f"A row adds up to the {cases.sum()} cases of {file}, which ask for {listing(of)}. Failed: an exception, a crash, "
-            "a number that is not finite, or a refusal of declared shapes. The last three columns are no failures, and grey at "
-            "the "
-            "right: undeclared shapes, cases of another dimension, cases of another query. The numbers list all cases by name.")
+            "a number that is not finite, or a refusal of declared shapes. The last three columns are no failures. At the "
+            "right undeclared shapes are blue, cases of another dimension or query grey; other colours are as at the left. The "
+            "numbers list all cases by name.")
 
 
 def _plain(ax, columns, rows):

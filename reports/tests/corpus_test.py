@@ -98,7 +98,8 @@ class Corpus(undrawn.Undrawn):
         self.assertEqual(declared, {"closed_form": "2", "sat": "3", "solid": "2", "convex_hull": "1"})
         self.assertEqual({name: row(made, name)["failed"] for name in declared}, {"closed_form": "1", "sat": "1", "solid": "1",
                                                                                   "convex_hull": "0"})
-        self.assertIn("The last three columns are no failures", made.note)
+        self.assertIn("The last three columns are no failures. At the right undeclared shapes are blue, cases of another "
+                      "dimension or query grey", made.note)
         self.assertEqual(made.headline.values, {"closed_form": 1, "convex_hull": 0, "sat": 1, "solid": 1})
 
     def test_of_many_witnesses_the_worst_is_named_with_what_it_declares(self):
