@@ -11,6 +11,7 @@ from matplotlib.patches import Rectangle
 
 from chart import Chart, Headline, of_store
 from finding import Finding, cut, fits
+from load import family
 from sentences import listing, plural, some
 from silhouette import of_case
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, grid_of_axes, plt, si
@@ -85,9 +86,10 @@ def found_pairs(pairs, dimension, precision):
                                        for end in ends]})
     case, error = worst[order[0]], worst[order[0]]["found"].get("error") or 0
     of = "along its normal alone" if ends[0] == "wrong_normal" else WRONG.get(ends[0], ends[0].replace("_", " "))
-    return Finding(f"In {dimension}D, {precision}, {order[0]} has the largest error of {plural(len(order), 'method')}, "
-                   f"{error:.2g} of "
-                   f"the size, on {said(case)}: {of}.", cut(table))
+    families = len(set(map(family, order)))
+    many = plural(families, "method") + (f" in {len(order)} settings" if families < len(order) else "")
+    return Finding(f"In {dimension}D, {precision}, {order[0]} has the largest error of {many}, {error:.2g} of the size, on "
+                   f"{said(case)}: {of}.", cut(table))
 
 
 def _pairs_chart(context, pairs, dimension, precision):

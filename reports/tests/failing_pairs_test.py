@@ -79,6 +79,8 @@ class Gallery(undrawn.Undrawn):
         self.assertEqual(made.headline, "In 2D, f64, wrong_side has the largest error of 3 methods, 0.2 of the size, on "
                                         "sphere–sphere (ties): wrong side.")
         self.assertEqual(made.table["failure"].tolist(), ["wrong side", "wrong normal", "wrong distance"])
+        twice = {**wrong, "wrong_side{frame=world}": wrong["wrong_normal"]}
+        self.assertIn("largest error of 3 methods in 4 settings", corpus.found_pairs(twice, 2, "f64").headline)
         del wrong["wrong_side"]
         self.assertIn("0.1 of the size, on sphere–sphere (ties): along its normal alone",
                       corpus.found_pairs(wrong, 2, "f64").headline)
