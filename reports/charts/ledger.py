@@ -347,6 +347,7 @@ def _cost_finding(rows, dimension, precision):
 
 
 ROW, CELL, HEAD = 0.22, 0.4, 0.3  # inches
+NARROW = 0.3  # inches: numbers are upright in narrower cells
 
 
 def clean(ledger):
@@ -391,12 +392,14 @@ def _chart(context, rows):
         wide, high = min(WIDTH - left - 0.15, CELL * 1.6 * len(columns)), ROW * len(lines[stage])
         ax = figure.add_axes((left / WIDTH, (top - HEAD - high) / height, wide / WIDTH, high / height))
         asked = {(row.dimension, row.method, row.column): row.asked for row in part.itertuples()}
+        each = set(asked.values()) - {0}
+        look = {"fontsize": 5, "rotation": 90} if wide / len(columns) < NARROW and len(each) > 1 else {"fontsize": 7}
         for y, (dimension, method, _) in enumerate(lines[stage]):
             for x, column in enumerate(columns):
                 number = asked.get((dimension, method, column))
                 ax.add_patch(Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=RIGHT if number else NOT_ASKED, lw=0))
-                ax.text(x, y, _short(number) if number else "–", ha="center", va="center", fontsize=7,
-                        color="#2F5D44" if number else "#888888")
+                text = "–" if not number else _short(number) if len(each) > 1 else ""
+                ax.text(x, y, text, ha="center", va="center", color="#2F5D44" if number else "#888888", **look)
         ax.set_xlim(-0.5, len(columns) - 0.5)
         ax.set_ylim(len(lines[stage]) - 0.5, -0.5)
         ax.set_xticks(range(len(columns)))
@@ -404,7 +407,8 @@ def _chart(context, rows):
                            fontsize=7.5)
         ax.set_yticks(range(len(lines[stage])))
         ax.set_yticklabels([name(line) for line in lines[stage]], fontsize=8)
-        ax.set_title(f"{NOUNS.get(stage, stage)}: questions, none failed")
+        asked_of = f"{each.pop():,} questions each" if len(each) == 1 else "questions"
+        ax.set_title(f"{NOUNS.get(stage, stage)}: {asked_of}, none failed")
         ax.grid(False)
         ax.tick_params(length=0)
         for side in ax.spines.values():
@@ -421,7 +425,7 @@ def _chart(context, rows):
     numbers = table.rename(columns={"in": "precisions", "column": "kinds or family"})
     unsure = int(everything["undecided"].sum())
     return Chart("ledger_clean", SECTION, "Ledgers without a failure", Finding(text, found), "", figure, numbers, [],
-                 f"A cell is the number of questions. {failure.DEFINITION}"
+                 f"A cell is the number of questions; green: asked, “–”: not declared. {failure.DEFINITION}"
                  + (f" For {plural(unsure, 'question')} the referee's interval was too wide to decide." if unsure else ""),
                  made_by=MADE_BY)
 

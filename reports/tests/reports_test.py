@@ -352,6 +352,7 @@ class Findings(WithStore):
         for c in made.values():
             style.plt.close(c.figure)
 
+    @undrawn.drawn
     def test_ledgers_without_a_failure_share_a_matrix_with_all_questions(self):
         questions = self.store.ledger()
         self.assertEqual(check_clean(questions, ledger.clean), "")
@@ -366,6 +367,10 @@ class Findings(WithStore):
         self.assertEqual(sum(row["questions"] for row in made.finding.rows()), asked)
         queries = made.table[made.table["stage"] == "pair_query"]["asked"].sum()
         self.assertEqual(queries, everything[everything["stage"] == "pair_query"]["asked"].sum())
+        for ax in made.figure.axes:
+            numbers = {text.get_text() for text in ax.texts} - {"–", ""}
+            self.assertNotEqual(len(numbers), 1, "one number for all cells stands in the title")
+            self.assertEqual("questions each" in ax.get_title("left"), not numbers, ax.get_title("left"))
         style.plt.close(made.figure)
 
     def test_ladders_have_the_first_failure_and_missing_results(self):
