@@ -188,8 +188,10 @@ def _cost_chart(context, cells, groups, refused):
         for column, error_name in enumerate(errors):
             ax, error = axes[row][column], metrics.column(cells, error_name).copy()
             error[failed] = math.nan
-            across = ZeroLog(ax, "x", cost, context.unit(cost_name), failed_name="none")
-            up = ZeroLog(ax, "y", error, context.unit(error_name), floor=context.floor(error_name))
+            across = ZeroLog(ax, "x", [*cost, *ends_of_whiskers(cells, cost_name, measured.runs)], context.unit(cost_name),
+                             failed_name="none")
+            up = ZeroLog(ax, "y", [*error, *ends_of_whiskers(cells, error_name, measured.seeds)], context.unit(error_name),
+                         floor=context.floor(error_name))
             spots = []
             for method in labels:
                 mine = np.flatnonzero((cells["method"] == method).to_numpy())
@@ -246,6 +248,12 @@ def _failed(cells, outcome):
     """The methods behind a letter of the top band: letters at one place are drawn as one letter with their number."""
     found = cells[cells["outcome"] == outcome].groupby("method", sort=True).size()
     return ":" + "".join(f"\n{method} {count}" for method, count in found.items()) if len(found) <= NAMED else ""
+
+
+def ends_of_whiskers(cells, name, values):
+    """The ends of the intervals that `whiskers` draws, for the limits of an axis."""
+    found = [values(cell, name) for _, cell in cells[cells["outcome"] == "ok"].iterrows()]
+    return [end for numbers in found if len(numbers) > 1 for end in noise.interval(numbers)]
 
 
 def whiskers(ax, cell, cost_name, error_name, across, up, colour):

@@ -302,6 +302,20 @@ class Findings(with_store.WithStore):
         self.assertEqual(found.finding.headline, "In 2D 2 of 3 methods gain energy on fall, catto most (2 J).")
 
     @undrawn.drawn
+    def test_whiskers_lie_inside_the_panel(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label")
+            for label, ms in (("catto", 1.0), ("naive", 2.0)):
+                for repeat in range(5):
+                    axes = {"kind": "world", "scene": "s", "dimension": 2, "resolver": label, "timed": True, "repeat": repeat,
+                            "precision": "f64"}
+                    maker.trial("costs", axes, {COST: ms * (9.0 if repeat == 4 else 1.0), "penetration_poses": 1e-3 / ms})
+        ax = self.made(cost_against_error, fill)[0].figure.axes[0]
+        drawn = [x for line in ax.lines if line.get_linewidth() == 0.9 for x in line.get_xdata()]
+        self.assertAlmostEqual(max(drawn), 18.0)
+        self.assertGreater(ax.get_xlim()[1], 18.0)
+
+    @undrawn.drawn
     def test_the_budgets_that_are_drawn_are_those_of_the_table(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
