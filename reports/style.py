@@ -229,7 +229,7 @@ def _tick(value, unit):
     if unit in ("m", "s", "ms", "ns", "us", "m/s"):
         return si(value, unit, 3)
     power = round(math.log10(value))
-    if 1e-2 <= value < 1e5:
+    if 1e-2 <= value < 1e6:
         return f"{value:,.0f}" if value >= 1 else f"{value:g}"
     if abs(value / 10.0**power - 1) < 1e-9:
         return f"$10^{{{power}}}$"
