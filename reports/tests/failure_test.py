@@ -85,6 +85,8 @@ class Failure(Synthetic):
         self.assertEqual(set(found["method"][found["failures there"] == "none"]), {"closed_form", "gjk_epa", "sat"})
         self.assertIn("3 of 5 methods never fail at 1e-12 of the size", rates.finding.headline)
         self.assertTrue(all(failure.DEFINITION in c.note for c in charts))
+        self.assertEqual({"Pareto" in c.note for c in charts if "_error_" in c.id}, {True})
+        self.assertEqual({"Pareto" in c.note for c in charts if "_failures_" in c.id}, {False}, "it has no front")
         wrong = rates.table[rates.table["method"] == "fcl"]
         self.assertTrue((wrong["wrong"] > 0).all() and (wrong["without an answer"] == 0).all())
 
