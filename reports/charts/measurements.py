@@ -93,7 +93,7 @@ def finding_of_alike(table, swept):
     else:
         sweep, _, equal, cells, group = max(same, key=lambda row: (len(row[4]), row[2]))
         ends = (f"they end in the same bits in {equal} of {cells} common runs" if len(group) == 2 else
-                "each ends in the same bits as another of them in most common runs")
+                "each ends in the same bits as another of them in most of the runs that both finished")
         text = f"In {sweep} {some(group)} are one path: {ends}."
     columns = ["sweep", "one path", "pairs of runs with equal bits", "pairs of runs"]
     return Finding(text, cut(pd.DataFrame([row[:4] for row in rows], columns=columns)))

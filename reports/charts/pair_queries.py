@@ -109,8 +109,9 @@ def finding(cells, dimension, least):
         first = [row["method"] for row in rows if row["fastest on"] + row["ties for fastest on"] == most]
         pairs = good[passed].groupby("pair")["method"].nunique()
         rivals = int((pairs > 1).sum())
+        these = "of these" if set(first) <= set(clean) else "without failures"
         head = (f"In {dimension}D {len(clean)} of {count} methods never fail at {tolerances(good)}" +
-                (f"; without failures, {some(first)} {verb(len(first), 'are')} fastest or tied on {most} of "
+                (f"; {these}, {some(first)} {verb(len(first), 'are')} fastest or tied on {most} of "
                  f"{plural(rivals, 'pair of shapes', 'pairs of shapes')}." if rivals else "; no two on one pair of shapes."))
     table = pd.DataFrame(rows)
     return Finding(head, cut(table if table["only method on"].any() else table.drop(columns="only method on")))
@@ -233,7 +234,7 @@ def _scatter(context, cells, dimension, refused, least):
     return Chart(f"{cells['sweep'].iloc[0]}_error_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
                  finding(cells, dimension, least), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
                  refused + _holes(cells),
-                 "Lower left is better. A mark is the error of 99 of 100 queries over their size (largest extent + distance + "
+                 "Lower left is better. A mark is the 99th percentile of the error over the size (largest extent + distance + "
                  "largest coordinate); its bar spans the median to the worst. A time is that of a single query and two readings "
                  f"of the clock. Hollow marks are witnesses. {noise.rule(least)} {failure.DEFINITION} Methods that fail are on no "
                  "Pareto front. Trials with a looser tolerance are judged by theirs.",

@@ -79,7 +79,7 @@ class PairQueries(undrawn.Undrawn):
     def test_methods_inside_the_noise_tie(self):
         first = self.made()[0]
         self.assertEqual(self.wins(first), {"sat": (1, 2), "closed_form": (0, 2), "gjk_epa": (0, 0)})
-        self.assertEqual(first.finding.headline, "In 2D 3 of 3 methods never fail at 1e-12 of the size; without failures, sat is "
+        self.assertEqual(first.finding.headline, "In 2D 3 of 3 methods never fail at 1e-12 of the size; of these, sat is "
                          "fastest or tied on 3 of 3 pairs of shapes.")
         self.assertIn(" 5 % ", first.note)
         with unittest.mock.patch.object(noise, "tells", lambda a, b, metric, least: a[metric] != b[metric]):
