@@ -305,6 +305,8 @@ class Store:
                              "kind_a, kind_b, method", self.db)
         ledger["histogram"] = [json.loads(text) if text else {} for text in ledger["histogram"]]
         ledger["judged"] = [self.judged(method, precision) for method, precision in zip(ledger["method"], ledger["precision"])]
+        # An engine that answers as a witness is named as in all other charts.
+        ledger["role"] = [theirs((role, self.role(method))) for role, method in zip(ledger["role"], ledger["method"])]
         # Without an answer there is no error; a zero error stays 0.
         ledger["max_error"] = pd.to_numeric(ledger["max_error"]).where(ledger["histogram"].map(bool))
         return ledger

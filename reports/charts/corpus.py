@@ -212,7 +212,7 @@ def counts(rows):
 def found(table, rows):
     bad = table[list(FAILURES)].sum(axis=1)
     declared = bad + table["ok"]
-    small = pd.DataFrame({"method": table["method"], "role": table["role"], "cases declared": declared, "failed": bad,
+    small = pd.DataFrame({"method": table["method"], "role": table["role"].replace("competitor", "LPC"), "cases declared": declared, "failed": bad,
                           **{{"failed": "no answer"}.get(end, end): table[end] for end in FAILURES if table[end].any()}})
     small = small.sort_values(["failed", "role", "method"], ascending=[False, True, True], kind="stable").reset_index(drop=True)
     ours, theirs = table["role"] == "competitor", table["role"] == "witness"

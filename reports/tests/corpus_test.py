@@ -95,6 +95,7 @@ class Corpus(undrawn.Undrawn):
                                                 "fails on "
                          "1 of 2, the most of 1 witness.")
         declared = {name: row(made, name)["cases declared"] for name in ("closed_form", "sat", "solid", "convex_hull")}
+        self.assertEqual({name: row(made, name)["role"] for name in ("sat", "solid")}, {"sat": "LPC", "solid": "witness"})
         self.assertEqual(declared, {"closed_form": "2", "sat": "3", "solid": "2", "convex_hull": "1"})
         self.assertEqual({name: row(made, name)["failed"] for name in declared}, {"closed_form": "1", "sat": "1", "solid": "1",
                                                                                   "convex_hull": "0"})
