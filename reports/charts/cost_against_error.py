@@ -374,7 +374,7 @@ def _chart(context, cells, where, setting, refused):
     names = ranking.names(context, cells)
     width = legend_room(names.values(), 2.0)
     figure, axes = grid_of_axes(1, len(costs), 2.6, width, left=0.9, gap_x=0.9)
-    rows, ranked = [], []
+    rows, ranked, lines = [], [], set()
     for column, cost in enumerate(costs):
         ax = axes[0][column]
         ranked += compared(context, cells, cost, error)
@@ -382,6 +382,7 @@ def _chart(context, cells, where, setting, refused):
                      np.isfinite(metrics.column(cells, error))]
         across = ZeroLog(ax, "x", list(good[cost]), context.unit(cost), failures=False)
         up = ZeroLog(ax, "y", list(good[error]), context.unit(error), failures=False, floor=context.floor(error))
+        lines |= set(good["method"])
         for method, part in good.groupby("method", sort=True):
             part = part.sort_values(cost)
             reached = np.minimum.accumulate(part[error].to_numpy(dtype=float))
@@ -396,7 +397,7 @@ def _chart(context, cells, where, setting, refused):
                 rows.append({"method": method, setting: cell[setting], **{name: v[0] for name, v in numbers.items()}})
         ax.set_xlabel(context.title(cost))
         ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
-    legend_right(figure, [Line2D([], [], label=names[m], **looks(m)) for m in labels], width)
+    legend_right(figure, [Line2D([], [], label=names[m], **looks(m)) for m in labels if m in lines], width)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), WITHIN_BUDGET, f"Least error within a budget: {where}",
                  found_within(context, cells, where, costs, error),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),

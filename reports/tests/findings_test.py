@@ -323,8 +323,10 @@ class Findings(with_store.WithStore):
                 for label, ms in (("catto", 1.0), ("soft_step", 2.0), ("naive", 0.2)):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, ms * iterations / 4, 1e-3 / ms, repeats=1)
+                maker.world("costs", {**axes, "resolver": "sank"}, 1.0, 1.0, "sank", "all", 5)
             maker.leave_rows(50, "naive")  # not ranked
         found = self.made(error_within_budgets, fill)[0]
+        self.assertNotIn("sank", [text.get_text() for text in found.figure.legends[0].get_texts()])
         drawn = [f"{style.si(line.get_xdata()[0], 'ms')} per step" for line in found.figure.axes[0].lines
                  if line.get_linestyle() == ":"]
         self.assertGreaterEqual(len(drawn), 2)
