@@ -48,14 +48,18 @@ def exchanged(context, cell):
 
 
 def over_start(context, cell):
-    """(E - E of the start) over the largest energy that the run exchanged, per step."""
+    """(E - E of the start) over the largest energy that the run exchanged, per step; 0 if both are rounding of the
+    start's energy."""
     kinetic, potential = (context.store.series(cell["key"], name) for name in ("kinetic", "potential"))
     if kinetic is None or potential is None or not len(kinetic):
         return None
     if not (np.isfinite(kinetic[0]) and np.isfinite(potential[0])):
         return None
-    scale = exchanged(context, cell)
-    return (kinetic + potential - kinetic[0] - potential[0]) / scale if scale > 0 else None
+    scale, start = exchanged(context, cell), kinetic[0] + potential[0]
+    change = kinetic + potential - start
+    if max(scale, np.nanmax(np.abs(change))) <= ROUNDING * abs(start):
+        change = np.where(np.isfinite(change), 0.0, change)
+    return change / scale if scale > 0 else None
 
 
 def adds_bodies(context, cells):
@@ -128,9 +132,10 @@ def _energy_chart(context, cells, shown, left_out, setting):
                  found_energy(context, shown, dimension, over_steps.setting_of(drawn, setting).split(" (")[0]),
                  cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method"]),
-                 "Kinetic energy and energy of gravity, above the start, over the largest energy that the run exchanged. Values "
-                 "beyond 1.1 are drawn at 1.1. Lines are medians of stretches. Above 0 a run has gained energy, unless a script "
-                 "adds bodies.")
+                 "Kinetic energy and energy of gravity, above the start, over the largest energy that the run exchanged: each line "
+                 "has its own scale. Values beyond ±1.1 are drawn at ±1.1; a run that exchanges and gains only rounding of the start's "
+                 "energy is drawn at 0. Lines are medians of stretches. Above 0 a run has gained energy, unless a script adds "
+                 "bodies.")
 
 
 STAY = "Which methods conserve momentum?"

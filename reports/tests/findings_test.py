@@ -302,6 +302,18 @@ class Findings(with_store.WithStore):
         self.assertEqual(found.finding.headline, "In 2D 2 of 3 methods gain energy on fall, catto most (2 J).")
 
     @undrawn.drawn
+    def test_rounding_of_the_energy_is_drawn_at_zero_and_a_gain_is_not(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label")
+            for label, gain in (("catto", 0.0), ("naive", 5.0)):
+                series = {"kinetic": np.array([0.0, 2e-13, 0.0]), "potential": np.array([2000.0, 2000.0, 2000.0 - 2e-13 + gain])}
+                axes = {"kind": "world", "scene": "rest", "dimension": 2, "resolver": label, "timed": False, "repeat": 0}
+                maker.trial("costs", axes, {}, series=series)
+        ax = self.made(energy, fill)[0].figure.axes[0]
+        drawn = sorted(max(abs(y) for y in line.get_ydata()) for line in ax.lines if line.get_linewidth() == 1.2)
+        self.assertEqual(drawn, [0.0, 1.1])
+
+    @undrawn.drawn
     def test_whiskers_lie_inside_the_panel(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label")
