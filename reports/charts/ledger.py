@@ -24,6 +24,7 @@ NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadp
 FLOOR = 1e-17  # smaller errors count as 0: a tenth of the rounding of one operation in double precision
 
 
+LABELS = 6  # most numbers beside a panel: more cannot be matched with their marks
 PARTS, MADE_BY = ["stage", "dimension", "precision"], "verify --pairs 200"
 
 
@@ -286,7 +287,7 @@ def _cost(context, rows, dimension, precision):
             if row.share > 0:
                 ends.append((worst, failure.share(row.share), look["color"]))
         ax.set_title(pairs[index])
-        direct_labels(ax, ends, 7)
+        direct_labels(ax, ends if len(ends) <= LABELS else [], 7)
         if index % columns == 0:
             ax.set_ylabel("error / size")
         else:
@@ -303,7 +304,7 @@ def _cost(context, rows, dimension, precision):
                  f"Pair queries of LPC and witnesses: time against error, {dimension}D, {precision}",
                  _cost_finding(rows, dimension, precision), "", figure, table.sort_values(["pair", "method"]), holes,
                  "A mark is the worst error of all questions, the dash the median (lower end of its decade), the number at the "
-                 "right the share that failed. At least half of the questions are of families that broke libraries before. All "
+                 f"right the share that failed. Where more than {LABELS} methods fail, the chart of the ledger has these shares. At least half of the questions are of families that broke libraries before. All "
                  f"questions are timed once together, so noise is unknown and only ratios beyond {noise.UNMEASURED:g} count. "
                  "Witnesses (hollow marks) are timed in their own process.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")

@@ -345,6 +345,7 @@ class Findings(WithStore):
         self.assertEqual(numbers.loc["closed_form", "median error [1]"], 0.0)
         self.assertEqual(numbers.loc["fcl_libccd", "worst"], '{"id": "planted"}')
         cost = made["ledger_cost_pair_query_3d_f64"]
+        self.assertIn(f"Where more than {ledger.LABELS} methods fail, the chart of the ledger has these shares", cost.note)
         self.assertIn("bullet_box_box on box–box: refused all 20,000 questions", cost.holes)
         shown = cost.table.set_index(["pair", "method"])["failed [1]"]
         self.assertAlmostEqual(shown["box–box", "fcl_libccd"], 0.26)
