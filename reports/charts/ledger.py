@@ -24,6 +24,7 @@ NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadp
 FLOOR = 1e-17  # smaller errors count as 0: a tenth of the rounding of one operation in double precision
 
 
+MANY = 30  # columns with cells too narrow for decimals
 LABELS = 6  # most numbers beside a panel: more cannot be matched with their marks
 PARTS, MADE_BY = ["stage", "dimension", "precision"], "verify --pairs 200"
 
@@ -219,6 +220,11 @@ def _panel_axes(panels, context, methods):
     return figure, axes
 
 
+def _whole(part):
+    """A share for a narrow cell: in whole percent."""
+    return failure.share(part) if part == 0 or part >= 0.1 else "<1%" if part < 0.005 else f"{100 * part:.0f}%"
+
+
 def _panel(ax, rows, methods):
     columns = sorted(set(rows["column"]), key=_order)
     groups = {key: part for key, part in rows.groupby(["method", "column"])}
@@ -229,7 +235,7 @@ def _panel(ax, rows, methods):
             asked = int(part["asked"].sum()) if part is not None else 0
             if asked:
                 bad, refused = failure.in_ledger(part) / asked, int(part["refused"].sum()) / asked
-                text, ink = failure.share(bad), "black"
+                text, ink = _whole(bad) if len(columns) > MANY else failure.share(bad), "black"
                 if bad > refused:
                     depth = min(1.0, max(0.0, 1 + math.log10(bad) / 4))
                     colour, ink, corner = plt.cm.Oranges(0.2 + 0.65 * depth), "white" if depth > 0.8 else "black", refused > 0

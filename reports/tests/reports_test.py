@@ -412,6 +412,12 @@ def check_zero_place(axis_of):
     return low < places[0] < places[1] < places[2] < places[3] < high and "0" in labels and "failed" in labels
 
 
+class Shares(unittest.TestCase):
+    def test_shares_of_narrow_cells_are_short(self):
+        self.assertEqual([ledger._whole(part) for part in (0.0, 1e-5, 0.004, 0.006, 0.055, 0.0996, 0.21, 0.9, 1.0)],
+                         ["0", "<1%", "<1%", "1%", "6%", "10%", "21%", "90%", "100%"])
+
+
 class PlainLog(style.ZeroLog):
     """Planted bug: a plain log axis, on which 0 and NaN are nowhere."""
 
