@@ -6,6 +6,7 @@ import io
 import json
 import math
 
+import numpy as np
 import pandas as pd
 from matplotlib.patches import Rectangle
 
@@ -19,6 +20,7 @@ from table import quantity
 
 SECTION = "Which method is right, and which fails where?"
 COLUMNS = 7  # most pairs side by side
+TINY = 0.02  # extent of a shape over that of the other: smaller ones cannot be seen
 SHADES = ("#0072B2", "#D55E00")  # A, B
 WRONG = {"wrong_distance": "wrong distance", "wrong_normal": "wrong normal", "wrong_side": "wrong side"}  # in the ledger's order
 
@@ -128,16 +130,17 @@ def _pairs_chart(context, pairs, dimension, precision):
                  "or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is the "
                  "missing "
                  "separation along it. Wrong side: the method says apart where the shapes overlap, or the reverse. “At” gives a "
-                 "distance that reads as the true one. A is blue, B orange; in 3D shadows "
+                 "distance that reads as the true one. A is blue, B orange; a ring is at "
+                 f"a shape of less than {100 * TINY:g} % of the other's extent. In 3D shapes are shadows "
                  "from one side, which may overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store "
                  "NAME, for lpc verify --cases.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
 def _draw(ax, case):
-    """Draws both shapes; returns the kinds of shapes without an outline."""
+    """Draws both shapes, and a ring at one that is too small to be seen; returns the kinds of shapes without an outline."""
     ax.set_visible(True)
-    without = []
+    without, drawn = [], []
     for side, colour in zip("AB", SHADES):
         points = of_case(case, side)
         if points is None:
@@ -145,6 +148,12 @@ def _draw(ax, case):
             continue
         ax.fill(points[:, 0], points[:, 1], facecolor=colour, alpha=0.25, lw=0)
         ax.plot(points[:, 0], points[:, 1], color=colour, lw=1.2)
+        drawn.append((points, colour))
+    extents = [np.ptp(points, axis=0).max() for points, _ in drawn]
+    for (points, colour), extent in zip(drawn, extents):
+        if extent < TINY * max(extents):
+            ax.plot(*[[middle] for middle in points.mean(axis=0)], ls="none", marker="o", ms=9, mfc="none", mec=colour, mew=1.2,
+                    clip_on=False, zorder=4)
     ax.set_aspect("equal", adjustable="datalim")
     ax.set_xticks([])
     ax.set_yticks([])

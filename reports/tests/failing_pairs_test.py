@@ -101,6 +101,16 @@ class Gallery(undrawn.Undrawn):
             style.plt.close(made.figure)
 
     @undrawn.drawn
+    def test_a_shape_that_is_too_small_to_be_seen_has_a_ring(self):
+        for radius, rings in ((0.5, []), (0.001, [(3.0, 0.0)])):
+            figure, ax = style.plt.subplots()
+            pair = case("m", "wrong_distance", 0.1, 1.0)
+            corpus._draw(ax, {**pair, "shapeB": {"type": "sphere", "radius": radius}})
+            found = [tuple(line.get_xydata()[0].round(3)) for line in ax.lines if line.get_marker() == "o"]
+            self.assertEqual(found, rings)
+            style.plt.close(figure)
+
+    @undrawn.drawn
     def test_the_simplest_and_the_worst_pair_stand_beside_each_other(self):
         with tempfile.TemporaryDirectory() as folder:
             made = synthetic_store.Maker(Path(folder) / "s.db")
