@@ -124,15 +124,11 @@ def _pairs_chart(context, pairs, dimension, precision):
                  f"The simplest and the worst failing pair of each method, {dimension}D, {precision}",
                  found_pairs(pairs, dimension, precision), "", figure, numbers, missing,
                  "Upper rows: the failing pair with the fewest vertices; lower rows: the one with the largest error. Under each "
-                 "pair "
-                 "stand its family and the failure. A wrong distance is given with the true one; its error is that of the "
-                 "distance "
-                 "or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is the "
-                 "missing "
-                 "separation along it. Wrong side: the method says apart where the shapes overlap, or the reverse. “At” gives a "
-                 "distance that reads as the true one. A is blue, B orange; a ring is at "
-                 f"a shape of less than {100 * TINY:g} % of the other's extent. In 3D shapes are shadows "
-                 "from one side, which may overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store "
+                 "pair stand its family and the failure. A wrong distance is given with the true one; its error is that of the "
+                 "distance or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is "
+                 "the missing separation along it. Wrong side: the method says apart where the shapes overlap, or the reverse. "
+                 "“At” gives a distance that reads as the true one. A is blue, B orange; a ring is at a shape of less than "
+                 f"{100 * TINY:g} % of the other's extent. In 3D shapes are shadows from one side, which may overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store "
                  "NAME, for lpc verify --cases.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
@@ -221,7 +217,8 @@ def counts(rows):
 def found(table, rows):
     bad = table[list(FAILURES)].sum(axis=1)
     declared = bad + table["ok"]
-    small = pd.DataFrame({"method": table["method"], "role": table["role"].replace("competitor", "LPC"), "cases declared": declared, "failed": bad,
+    small = pd.DataFrame({"method": table["method"], "role": table["role"].replace("competitor", "LPC"),
+                          "cases declared": declared, "failed": bad,
                           **{{"failed": "no answer"}.get(end, end): table[end] for end in FAILURES if table[end].any()}})
     small = small.sort_values(["failed", "role", "method"], ascending=[False, True, True], kind="stable").reset_index(drop=True)
     ours, theirs = table["role"] == "competitor", table["role"] == "witness"

@@ -310,7 +310,8 @@ def _cost(context, rows, dimension, precision):
                  f"Pair queries of LPC and witnesses: time against error, {dimension}D, {precision}",
                  _cost_finding(rows, dimension, precision), "", figure, table.sort_values(["pair", "method"]), holes,
                  "A mark is the worst error of all questions, the dash the median (lower end of its decade), the number at the "
-                 f"right the share that failed. Where more than {LABELS} methods fail, the chart of the ledger has these shares. At least half of the questions are of families that broke libraries before. All "
+                 f"right the share that failed. Where more than {LABELS} methods fail, the chart of the ledger has these "
+                 "shares. At least half of the questions are of families that broke libraries before. All "
                  f"questions are timed once together, so noise is unknown and only ratios beyond {noise.UNMEASURED:g} count. "
                  "Witnesses (hollow marks) are timed in their own process.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")

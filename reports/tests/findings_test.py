@@ -342,7 +342,8 @@ class Findings(with_store.WithStore):
         drawn = [f"{style.si(line.get_xdata()[0], 'ms')} per step" for line in found.figure.axes[0].lines
                  if line.get_linestyle() == ":"]
         self.assertGreaterEqual(len(drawn), 2)
-        self.assertEqual(drawn, [text for text in (told["within"] for told in found.finding.rows()) if text.endswith(" ms per step")])
+        within = [told["within"] for told in found.finding.rows()]
+        self.assertEqual(drawn, [text for text in within if text.endswith(" ms per step")])
 
     def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
         def fill(maker):

@@ -127,8 +127,8 @@ class OfStores(with_store.WithStore):
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
         row = chart.made(noise_floor, context)[0]
         self.assertEqual(row.finding.headline, "A method differs from itself by at most 20 % (noisy, 1 cell).")
-        self.assertEqual([(found["sweep"], found["noise floor"], found["cells with enough repeats"]) for found in row.finding.rows()],
-                         [("noisy", "20 %", 1)])
+        self.assertEqual([(found["sweep"], found["noise floor"], found["cells with enough repeats"])
+                          for found in row.finding.rows()], [("noisy", "20 %", 1)])
         drawn = [x for line in row.figure.axes[0].lines for x in line.get_xdata()]
         self.assertAlmostEqual(max(drawn), 20.0, msg="percent, as in the finding")
         self.assertIn("noisy, 1 cell", [label.get_text() for label in row.figure.axes[0].get_yticklabels()])
