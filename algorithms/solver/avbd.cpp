@@ -84,7 +84,8 @@ class Avbd final : public Solver<D> {
              {"a heavy body that falls on a light one", "it slows down faster than Gauss-Seidel predicts",
               "Solver.ConvergesAsPredicted"},
              {"a body that touches many parts at once",
-              "it is thrown up by centimetres: contacts that become active together push too much; tries=1 does not",
+              "it is thrown up by centimetres: their penalties are solved as if they did not act; with tries=1 it is "
+              "not",
               "Tiles.ManyContactsAtOnceLiftNothing"},
              {"bodies that collide, with more iterations", "multipliers overshoot", "Solver.MoreIsNoWorse"}},
         .friction = FrictionLaw::coulomb};

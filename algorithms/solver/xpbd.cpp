@@ -185,8 +185,8 @@ class Xpbd final : public Solver<D> {
       }
     }
   }
-  // Numbers the pairs of bodies by their first manifold. Manifolds are sorted by shapes, so those of two bodies need
-  // not be adjacent.
+  // Numbers the pairs of bodies by their first manifold. Manifolds are sorted by body A, its shape, and body B:
+  // those of two bodies need not be adjacent.
   void findPairs() {
     const auto& manifolds = m_contacts.manifolds;
     const auto key = [&](std::size_t k) { return std::tuple(manifolds[k].a, manifolds[k].b, k); };

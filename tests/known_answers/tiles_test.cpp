@@ -183,8 +183,9 @@ void nothingSlowsInEveryPipeline() {
 TEST(Tiles, NothingSlowsInEveryPipeline2) { nothingSlowsInEveryPipeline<2>(); }
 TEST(Tiles, NothingSlowsInEveryPipeline3) { nothingSlowsInEveryPipeline<3>(); }
 
-// avbd solves a body for the rows that were active before. Rows that become active together are stiffer than the body
-// is heavy, and their impulses alternate between none and too much. A second solve sees which rows are active.
+// avbd solves a body as if the rows that were active at its last velocity acted. Where many rows become active
+// together, their summed penalty exceeds m / dt^2, and their impulses alternate between none and too much. A second
+// solve sees which rows are active. Returns the largest change of height (m), 1 if the body does not get far.
 template <int D>
 double liftBySmallTiles(const std::string& solver) {
   World<D> world(Pipeline::parse("solver=" + solver));
@@ -197,18 +198,25 @@ double liftBySmallTiles(const std::string& solver) {
   double lift = 0;
   for (int i = 0; i < 100; ++i) {
     world.step(kDt);
-    if (i > 10) lift = std::max(lift, double(world.pose(handle).p[1]) - 0.4);
+    if (i > 10) lift = std::max(lift, std::abs(double(world.pose(handle).p[1]) - 0.4));
   }
-  return lift;
+  return world.pose(handle).p[0] > 3 ? lift : 1;  // also where it is not a number
 }
-TEST(Tiles, ManyContactsAtOnceLiftNothing) {
-  for (const std::string solver :
-       {"split_solver", "soft_step", "tgs", "tgs_ngs", "pgs_soft", "xpbd", "avbd{tries=1}"}) {
-    EXPECT_LT(liftBySmallTiles<2>(solver), 1e-3) << solver;
-    EXPECT_LT(liftBySmallTiles<3>(solver), 1e-3) << solver;
+template <int D>
+void manyContactsLiftNothing() {
+  constexpr double kMost = 2e-3;
+  EXPECT_LT(liftBySmallTiles<D>("avbd{tries=1}"), kMost);
+  for (const Registered* r : Registry::instance().list(StageKind::solver, D)) {
+    if (!competes(*r)) continue;
+    const auto& failures = r->info.failures;
+    const bool declared = std::any_of(failures.begin(), failures.end(), [](const FailureMode& f) {
+      return std::string_view(f.test) == "Tiles.ManyContactsAtOnceLiftNothing";
+    });
+    const double lift = liftBySmallTiles<D>(r->info.name);
+    EXPECT_EQ(lift > kMost, declared) << r->info.name << " in " << D << "D: " << lift << " m";
   }
-  EXPECT_GT(liftBySmallTiles<2>("avbd") + liftBySmallTiles<3>("avbd"), 0.01) << "avbd declares this";
 }
+TEST(Tiles, ManyContactsAtOnceLiftNothing) { manyContactsLiftNothing<2>(), manyContactsLiftNothing<3>(); }
 
 TEST(Tiles, NothingSlowsACylinder) {
   const Real sizes[] = {Real(0.4), Real(0.3)};

@@ -3,7 +3,10 @@
 // also where no cache keeps contacts and where features change.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
+#include <set>
+#include <sstream>
 
 #include "tests/small_worlds.h"
 
@@ -86,6 +89,41 @@ void carries() {
 }
 TEST(RemadeContacts, CarryTheWeight2) { carries<2>(); }
 TEST(RemadeContacts, CarryTheWeight3) { carries<3>(); }
+
+// A polygon of 24 corners rolls, in 3D a prism: its contacts change their features within a step. In each step its
+// loads change its momentum.
+template <int D>
+void accounts() {
+  forMemories<WorldSettings<D>>([](const std::string& often, const std::string&, const WorldSettings<D>& settings) {
+    World<D> world(Pipeline::parse(often), settings);
+    world.add(body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::fixed));
+    std::vector<Vec<D>> corners;
+    for (int i = 0; i < 24; ++i) {
+      const double a = i * 6.283185307179586 / 24;
+      for (const double z : {-0.2, 0.2}) {
+        if (D == 3 || z > 0) corners.push_back(at<D>(0.5 * std::cos(a), 0.5 * std::sin(a), z));
+      }
+    }
+    BodyDef<D> def = body<D>(Shape<D>::polytope(corners), at<D>(0, 0.5));
+    def.velocity = at<D>(3, 0), def.angularVelocity[kAngDim<D> - 1] = -6;
+    const BodyHandle wheel = world.add(def);
+    const double mass = double(world.mass(wheel)), g = -double(settings.gravity[1]);
+    std::set<std::uint64_t> features;
+    for (int i = 0; i < 40; ++i) {
+      const double before = double(world.motion(wheel).v[1]);
+      world.step(kDt);
+      double load = 0;
+      for (const Manifold<D>& m : world.manifolds()) {
+        for (int k = 0; k < m.count; ++k) load += double(m.points[k].load), features.insert(m.points[k].feature);
+      }
+      const double change = mass * (double(world.motion(wheel).v[1]) - before + g * double(kDt));
+      EXPECT_NEAR(load, change, 1e-6 * mass) << "step " << i;
+    }
+    EXPECT_GT(features.size(), 10u);
+  });
+}
+TEST(RemadeContacts, LoadsAreTheMomentum2) { accounts<2>(); }
+TEST(RemadeContacts, LoadsAreTheMomentum3) { accounts<3>(); }
 
 /// Lets dynamic bodies sleep, and records how fast supports go away.
 template <int D>

@@ -104,7 +104,6 @@ class Substeps {
     m_start.resize(in.bodies.pose.size());
     for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
     m_displacement.assign(m_start.size(), Vec<D>::Zero());
-    if (plan.contacts == ContactsOf::substep) m_startMotion.assign(in.bodies.motion.begin(), in.bodies.motion.end());
     const Real scale = lastImpulseScale(in) / m_count;
     prepareContacts(in, plan.warmStart ? scale : 0);
     m_jointImpulse.resize(in.joints.size());
@@ -154,14 +153,14 @@ class Substeps {
   BodyDisplacements<D> displacements() { return {m_start, m_displacement}; }
 
   /// Turns the arms of contacts with the bodies. Shared: both bodies get the impulse at one point, so it adds no torque
-  /// to the pair (sharedArms()). Not shared: each body gets the impulse at its own anchor. Contacts that this sub-step
-  /// has made have shared arms already.
+  /// to the pair (sharedArms()). Not shared: each body gets the impulse at its own anchor. Contacts made at
+  /// the present poses have shared arms already.
   void turnArms(const StepInput<D>& in, bool shared) {
-    if (shared && m_plan.contacts == ContactsOf::substep) return;
     Profiler::Scope scope(in.profiler, "solver.prepare");
     if (in.model.restitution && m_detected.empty()) m_detected = m_contacts.points;
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
       const Manifold<D>& m = in.manifolds[rows.manifold];
+      if (shared && m_plan.contacts == ContactsOf::substep && isMadeNow(in, m)) continue;
       const auto a = rows.a, b = rows.b;
       const auto [atA, atB] = displacements().pair(in.bodies, a, b);
       countMadeRows<D>(in.work, rows.rows());
@@ -287,38 +286,42 @@ class Substeps {
     }
   }
 
-  // Makes the contacts of the present poses. Two parts that have pushed each other in this step rebound from their
-  // velocity before the step, as the contacts of a whole step do; others from their present velocity.
+  // Makes the contacts of the present poses. A point that was hit in this step rebounds from its velocity before that;
+  // any other from its present velocity.
   void makeContacts(const StepInput<D>& in) {
     storeContacts(in);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        in.manifolds[m.manifold].points[k].memory[0] = m_states[m.first + k].velocity;
+      }
+    }
     m_remade.keep(in.manifolds, in.active);
     in.detect.again();
     Profiler::Scope scope(in.profiler, "solver.prepare");
     m_remade.restore(in.manifolds, in.active, PointImpulse::ofSubstep);
     prepareContacts(in, 1);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Manifold<D>& of = in.manifolds[m.manifold];
-      if (!m_remade.isLoaded(of)) continue;
       for (int k = 0; k < m.count; ++k) {
+        const ContactPoint<D>& c = in.manifolds[m.manifold].points[k];
         State& state = m_states[m.first + k];
-        state.load = state.maxImpulse = of.points[k].load;
-        state.velocity = rowVelocity<D>(m_contacts.points[m.first + k].normal, m.n, m_startMotion[m.a],
-                                        m_startMotion[m.b], in.model.rotation);
+        if (!(c.load > 0)) continue;
+        state.load = state.maxImpulse = c.load, state.velocity = c.memory[0];
       }
     }
     measure(in);
+  }
+
+  static bool isMadeNow(const StepInput<D>& in, const Manifold<D>& m) {
+    const Pose<D> X_AB = poseBetween(in.bodies.pose[m.bodyA], in.bodies.pose[m.bodyB]);
+    return X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
   }
 
   // Arms of points that a cache has kept: each body's own, in world axes of the time when the points were made. The
   // rotation of A at that time is stored with each point, also of a point that a listener vetoes, since it may be
   // allowed later.
   void keepArms(const StepInput<D>& in) {
-    const auto made = [&](const Manifold<D>& m) {  // present rotation
-      const Pose<D> X_AB = poseBetween(in.bodies.pose[m.bodyA], in.bodies.pose[m.bodyB]);
-      return X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
-    };
     for (Manifold<D>& m : in.manifolds) {
-      if (!made(m)) continue;
+      if (!isMadeNow(in, m)) continue;
       const Ang<D> turn = turnOf(in.bodies.pose[m.bodyA].q);
       for (int k = 0; k < m.count; ++k) {
         std::copy(turn.begin(), turn.end(), m.points[k].memory.begin());
@@ -326,7 +329,7 @@ class Substeps {
     }
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
       const Manifold<D>& m = in.manifolds[rows.manifold];
-      if (made(m)) continue;
+      if (isMadeNow(in, m)) continue;
       countMadeRows<D>(in.work, rows.rows());
       for (int k = 0; k < m.count; ++k) {
         const ContactPoint<D>& c = m.points[k];
@@ -442,7 +445,6 @@ class Substeps {
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
   IndexedVector<Vec<D>> m_start, m_displacement;  // by body: position at the start of the step, displacement since, m
-  IndexedVector<Motion<D>> m_startMotion;         // by body, before the step; unless contacts are of the step
   RemadeContacts<D> m_remade;
   IndexedVector<PointRows<D>> m_detected;      // by point, before arms were turned; empty if they were not
   IndexedVector<State> m_states;               // by point

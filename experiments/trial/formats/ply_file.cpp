@@ -69,7 +69,7 @@ class PlyFile {
     if (!p.list) return 1;
     const double n = next(p.count);
     if (!(n >= 0 && n < 1e9) || n != std::floor(n)) {
-      fail("a list of " + asText(n) + " items; valid: a whole number from 0");
+      fail("a list of " + asText(n) + " items; valid: a whole number from 0 to 999999999");
     }
     return n;
   }
@@ -143,7 +143,8 @@ class PlyFile {
       fail("'" + shown + "' is not a number; valid: a number");
     }
     if (error == std::errc::result_out_of_range) {
-      return isTiny(word) ? 0 : std::numeric_limits<double>::infinity();
+      const double infinity = std::numeric_limits<double>::infinity();
+      return isTiny(word) ? 0 : word.starts_with('-') ? -infinity : infinity;
     }
     return value;
   }
