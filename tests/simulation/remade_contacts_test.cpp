@@ -59,7 +59,7 @@ void bounces() {
       [](const std::string& often, const std::string& once, const WorldSettings<D>& settings) {
         for (const Shape<D>& shape : {Shape<D>::sphere(Real(0.5)), Shape<D>::box(Vec<D>::Constant(Real(0.5)))}) {
           const double expected = rebound<D>(once, settings, shape);
-          EXPECT_GT(expected, 1);
+          EXPECT_GT(expected, 0.8);
           EXPECT_NEAR(rebound<D>(often, settings, shape), expected, 0.05) << shapeKindName(shape.kind());
         }
       });
@@ -152,7 +152,7 @@ void separates() {
     stages.set(std::make_unique<Recorder<D>>(speeds), "recorder");
     World<D> world(std::move(stages));
     world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
-    BodyDef<D> floor = body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::kinematic);
+    BodyDef<D> floor = body<D>(Shape<D>::box(Vec<D>::Constant(1)), at<D>(0, -1), BodyType::kinematic);
     floor.velocity = at<D>(0, -0.125);
     world.add(floor);
     for (int i = 0; i < 2; ++i) world.step(kDt);
