@@ -166,7 +166,7 @@ template <int D>
 void everySolverAddsNoEnergy() {
   const std::string dimension = std::to_string(D) + 'D';
   for (const Kind kind : kKinds) {
-    for (const std::string& solver : everySolver<D>()) {
+    for (const std::string& solver : everySolver<D>(true)) {
       const std::string name = "Solver.BouncesAddNoEnergy " + nameOf(kind) + ' ' + solver + ' ' + dimension;
       SCOPED_TRACE(name);
       check(
@@ -246,7 +246,7 @@ void bouncesForLong() {
     return longGain<D>(solver, 2) > Bounds::of(judgedAs).share[3] + kRounding;
   };
   std::vector<std::string> solvers = {"xpbd{substeps=1}", "xpbd{substeps=20}"};
-  for (const std::string& solver : everySolver<D>()) {
+  for (const std::string& solver : everySolver<D>(true)) {
     const bool plain = solver.find('{') == solver.npos, law = solver.find("{impact=") != solver.npos;
     if (plain || law || solver.find("{integrator=") != solver.npos) solvers.push_back(solver);
   }
@@ -263,7 +263,7 @@ TEST(EnergyConformance, BouncesForLong3) { bouncesForLong<3>(); }
 // For the table in docs/properties.md: the worst of many seeds, of each kind.
 template <int D>
 void print(int seeds) {
-  for (const std::string& solver : everySolver<D>()) {
+  for (const std::string& solver : everySolver<D>(true)) {
     std::printf("%dD | %s", D, solver.c_str());
     for (const Kind kind : kKinds) {
       double worst = -1;
