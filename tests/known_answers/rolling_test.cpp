@@ -122,7 +122,7 @@ TEST(Rolling, LoadIsTheWeightOrTheyDeclareIt) { everyLoad<2>(), everyLoad<3>(); 
 template <int D>
 void everyWay() {
   const std::string name = "Rolling.StopsOrSaysThatItDoesNot";
-  for (const std::string& solver : everySolver<D>(true)) {
+  for (const std::string& solver : everySolver<D>()) {
     const double way = wayUnder<D>(solver);
     EXPECT_EQ(isRight(way), !declares<D>(solver, name)) << solver << ' ' << D << "D " << way;
   }
