@@ -17,7 +17,7 @@ template <int D>
 struct StepContacts {
   std::span<Manifold<D>> now;
   std::span<const Manifold<D>> before;
-  Real sinceBefore = 0;  // s, from the detection of `before` to this step; 0 in the first step
+  Real sinceBefore = 0;  // s, from the detection of `before` to this step; 0 in the first step; unused if `again`
   bool again = false;    // contacts are made again within the step
 };
 

@@ -23,7 +23,8 @@ struct SavedState {
   std::vector<Manifold<D>> manifolds;
   std::vector<Wrench<D>> userForces;
   std::vector<SleepEvent> events;
-  Real time = 0, lastDt = 0, sinceContacts = 0;  // s; the last: from the last detection of contacts
+  Real time = 0, lastDt = 0;
+  Real sinceContacts = 0;  // s, from the newest detection of contacts to `time`
   std::int64_t steps = 0;
   std::vector<PairRecord> records;
   std::vector<ForceRecord<D>> forces;

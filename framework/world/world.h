@@ -225,7 +225,8 @@ class World final : public Simulation<D> {
   ContinuousPass<D> m_continuous;
   ListenerTable<D> m_listeners;
 
-  Real m_time = 0, m_lastDt = 0, m_sinceContacts = 0;  // s; the last: from the last detection of contacts to now
+  Real m_time = 0, m_lastDt = 0;
+  Real m_sinceContacts = 0;  // s, from the newest detection of contacts to now
   long m_steps = 0;
 
   // Data of a step.
