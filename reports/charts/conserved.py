@@ -132,10 +132,10 @@ def _energy_chart(context, cells, shown, left_out, setting):
                  found_energy(context, shown, dimension, over_steps.setting_of(drawn, setting).split(" (")[0]),
                  cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method"]),
-                 "Kinetic energy and energy of gravity, above the start, over the largest energy that the run exchanged: each line "
-                 "has its own scale. Values beyond ±1.1 are drawn at ±1.1. A run that exchanges and gains only rounding of the "
-                 "start's energy is drawn at 0. Lines are medians of stretches. Above 0 a run has gained energy, unless a script "
-                 "adds bodies.")
+                 "Kinetic energy and energy of gravity, above the start, over the largest energy that the run exchanged: each "
+                 "line has its own scale. Values beyond ±1.1 are drawn at ±1.1. A run that exchanges and gains only rounding of "
+                 "the start's energy is drawn at 0. Lines are medians of stretches. Above 0 a run has gained energy, unless a "
+                 "script adds bodies.")
 
 
 STAY = "Which methods conserve momentum?"

@@ -128,8 +128,9 @@ def _pairs_chart(context, pairs, dimension, precision):
                  "distance or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is "
                  "the missing separation along it. Wrong side: the method says apart where the shapes overlap, or the reverse. "
                  "“At” gives a distance that reads as the true one. A is blue, B orange; a ring is at a shape of less than "
-                 f"{100 * TINY:g} % of the other's extent. In 3D shapes are shadows from one side, which may overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store "
-                 "NAME, for lpc verify --cases.",
+                 f"{100 * TINY:g} % of the other's extent. In 3D shapes are shadows from one side, which may "
+                 "overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store NAME, for "
+                 "lpc verify --cases.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 

@@ -145,8 +145,8 @@ def noise_floor(context):
                            "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
     return [Chart("noise", NOISY, "The same method against itself", finding_of_noise(rows), "", figure, table,
                   [], "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, "
-                  f"from the same rounds. The bar is the noise floor: of up to 20 cells all are inside, of more {noise.LIKELY} of "
-                  "100. A ratio counts in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries "
+                  f"from the same rounds. The bar is the noise floor: of up to 20 cells all are inside, of more {noise.LIKELY} "
+                  "of 100. A ratio counts in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries "
                   "and engines have their own floors." + beyond(rows) + " Load is the mean of a minute.")]
 
 

@@ -236,8 +236,8 @@ def _scatter(context, cells, dimension, refused, least):
                  refused + _holes(cells),
                  "Lower left is better. A mark is the 99th percentile of the error over the size (largest extent + distance + "
                  "largest coordinate); its bar spans the median to the worst. A time is that of a single query and two readings "
-                 f"of the clock. Hollow marks are witnesses. {noise.rule(least)} {failure.DEFINITION} Methods that fail are on no "
-                 "Pareto front. Trials with a looser tolerance are judged by theirs.",
+                 f"of the clock. Hollow marks are witnesses. {noise.rule(least)} {failure.DEFINITION} Methods that fail are on "
+                 "no Pareto front. Trials with a looser tolerance are judged by theirs.",
                  headline=headline(cells, dimension, least))
 
 

@@ -464,7 +464,8 @@ class OfStores(with_store.WithStore):
         self.assertEqual(len(set(labels)), len(labels), labels)
 
     def test_ticks_below_a_million_have_all_digits(self):
-        self.assertEqual([style._tick(value, "1") for value in (5e4, 1e5, 2e5, 1e6)], ["50,000", "100,000", "200,000", "$10^{6}$"])
+        self.assertEqual([style._tick(value, "1") for value in (5e4, 1e5, 2e5, 1e6)],
+                         ["50,000", "100,000", "200,000", "$10^{6}$"])
 
 
 if __name__ == "__main__":
