@@ -16,8 +16,7 @@ from sentences import listing
 DEFINITION = ("A method fails on a question that it declares when it gives no answer (refused, not finite, thrown, crashed, "
               "hung) or a wrong one. An answer is wrong when the referee proves it on the wrong side, or off by more than 1e-12 "
               "of the size of the query (1e-5 for a method that computes in single precision). A method that claims no distance "
-              "for separate shapes is judged by the side alone. Methods that fail are on no Pareto front. Trials with a looser "
-              "tolerance are judged by theirs.")
+              "for separate shapes is judged by the side alone.")
 UNANSWERED = ("refused", "not_finite", "threw", "crashed", "hung")  # columns of the ledger
 OF_PAIRS = ("failed", "refused", "wrong")  # metrics of trials of pairs; `failed` counts UNANSWERED without refusals
 

@@ -97,7 +97,7 @@ class Line:
 def ranked(lines, title, unit, ties=(), larger=False, floor=0.0, name="method", range_title="range", keep=(), most=ROWS):
     """The table from best to worst, cut: name, value, range, ratio or word against the best; lines with an outcome stand last.
     `ties`: names that tie with the best, or {name: the word that says it}. Values up to `floor` count as 0. `keep`: names that
-    are not cut."""
+    are not cut, nor are methods that failed or have no rank."""
     words = ties if isinstance(ties, dict) else {tied: TIE for tied in ties}
     known = sorted((line for line in lines if not line.outcome and math.isfinite(line.value)),
                    key=lambda line: (-line.value if larger else line.value, line.name))
@@ -110,7 +110,8 @@ def ranked(lines, title, unit, ties=(), larger=False, floor=0.0, name="method", 
     columns[AGAINST] = [line.outcome or against(line, first, words, floor, unit) for line in order]
     for key in dict.fromkeys(key for line in order for key in line.more):
         columns[key] = [line.more.get(key) for line in order]
-    kept = [i for i, line in enumerate(order) if line.name in words or line.name in keep]
+    kept = [i for i, line in enumerate(order) if line.name in words or line.name in keep or
+            line.outcome.startswith(("failed", "not ranked"))]
     kept = [len(known) - 1] * bool(known) + sorted(kept, key=lambda i: not order[i].outcome)  # the worst, failures, then ties
     return cut(pd.DataFrame(columns), kept, most)
 

@@ -300,13 +300,13 @@ class Store:
 
     def ledger(self):
         """The ledger of `lpc verify`: one row per method, kinds of shape and value of one axis; histograms as dictionaries. Rows
-        of `lpc verify --metamorphic` are left out."""
+        of `lpc verify --metamorphic` are left out. An engine that answers as a witness has the role engine, as in all charts."""
         ledger = pd.read_sql("SELECT * FROM ledger WHERE axis <> 'relation' ORDER BY stage, precision, dimension, axis, value, "
                              "kind_a, kind_b, method", self.db)
         ledger["histogram"] = [json.loads(text) if text else {} for text in ledger["histogram"]]
         ledger["judged"] = [self.judged(method, precision) for method, precision in zip(ledger["method"], ledger["precision"])]
-        # Without an answer there is no error; a zero error stays 0.
-        ledger["max_error"] = pd.to_numeric(ledger["max_error"]).where(ledger["histogram"].map(bool))
+        ledger["role"] = [theirs((role, self.role(method))) for role, method in zip(ledger["role"], ledger["method"])]
+        ledger["max_error"] = pd.to_numeric(ledger["max_error"]).where(ledger["histogram"].map(bool))  # none without an answer
         return ledger
 
     def cells(self, sweep):

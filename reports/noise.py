@@ -15,6 +15,7 @@ import numbers
 import numpy as np
 
 import measured
+from sentences import listing, plural
 
 UNMEASURED = 2.0  # the floor if too few repeats measure one: smaller ratios never count
 FEWEST = 4  # repeats of a cell that measure a floor: two even and two odd
@@ -69,11 +70,12 @@ def floor(cells, metric):
 
 
 class Floor(float):
-    """The floor of a sweep: the largest that was measured. For two methods `between` gives the larger floor of their roles."""
+    """The floor of a sweep: the largest that was measured. For two methods `between` gives the larger floor of their roles.
+    `cells_of`: {role: number of cells that measure it}; `few`: whether other cells have too few repeats."""
 
-    def __new__(cls, of_role, role_of):
+    def __new__(cls, of_role, role_of, cells_of, few):
         self = super().__new__(cls, max([v for v in of_role.values() if v != UNMEASURED], default=UNMEASURED))
-        self.of_role, self.role_of = of_role, role_of
+        self.of_role, self.role_of, self.cells_of, self.few = of_role, role_of, cells_of, few
         return self
 
     def between(self, a, b):
@@ -83,8 +85,10 @@ class Floor(float):
 def floor_of(context, sweep, metric):
     """The floor of a sweep. Charts never measure a floor on the cells that they show: few cells give too small a floor."""
     if (sweep, metric) not in context.floors:
-        context.floors[sweep, metric] = Floor({role: floor(part, metric) for role, part in by_role(context, sweep)},
-                                              context.store.role)
+        parts = by_role(context, sweep)
+        context.floors[sweep, metric] = Floor({role: floor(part, metric) for role, part in parts}, context.store.role,
+                                              {role: len(with_itself(part, metric)) for role, part in parts},
+                                              any(has_few(cell, metric) for _, part in parts for _, cell in part.iterrows()))
     return context.floors[sweep, metric]
 
 
@@ -95,9 +99,14 @@ def by_role(context, sweep):
     return [(role, cells[roles == role]) for role in dict.fromkeys(sorted(roles))]
 
 
+def has_few(cell, metric):
+    """Whether a cell has too few repeats to measure a floor."""
+    return 0 < len(measured.runs(cell, metric)) < FEWEST
+
+
 def between(least, a, b, metric):
     """The floor for two cells: `least`, or that of their roles. At least UNMEASURED if one of them has too few repeats."""
-    few = any(0 < len(measured.runs(cell, metric)) < FEWEST for cell in (a, b))
+    few = has_few(a, metric) or has_few(b, metric)
     return max(least.between(a, b) if isinstance(least, Floor) else least, UNMEASURED if few else 1.0)
 
 
@@ -135,9 +144,10 @@ def tells(a, b, metric, least):
 
 
 def above(cell, metric, bound, least):
-    """Whether a time exceeds a bound by more than the noise."""
+    """Whether a time exceeds a bound by more than the noise. Too few repeats to measure a floor give no room above the bound."""
     value, (low, _) = float(cell[metric]), interval(measured.runs(cell, metric))
-    return value > bound and value > bound * between(least, cell, cell, metric) and not low <= bound
+    room = least.between(cell, cell) if isinstance(least, Floor) else least
+    return value > bound and value > bound * (1.0 if room == UNMEASURED else room) and not low <= bound
 
 
 def leaders(cells, metric, least):
@@ -158,6 +168,11 @@ def said(a, b, metric, least):
     return silence(between(least, a, b, metric)) if all(len(measured.runs(cell, metric)) >= FEWEST for cell in (a, b)) else FEW
 
 
+def inside(count):
+    """The cells that a floor contains, of `count` that measure it: `floor` takes the largest ratio of up to 20."""
+    return f"{LIKELY} of 100 cells" if count > 20 else plural(count, "cell")
+
+
 def percent(least):
     """A floor in percent, as text."""
     share = 100 * (least - 1)
@@ -169,11 +184,12 @@ def rule(least):
     if least == UNMEASURED:
         return (f"Too few repeats to measure the noise: a ratio counts if it exceeds {UNMEASURED:g} and the two whiskers do not "
                 "overlap.")
-    known = {role: v for role, v in least.of_role.items() if v != UNMEASURED} if isinstance(least, Floor) else {}
-    noise = f"{percent(least)} %" if len(known) < 2 else ", ".join(f"{percent(v)} % ({role})"
-                                                                        for role, v in known.items())
-    return (f"A method differs from itself by up to {noise} in {LIKELY} of 100 cells. A ratio counts if it exceeds that and the "
-            "two whiskers do not overlap; otherwise it is noise.")
+    known = {role: v for role, v in least.of_role.items() if v != UNMEASURED} if isinstance(least, Floor) else {"": least}
+    noise = listing(f"{percent(v)} %{f' ({role})' if len(known) > 1 else ''} in "
+                    f"{inside(least.cells_of[role] if role else math.inf)} with enough repeats" for role, v in known.items())
+    few = f" Cells with fewer than {FEWEST} repeats need a ratio over {UNMEASURED:g}." if getattr(least, "few", False) else ""
+    return (f"A method differs from itself by up to {noise}. A ratio counts if it exceeds that and the two whiskers do not "
+            f"overlap; otherwise it is noise.{few}")
 
 
 def idle_seeds(cells):

@@ -170,8 +170,8 @@ def one_line(ax, firsts, words):
     told, unnamed = "; ".join(f"{words(group)} coincide" for group in groups), ""
     lines = textwrap.wrap("; ".join(f"{words(group)} coincide" for group in groups), room)
     if len(lines) > 1:
-        lined = "one line" if len(groups) == 1 else f"{len(groups)} lines"
-        lines = textwrap.wrap(f"{sum(map(len, groups))} methods lie on {lined}", room)
+        apart = f" in {len(groups)} groups" if len(groups) > 1 else ""  # a curve may be a point
+        lines = textwrap.wrap(f"{sum(map(len, groups))} methods coincide{apart}", room)
         unnamed = told
     if lines:
         ax.text(0, 1.02, "\n".join(lines), transform=ax.transAxes, va="bottom", fontsize=8, color="#555555")
@@ -229,7 +229,7 @@ def _tick(value, unit):
     if unit in ("m", "s", "ms", "ns", "us", "m/s"):
         return si(value, unit, 3)
     power = round(math.log10(value))
-    if 1e-2 <= value < 1e5:
+    if 1e-2 <= value < 1e6:
         return f"{value:,.0f}" if value >= 1 else f"{value:g}"
     if abs(value / 10.0**power - 1) < 1e-9:
         return f"$10^{{{power}}}$"

@@ -26,14 +26,16 @@ inline std::vector<std::string> otherManners(const Registered& r) {
   return out;
 }
 
+/// `inWorlds`: also solvers that request contacts within a step, which hand-made problems cannot make.
 template <int D>
-std::vector<std::string> everySolver() {
+std::vector<std::string> everySolver(bool inWorlds = false) {
   std::vector<std::string> specs;
   for (const Registered* r : Registry::instance().list(StageKind::solver, D)) {
     if (!competes(*r)) continue;
     specs.push_back(r->info.name);
     for (const ParamInfo& p : r->params) {
-      const bool manner = p.name == "order" || p.name == "loop" || p.name == "impact";
+      const bool manner =
+          p.name == "order" || p.name == "loop" || p.name == "impact" || (inWorlds && p.name == "contacts");
       for (const std::string& choice : p.choices) {
         const std::string spec = r->info.name + "{" + p.name + "=" + choice + "}";
         const bool isDefault = r->canonical(Spec::parse(spec)) == r->canonical(Spec{r->info.name, {}});

@@ -87,10 +87,10 @@ class Cast final : public ContinuousCollision<D> {
       }
       const Real left = allowed + answer.distance;  // m
       if (k == 0) atStart = left;
-      if (!(left > kAlmostThere * atStart)) return t;
       const Real speed = bounds.closingSpeed(p.pair.A.bodyAt(t).q * (p.pair.A.X_CS.q * answer.normal));
-      if (!std::isfinite(speed) || answer.normal.isZero(0)) return t;
-      if (!(speed * (duration - t) > left)) return kNever;
+      if (!std::isfinite(left) || !std::isfinite(speed) || answer.normal.isZero(0)) return t;
+      if (!(speed * (duration - t) > left)) return kNever;  // also a body that leaves
+      if (!(left > kAlmostThere * atStart)) return t;
       t += left / speed;
     }
     return t;

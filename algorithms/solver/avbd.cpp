@@ -83,6 +83,8 @@ class Avbd final : public Solver<D> {
              {"a heavy body on a light one", "it is thrown up slightly", "Solver.HeavyIsNotThrownUp"},
              {"a heavy body that falls on a light one", "it slows down faster than Gauss-Seidel predicts",
               "Solver.ConvergesAsPredicted"},
+             {"a body that touches many parts at once", "their penalties throw it up by centimetres; tries=1 does not",
+              "Tiles.ManyContactsAtOnceLiftNothing"},
              {"bodies that collide, with more iterations", "multipliers overshoot", "Solver.MoreIsNoWorse"}},
         .friction = FrictionLaw::coulomb};
   }

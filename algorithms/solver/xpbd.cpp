@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
+#include <numeric>
+#include <tuple>
+#include <vector>
 
 #include "algorithms/solver/rows/body_displacements.h"
 #include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/step/free_motion.h"
 #include "algorithms/solver/step/gyroscopic.h"
+#include "algorithms/solver/step/remade_contacts.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -24,7 +28,6 @@ using namespace solver;
 template <int D>
 class Xpbd final : public Solver<D> {
  public:
-  enum class ContactsOf { step, substep };
   struct Params {
     int substeps = 8;
     Real contactCompliance = 0, jointCompliance = 0, slop = Real(0.0005);
@@ -42,8 +45,7 @@ class Xpbd final : public Solver<D> {
       v.real("slop", slop, 0, 1, "m", "penetration left uncorrected, so that resting contacts persist");
       v.flag("gyroscopic", gyroscopic,
              "implicit gyroscopic term, in 3D; published: an explicit one, which gains energy");
-      v.choice("contacts", contacts, {"step", "substep"},
-               "made for the step, or again for each sub-step (published), which costs more");
+      visitContactsOf(v, contacts, "or again for each sub-step (published)");
     }
   };
   explicit Xpbd(const Params& params) : m_params(params) {
@@ -116,13 +118,12 @@ class Xpbd final : public Solver<D> {
       }
       {
         Profiler::Scope scope(in.profiler, "solver.prepare");
-        if (i > 0 && m_params.contacts == ContactsOf::substep) makeContacts(in);
+        const bool again = i > 0 && m_params.contacts == ContactsOf::substep;
+        if (again) makeContacts(in);
         prepareContacts(in, h);
-        if (i == 0) {
-          m_total.assign(m_contacts.points.size(), {});
-        } else if (m_params.contacts == ContactsOf::substep) {
-          inheritTotals(in);
-        }
+        if (i == 0) m_total.assign(m_contacts.points.size(), {});
+        if (again) inheritTotals(in);
+        if (i == 0 || again) findPairs();
         m_from.assign(pose.begin(), pose.end());
         if (in.model.joints) {
           move(in, h);  // to the predicted poses
@@ -133,7 +134,8 @@ class Xpbd final : public Solver<D> {
         Profiler::Scope scope(in.profiler, "solver.iterate");
         m_joints.sweep(motion, h, {.rate = m_params.jointShare / h});
         m_joints.count(in.work);
-        for (std::size_t w = 0; w < m_work.size(); ++w) push(m_contacts.manifolds[w], in, h, m_work[m_pair[w]]);
+        m_work.assign(m_pair.size(), 0);
+        for (std::size_t w = 0; w < m_pair.size(); ++w) push(m_contacts.manifolds[w], in, h, m_work[m_pair[w]]);
       }
       {
         Profiler::Scope scope(in.profiler, "solver.move");
@@ -143,7 +145,7 @@ class Xpbd final : public Solver<D> {
       }
       Profiler::Scope scope(in.profiler, "solver.velocities");
       for (int k = 0; k < kSettle; ++k) {
-        for (std::size_t w = 0; w < m_work.size(); ++w)
+        for (std::size_t w = 0; w < m_pair.size(); ++w)
           settle(m_contacts.manifolds[w], in, m_work[m_pair[w]], k + 1 == kSettle);
       }
       accumulate();
@@ -173,13 +175,6 @@ class Xpbd final : public Solver<D> {
     m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.model, in.restitutionThreshold,
                         in.work, in.profiler, m_arrival},
                        true);
-    m_work.assign(m_contacts.manifolds.size(), 0);
-    m_pair.resize(m_work.size());
-    for (std::size_t k = 0; k < m_pair.size(); ++k) {  // manifolds of two bodies are adjacent
-      const auto& manifolds = m_contacts.manifolds;
-      const bool same = k > 0 && manifolds[k].a == manifolds[k - 1].a && manifolds[k].b == manifolds[k - 1].b;
-      m_pair[k] = same ? m_pair[k - 1] : k;
-    }
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& of = in.manifolds[m.manifold];
       const auto [atA, atB] = BodyDisplacements<D>{m_start, m_displacement}.pair(in.bodies, m.a, m.b);
@@ -188,6 +183,20 @@ class Xpbd final : public Solver<D> {
         const Real kept = std::clamp(-arms.separation, Real(0), m_params.slop);
         m_contacts.points[m.first + k].target = -(arms.separation + kept) / h;
       }
+    }
+  }
+  // Numbers the pairs of bodies by their first manifold. Manifolds are sorted by body A, its shape, and body B:
+  // those of two bodies need not be adjacent.
+  void findPairs() {
+    const auto& manifolds = m_contacts.manifolds;
+    const auto key = [&](std::size_t k) { return std::tuple(manifolds[k].a, manifolds[k].b, k); };
+    m_byPair.resize(manifolds.size()), m_pair.resize(manifolds.size());
+    std::iota(m_byPair.begin(), m_byPair.end(), std::size_t(0));
+    std::sort(m_byPair.begin(), m_byPair.end(), [&](std::size_t k, std::size_t l) { return key(k) < key(l); });
+    std::size_t first = 0;
+    for (const std::size_t k : m_byPair) {
+      if (manifolds[k].a != manifolds[first].a || manifolds[k].b != manifolds[first].b || k == m_byPair[0]) first = k;
+      m_pair[k] = first;
     }
   }
   // Joint errors at the predicted poses, less the predicted motion along each row: the errors from which the velocity
@@ -306,7 +315,9 @@ class Xpbd final : public Solver<D> {
   }
   void makeContacts(const StepInput<D>& in) {
     storeContacts(in);
+    m_remade.keep(in.manifolds, in.active);
     in.detect.again();
+    m_remade.restore(in.manifolds, in.active, PointImpulse::sum);
   }
   void inheritTotals(const StepInput<D>& in) {
     m_total.resize(m_contacts.points.size());
@@ -330,7 +341,9 @@ class Xpbd final : public Solver<D> {
   IndexedVector<Vec<D>> m_start, m_displacement,
       m_ahead;                 // position at the start of the step, displacement since, the same with this sub-step, m
   IndexedVector<Real> m_work;  // of each two bodies in this sub-step, J
-  IndexedVector<std::size_t> m_pair;   // by manifold: where its work is in m_work
+  IndexedVector<std::size_t> m_pair;  // by manifold: where its work is in m_work
+  std::vector<std::size_t> m_byPair;  // manifolds, sorted by their bodies
+  RemadeContacts<D> m_remade;
   IndexedVector<Motion<D>> m_arrival;  // before this sub-step's forces
   IndexedVector<IndexedArray<Real, D>> m_total;
   IndexedVector<IndexedArray<Real, kJointRows>> m_jointImpulse;  // by slot

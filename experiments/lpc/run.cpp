@@ -252,8 +252,9 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (!result.memory.empty()) printMemory(result.memory, std::lround(result.metrics.at("steps_done")));
     if (o.plots && !picture) printPlots(o, result);
     if (picture) {
-      picture->stream() << seriesPicture(o.scene + ", " + (o.pipeline.empty() ? "the default pipeline" : o.pipeline),
-                                         result.series, trial.world().dt);
+      picture->stream() << seriesPicture(
+          o.scene + ", " + (cell.pipeline.empty() ? "the default pipeline" : cell.pipeline), result.series,
+          trial.world().dt);
       picture->finish();
       std::printf("plot      %s\n", plotFile.c_str());
     }

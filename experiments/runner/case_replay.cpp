@@ -85,7 +85,7 @@ class Replay {
     const Case& c = m_cases[q.number];
     const bool hung = end.outcome == "timeout", crashed = end.signal != 0 && end.signal != SIGKILL;
     if (q.method == "referee" || !(hung || crashed)) {
-      throw std::runtime_error(c.id + ", " + q.method + ": " + end.reason);
+      throw std::runtime_error(c.id + (q.method.empty() ? "" : ", " + q.method) + ": " + end.reason);
     }
     CaseResult row{.id = c.id, .method = q.method, .precision = q.precision, .expected = c.expected.distance};
     row.verdict = hung ? CaseVerdict::hang : CaseVerdict::failed, row.reason = hung ? "hung" : "crashed";

@@ -103,7 +103,8 @@ std::optional<std::string> failureInChild(const std::function<void()>& work) {
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(1);  // the parent died before the line above
-    toParent = ends[1];
+    // serve() redirects 0, 1 and 2, which may be the pipe's.
+    toParent = ends[1] < 3 ? fcntl(ends[1], F_DUPFD_CLOEXEC, 3) : ends[1];
     serve(work);
   }
   close(ends[1]);

@@ -20,8 +20,8 @@ struct SleepEvent {
     userChange,    // the user has set a force, velocity or pose
     contactBegun,  // speed: approach speed
     contactLost,
-    separationGrown,  // speed: growth of the separation since the last step, over dt; of awake bodies only if they
-                      // were deeper than the slop
+    separationGrown,  // speed: growth of the separation since contacts were last made, over that time; of awake bodies
+                      // only if they were deeper than the slop
     jointRemoved,     // a joint of `body` and `other` was removed
     bodyAdded         // a new kind goes to the end, because saved worlds contain the number
   };

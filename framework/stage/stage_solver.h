@@ -30,7 +30,8 @@ struct PhysicsModel {
   bool operator==(const PhysicsModel&) const = default;
 };
 
-/// Lets a solver request new contacts inside its step. Afterwards `manifolds` and `active` of StepInput are new.
+/// Lets a solver request new contacts inside its step. Afterwards `manifolds` and `active` of StepInput are new. The n
+/// detections of a step, the one before the solver included, must be dt / n apart: speeds in sleep events rely on this.
 class DetectAgain {
  public:
   virtual ~DetectAgain() = default;

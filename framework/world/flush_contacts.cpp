@@ -106,7 +106,7 @@ bool FlushContacts<D>::vetoed(const Manifold<D>& m) const {
   return at != m_before.end() && at->shapeKey() == m.shapeKey() && at->ignored;
 }
 
-// A rest that covers the touch; null when there is none.
+// The deepest rest that covers the touch; null when there is none.
 template <int D>
 const typename FlushContacts<D>::Rest* FlushContacts<D>::coverOf(const BodyTable<D>& table, const Touch& touch,
                                                                  const Rest& own) const {
@@ -132,15 +132,14 @@ const typename FlushContacts<D>::Rest* FlushContacts<D>::coverOf(const BodyTable
     }
     return along < kSupports || lowest >= -std::max(rest.depth, Real(0)) - kFlush;
   };
-  const Rest* deepest = nullptr;
-  for (const Rest& rest : m_rests) {
-    if (&rest == &own || rest.covered || (deepest && deepest->depth >= rest.depth)) continue;
+  for (const std::size_t r : m_deepestFirst) {
+    const Rest& rest = m_rests[r];
+    if (&rest == &own || rest.covered) continue;
     if (!covers(rest, touch, own.normal)) continue;
     if (own.depth >= rest.depth && covers(own, *rest.by, rest.normal)) continue;
-    if (vetoed(manifold(*rest.by))) continue;
-    deepest = &rest;
+    if (!vetoed(manifold(*rest.by))) return &rest;
   }
-  return deepest;
+  return nullptr;
 }
 
 template <int D>
@@ -168,6 +167,10 @@ void FlushContacts<D>::correctRun(const BodyTable<D>& table, std::span<const Tou
   std::iota(m_order.begin(), m_order.end(), 0);
   std::sort(m_order.begin(), m_order.end(), [&](std::size_t a, std::size_t b) {
     return std::tuple(m_rests[a].depth, a) < std::tuple(m_rests[b].depth, b);
+  });
+  m_deepestFirst = m_order;
+  std::sort(m_deepestFirst.begin(), m_deepestFirst.end(), [&](std::size_t a, std::size_t b) {
+    return std::tuple(-m_rests[a].depth, a) < std::tuple(-m_rests[b].depth, b);
   });
   for (const std::size_t r : m_order) m_rests[r].covered = coverOf(table, *m_rests[r].by, m_rests[r]) != nullptr;
   for (std::size_t i = 0; i < run.size(); ++i) {

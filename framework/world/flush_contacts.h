@@ -68,8 +68,9 @@ class FlushContacts {
   std::vector<std::int32_t> m_count;  // of touches, by shape
   std::vector<Touch> m_touches;
   std::vector<Rest> m_rests;
-  std::vector<int> m_restOf;         // by touch of a run
-  std::vector<std::size_t> m_order;  // of the rests, the least deep first
+  std::vector<int> m_restOf;                // by touch of a run
+  std::vector<std::size_t> m_order;         // of the rests, the least deep first
+  std::vector<std::size_t> m_deepestFirst;  // the same, the deepest first
 };
 
 }}  // namespace lpc::LPC_PRECISION

@@ -132,10 +132,10 @@ void ListenerTable<D>::notify(const World<D>& world, BodyTable<D>& table, const 
     for (Manifold<D>& manifold : pair) manifold.begun = !known, manifold.ignored = 0;
     if (!known) {
       wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, table.bodies));
-    } else if (news.lastDt > 0) {
+    } else if (news.sinceBefore > 0) {
       const Real last = smallestSeparation<D>(before), growth = smallestSeparation<D>(pair) - last;
-      if (growth > 0) wakeEvent(SleepEvent::separationGrown, m, growth / news.lastDt);
-      if (growth > 0 && last < -kLinearSlop) repairEvent(m, growth / news.lastDt);
+      if (growth > 0) wakeEvent(SleepEvent::separationGrown, m, growth / news.sinceBefore);
+      if (growth > 0 && last < -kLinearSlop) repairEvent(m, growth / news.sinceBefore);
     }
     PairMaterial material{m.friction, m.restitution};
     forEach(m, [&](ContactListener<D>& l) { l.mix(world, m, material); });

@@ -17,8 +17,8 @@ template <int D>
 struct StepContacts {
   std::span<Manifold<D>> now;
   std::span<const Manifold<D>> before;
-  Real lastDt = 0;     // s, length of the last step
-  bool again = false;  // contacts are made again within the step
+  Real sinceBefore = 0;  // s, from the detection of `before` to this step; 0 in the first step; unused if `again`
+  bool again = false;    // contacts are made again within the step
 };
 
 /// Stores the listeners for all bodies and the listeners for single bodies.

@@ -174,7 +174,8 @@ void requireValidState(const SavedState<D>& saved, const ContactGenerator<D>& co
   for (const MixRule rule : {s.mixing.friction, s.mixing.restitution}) {
     require(static_cast<std::size_t>(rule) < kMixRuleNames.size(), "an unknown mixing rule");
   }
-  require(isAmount(saved.time) && isAmount(saved.lastDt), "the time is not a finite number >= 0");
+  require(isAmount(saved.time) && isAmount(saved.lastDt) && isAmount(saved.sinceContacts),
+          "the time is not a finite number >= 0");
   require(saved.steps >= 0 && saved.steps <= std::numeric_limits<std::int64_t>::max() / 2,
           "the number of steps has overflowed");
   checkBodies(saved.bodies, saved.userForces.size());

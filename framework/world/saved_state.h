@@ -24,6 +24,7 @@ struct SavedState {
   std::vector<Wrench<D>> userForces;
   std::vector<SleepEvent> events;
   Real time = 0, lastDt = 0;
+  Real sinceContacts = 0;  // s, from the newest detection of contacts to `time`
   std::int64_t steps = 0;
   std::vector<PairRecord> records;
   std::vector<ForceRecord<D>> forces;

@@ -17,7 +17,7 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD9";  // increase the number when the format changes
+constexpr char kMagic[] = "LPCWORLD10";  // increase the number when the format changes
 
 /// Precedes the world, so that damage is reported before the world is read.
 struct Header {
@@ -265,8 +265,8 @@ void fields(Archive& a, WorldSettings<D>& s) {
 
 template <int D>
 void fields(Archive& a, SavedState<D>& s) {
-  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps, s.records,
-    s.forces);
+  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.sinceContacts,
+    s.steps, s.records, s.forces);
 }
 
 Header readHeader(std::istream& in) {
@@ -275,7 +275,8 @@ Header readHeader(std::istream& in) {
   Archive outer(in);
   outer(header.magic);
   if (std::memcmp(header.magic.data(), kMagic, sizeof kMagic) != 0) {
-    const std::string_view found(header.magic.data(), header.magic.size() - 1);
+    std::string_view found(header.magic.data(), header.magic.size() - 1);
+    found = found.substr(0, found.find('\0'));  // older formats have a digit less
     if (!found.starts_with("LPCWORLD")) throw UserError("load: this is not a saved world");
     throw UserError("load: the saved world has the format " + std::string(found) + "; this program reads " + kMagic);
   }

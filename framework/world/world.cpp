@@ -189,7 +189,7 @@ void World<D>::clear() {
   m_forces.clear(m_table.visits);
   m_listeners.forgetBodies();
   m_contacts.forgetPairs();
-  m_time = m_lastDt = 0, m_steps = 0;
+  m_time = m_lastDt = m_sinceContacts = 0, m_steps = 0;
 }
 
 template <int D>
@@ -412,7 +412,7 @@ template <int D>
 void World<D>::save(std::ostream& out) const {
   writeState<D>(out,
                 {m_settings, m_table.bodies, m_table.shapes, m_joints.records, m_contacts.manifolds, m_table.userForces,
-                 m_table.events, m_time, m_lastDt, m_steps, m_contacts.records, m_forces.records});
+                 m_table.events, m_time, m_lastDt, m_sinceContacts, m_steps, m_contacts.records, m_forces.records});
 }
 
 template <int D>
@@ -428,7 +428,8 @@ void World<D>::load(std::istream& in) {
   s.bodies.invMass.assign(n, 0);  // refreshed before each solver step
   s.bodies.invInertia.assign(n, Inertia<D>::Zero());
 
-  m_settings = s.settings, m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
+  m_settings = s.settings, m_time = s.time, m_lastDt = s.lastDt, m_sinceContacts = s.sinceContacts;
+  m_steps = static_cast<long>(s.steps);
   m_table.bodies = std::move(s.bodies), m_table.shapes = std::move(s.shapes);
   m_table.userForces = std::move(s.userForces), m_table.events = std::move(s.events);
   m_joints.records = std::move(s.joints), m_forces.records = std::move(s.forces);

@@ -226,6 +226,7 @@ class World final : public Simulation<D> {
   ListenerTable<D> m_listeners;
 
   Real m_time = 0, m_lastDt = 0;
+  Real m_sinceContacts = 0;  // s, from the newest detection of contacts to now
   long m_steps = 0;
 
   // Data of a step.

@@ -56,7 +56,7 @@ void World<D>::step(Real dt) {
     m_contacts.make({stage<ContactCache>(), stage<ContactGenerator>(), m_table, m_settings,
                      m_continuous.speculativePairs(), m_profiler});
     Profiler::Scope scope(m_profiler, "listeners");
-    m_listeners.notify(*this, m_table, {m_contacts.manifolds, m_contacts.before(), m_lastDt, again});
+    m_listeners.notify(*this, m_table, {m_contacts.manifolds, m_contacts.before(), m_sinceContacts, again});
   };
   const auto outdateGraph = [&] { m_graph.reset(m_table.bodies, m_contacts.manifolds, jointsInUse(), f.work); };
   detect(false);
@@ -75,8 +75,9 @@ void World<D>::step(Real dt) {
     m_table.refreshMasses(m_settings.model.rotation);
     m_continuous.begin(continuous);
     const StepForces<D> forces(m_table, m_forces, {m_settings.gravity, dt, m_lastDt});
+    int detections = 1;  // evenly spaced
     const auto again = [&] {
-      ++f.work[WorkCount::detections];
+      ++detections, ++f.work[WorkCount::detections];
       detect(true);
       m_contacts.collectActive(m_table.bodies);
       outdateGraph();
@@ -85,6 +86,7 @@ void World<D>::step(Real dt) {
     stage<Solver>().step({dt, m_lastDt, m_time, m_table.bodies, m_contacts.manifolds,
                           m_contacts.collectActive(m_table.bodies), m_joints.records, forces, callAgain,
                           m_settings.model, m_settings.restitutionThreshold, f.work, m_profiler, m_graph, m_watcher});
+    m_sinceContacts = dt / static_cast<Real>(detections);
   }
   m_continuous.stopAtImpacts(continuous, m_contacts.manifolds, m_joints.records, m_graph);
   if (m_settings.model.joints) m_joints.finish(m_table.bodies, dt, m_table.events);

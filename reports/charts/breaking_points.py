@@ -86,7 +86,7 @@ def _value(name, value):
         return ""
     if name == "dt":
         return si(value, "s")
-    return f"{value / 1000:g}k" if value >= 10000 and value % 1000 == 0 else f"{value:g}"
+    return f"{value:,.0f}" if value >= 1000 else f"{value:g}"
 
 
 def words(scene, name, table, dimension, spent=""):

@@ -48,14 +48,18 @@ def exchanged(context, cell):
 
 
 def over_start(context, cell):
-    """(E - E of the start) over the largest energy that the run exchanged, per step."""
+    """(E - E of the start) over the largest energy that the run exchanged, per step; 0 if both are rounding of the
+    start's energy."""
     kinetic, potential = (context.store.series(cell["key"], name) for name in ("kinetic", "potential"))
     if kinetic is None or potential is None or not len(kinetic):
         return None
     if not (np.isfinite(kinetic[0]) and np.isfinite(potential[0])):
         return None
-    scale = exchanged(context, cell)
-    return (kinetic + potential - kinetic[0] - potential[0]) / scale if scale > 0 else None
+    scale, start = exchanged(context, cell), kinetic[0] + potential[0]
+    change = kinetic + potential - start
+    if max(scale, np.nanmax(np.abs(change))) <= ROUNDING * abs(start):
+        change = np.where(np.isfinite(change), 0.0, change)
+    return change / scale if scale > 0 else None
 
 
 def adds_bodies(context, cells):
@@ -82,11 +86,15 @@ def found_energy(context, shown, dimension, at):
             row |= {"methods that gain": "", "remark": "no ranked run finished"}
         elif len(gains):
             worst = gains.loc[gains["energy_gain"].idxmax()]
+            in_joules = worst["exchanged"] < LITTLE * largest or worst["energy_gain"] > 1
+            if in_joules:
+                worst = gains.loc[(gains["energy_gain"] * gains["exchanged"]).idxmax()]
             row |= {"methods that gain": methods(sorted(gains["method"].unique()), everyone), "most": worst["method"],
                     "gain [J]": worst["energy_gain"] * worst["exchanged"], "of the energy exchanged [1]": worst["energy_gain"],
                     "remark": "little energy is exchanged" if worst["exchanged"] < LITTLE * largest else
                     "more than is exchanged" if worst["energy_gain"] > 1 else ""}
-            gaining.append((worst["exchanged"] >= LITTLE * largest, worst["energy_gain"], where, row))
+            head = f"{gains['method'].nunique()} of {plural(good['method'].nunique(), 'method')} gain energy on {where}"
+            gaining.append((worst["exchanged"] >= LITTLE * largest, worst["energy_gain"], where, row, head, in_joules))
         rows.append(row)
         rows += [{"scene": where, "methods that gain": m, "remark": f"not ranked: {why}"}
                  for m, why in ranking.unranked(context, part).items()]
@@ -94,13 +102,13 @@ def found_energy(context, shown, dimension, at):
     compared = sum(not scripted for _, _, scripted in shown)
     if not gaining:
         return Finding(fits(*(f"In {dimension}D{text} no ranked method that finishes gains energy." for text in (at, ""))), table)
-    _, share, where, row = max(gaining, key=lambda entry: entry[:2])
-    much = f"{si(row['gain [J]'], 'J')}" if row["remark"] else f"{si(100 * share)} % of the energy exchanged"
-    on = f" on {len(gaining)} of {compared} scenes" if compared > 1 else ""
-    place = f" on {where}" if compared > 1 else ""
+    in_joules = max(gaining, key=lambda entry: entry[:2])[-1]
+    _, share, where, row, head, _ = max(gaining, key=lambda entry: entry[3]["gain [J]"] if in_joules else entry[:2])
+    much = f"{si(row['gain [J]'], 'J')}" if in_joules else f"{si(100 * share)} % of the energy exchanged"
     one = row["methods that gain"] == row["most"]
-    said = (f"methods gain energy{on or f' on {where}'}, {row['most']} most{place} ({much})" if not one or len(gaining) > 1 else
-            f"{row['most']} gains energy on {where}, {much}")
+    said = (f"methods gain energy on {len(gaining)} of {compared} scenes, {row['most']} most on {where} ({much})"
+            if compared > 1 and (not one or len(gaining) > 1) else
+            f"{row['most']} gains energy on {where}, {much}" if one else f"{head}, {row['most']} most ({much})")
     return Finding(fits(*(f"In {dimension}D{text} {said}." for text in (at, ""))), table)
 
 
@@ -124,9 +132,10 @@ def _energy_chart(context, cells, shown, left_out, setting):
                  found_energy(context, shown, dimension, over_steps.setting_of(drawn, setting).split(" (")[0]),
                  cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method"]),
-                 "Kinetic energy and energy of gravity, above the start, over the largest energy that the run exchanged. Values "
-                 "beyond 1.1 are drawn at 1.1. Lines are medians of stretches. Above 0 a run has gained energy, unless a script "
-                 "adds bodies.")
+                 "Kinetic energy and energy of gravity, above the start, over the largest energy that the run exchanged: each "
+                 "line has its own scale. Values beyond ±1.1 are drawn at ±1.1. A run that exchanges and gains only rounding of "
+                 "the start's energy is drawn at 0. Lines are medians of stretches. Above 0 a run has gained energy, unless a "
+                 "script adds bodies.")
 
 
 STAY = "Which methods conserve momentum?"

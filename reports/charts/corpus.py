@@ -6,11 +6,13 @@ import io
 import json
 import math
 
+import numpy as np
 import pandas as pd
 from matplotlib.patches import Rectangle
 
 from chart import Chart, Headline, of_store
 from finding import Finding, cut, fits
+from load import family
 from sentences import listing, plural, some
 from silhouette import of_case
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, grid_of_axes, plt, si
@@ -18,6 +20,7 @@ from table import quantity
 
 SECTION = "Which method is right, and which fails where?"
 COLUMNS = 7  # most pairs side by side
+TINY = 0.02  # extent of a shape over that of the other: smaller ones cannot be seen
 SHADES = ("#0072B2", "#D55E00")  # A, B
 WRONG = {"wrong_distance": "wrong distance", "wrong_normal": "wrong normal", "wrong_side": "wrong side"}  # in the ledger's order
 
@@ -85,9 +88,10 @@ def found_pairs(pairs, dimension, precision):
                                        for end in ends]})
     case, error = worst[order[0]], worst[order[0]]["found"].get("error") or 0
     of = "along its normal alone" if ends[0] == "wrong_normal" else WRONG.get(ends[0], ends[0].replace("_", " "))
-    return Finding(f"In {dimension}D, {precision}, {order[0]} has the largest error of {plural(len(order), 'method')}, "
-                   f"{error:.2g} of "
-                   f"the size, on {said(case)}: {of}.", cut(table))
+    families = len(set(map(family, order)))
+    many = plural(families, "method") + (f" in {len(order)} settings" if families < len(order) else "")
+    return Finding(f"In {dimension}D, {precision}, {order[0]} has the largest error of {many}, {error:.2g} of the size, on "
+                   f"{said(case)}: {of}.", cut(table))
 
 
 def _pairs_chart(context, pairs, dimension, precision):
@@ -120,21 +124,20 @@ def _pairs_chart(context, pairs, dimension, precision):
                  f"The simplest and the worst failing pair of each method, {dimension}D, {precision}",
                  found_pairs(pairs, dimension, precision), "", figure, numbers, missing,
                  "Upper rows: the failing pair with the fewest vertices; lower rows: the one with the largest error. Under each "
-                 "pair "
-                 "stand its family and the failure. A wrong distance is given with the true one; its error is that of the "
-                 "distance "
-                 "or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is the "
-                 "missing "
-                 "separation along it. A wrong side is apart for overlapping, or the reverse. A is blue, B orange; in 3D shadows "
-                 "from one side, which may overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store "
-                 "NAME, for lpc verify --cases.",
+                 "pair stand its family and the failure. A wrong distance is given with the true one; its error is that of the "
+                 "distance or, where larger, along the normal, over the size. A wrong normal has a right distance; its error is "
+                 "the missing separation along it. Wrong side: the method says apart where the shapes overlap, or the reverse. "
+                 "“At” gives a distance that reads as the true one. A is blue, B orange; a ring is at a shape of less than "
+                 f"{100 * TINY:g} % of the other's extent. In 3D shapes are shadows from one side, which may "
+                 "overlap. The numbers hold the inputs, as do the files in NAME.found/ beside the store NAME, for "
+                 "lpc verify --cases.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
 def _draw(ax, case):
-    """Draws both shapes; returns the kinds of shapes without an outline."""
+    """Draws both shapes, and a ring at one that is too small to be seen; returns the kinds of shapes without an outline."""
     ax.set_visible(True)
-    without = []
+    without, drawn = [], []
     for side, colour in zip("AB", SHADES):
         points = of_case(case, side)
         if points is None:
@@ -142,6 +145,12 @@ def _draw(ax, case):
             continue
         ax.fill(points[:, 0], points[:, 1], facecolor=colour, alpha=0.25, lw=0)
         ax.plot(points[:, 0], points[:, 1], color=colour, lw=1.2)
+        drawn.append((points, colour))
+    extents = [np.ptp(points, axis=0).max() for points, _ in drawn]
+    for (points, colour), extent in zip(drawn, extents):
+        if extent < TINY * max(extents):
+            ax.plot(*[[middle] for middle in points.mean(axis=0)], ls="none", marker="o", ms=9, mfc="none", mec=colour, mew=1.2,
+                    clip_on=False, zorder=4)
     ax.set_aspect("equal", adjustable="datalim")
     ax.set_xticks([])
     ax.set_yticks([])
@@ -209,7 +218,8 @@ def counts(rows):
 def found(table, rows):
     bad = table[list(FAILURES)].sum(axis=1)
     declared = bad + table["ok"]
-    small = pd.DataFrame({"method": table["method"], "role": table["role"], "cases declared": declared, "failed": bad,
+    small = pd.DataFrame({"method": table["method"], "role": table["role"].replace("competitor", "LPC"),
+                          "cases declared": declared, "failed": bad,
                           **{{"failed": "no answer"}.get(end, end): table[end] for end in FAILURES if table[end].any()}})
     small = small.sort_values(["failed", "role", "method"], ascending=[False, True, True], kind="stable").reset_index(drop=True)
     ours, theirs = table["role"] == "competitor", table["role"] == "witness"
@@ -274,9 +284,9 @@ def _note(rows, file):
              "mass_properties": "a mass", NOT_A_METHOD: "a query without a method, such as a time of impact"}
     of = [f"{number} {words.get(query, query.replace('_', ' '))}" for query, number in cases.items()]
     return (f"A row adds up to the {cases.sum()} cases of {file}, which ask for {listing(of)}. Failed: an exception, a crash, "
-            "a number that is not finite, or a refusal of declared shapes. The last three columns are no failures, and grey at "
-            "the "
-            "right: undeclared shapes, cases of another dimension, cases of another query. The numbers list all cases by name.")
+            "a number that is not finite, or a refusal of declared shapes. The last three columns are no failures. At the "
+            "right undeclared shapes are blue, cases of another dimension or query grey; other colours are as at the left. The "
+            "numbers list all cases by name.")
 
 
 def _plain(ax, columns, rows):

@@ -188,8 +188,10 @@ def _cost_chart(context, cells, groups, refused):
         for column, error_name in enumerate(errors):
             ax, error = axes[row][column], metrics.column(cells, error_name).copy()
             error[failed] = math.nan
-            across = ZeroLog(ax, "x", cost, context.unit(cost_name), failed_name="none")
-            up = ZeroLog(ax, "y", error, context.unit(error_name), floor=context.floor(error_name))
+            across = ZeroLog(ax, "x", [*cost, *ends_of_whiskers(cells, cost_name, measured.runs)], context.unit(cost_name),
+                             failed_name="none")
+            up = ZeroLog(ax, "y", [*error, *ends_of_whiskers(cells, error_name, measured.seeds)], context.unit(error_name),
+                         floor=context.floor(error_name))
             spots = []
             for method in labels:
                 mine = np.flatnonzero((cells["method"] == method).to_numpy())
@@ -246,6 +248,12 @@ def _failed(cells, outcome):
     """The methods behind a letter of the top band: letters at one place are drawn as one letter with their number."""
     found = cells[cells["outcome"] == outcome].groupby("method", sort=True).size()
     return ":" + "".join(f"\n{method} {count}" for method, count in found.items()) if len(found) <= NAMED else ""
+
+
+def ends_of_whiskers(cells, name, values):
+    """The ends of the intervals that `whiskers` draws, for the limits of an axis."""
+    found = [values(cell, name) for _, cell in cells[cells["outcome"] == "ok"].iterrows()]
+    return [end for numbers in found if len(numbers) > 1 for end in noise.interval(numbers)]
 
 
 def whiskers(ax, cell, cost_name, error_name, across, up, colour):
@@ -366,7 +374,7 @@ def _chart(context, cells, where, setting, refused):
     names = ranking.names(context, cells)
     width = legend_room(names.values(), 2.0)
     figure, axes = grid_of_axes(1, len(costs), 2.6, width, left=0.9, gap_x=0.9)
-    rows, ranked = [], []
+    rows, ranked, lines = [], [], set()
     for column, cost in enumerate(costs):
         ax = axes[0][column]
         ranked += compared(context, cells, cost, error)
@@ -374,13 +382,14 @@ def _chart(context, cells, where, setting, refused):
                      np.isfinite(metrics.column(cells, error))]
         across = ZeroLog(ax, "x", list(good[cost]), context.unit(cost), failures=False)
         up = ZeroLog(ax, "y", list(good[error]), context.unit(error), failures=False, floor=context.floor(error))
+        lines |= set(good["method"])
         for method, part in good.groupby("method", sort=True):
             part = part.sort_values(cost)
             reached = np.minimum.accumulate(part[error].to_numpy(dtype=float))
             ends = [*part[cost], max(good[cost])]
             ax.step([across.place(v) for v in ends], [up.place(v) for v in (*reached, reached[-1])], where="post",
                     **{**looks(method), "lw": 1.3}, markevery=list(range(len(part))))
-        for budget in marks(cells, cost, error):
+        for budget in marks(ranking.eligible(context, cells), cost, error):
             ax.axvline(budget, color="#999999", lw=0.8, ls=":", zorder=0.5)
             for method, cell in within(cells, cost, error, budget, least_of(context, cells, cost)).items():
                 numbers = quantity(f"{context.title(cost)}, at most", context.unit(cost), [budget])
@@ -388,7 +397,7 @@ def _chart(context, cells, where, setting, refused):
                 rows.append({"method": method, setting: cell[setting], **{name: v[0] for name, v in numbers.items()}})
         ax.set_xlabel(context.title(cost))
         ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
-    legend_right(figure, [Line2D([], [], label=names[m], **looks(m)) for m in labels], width)
+    legend_right(figure, [Line2D([], [], label=names[m], **looks(m)) for m in labels if m in lines], width)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), WITHIN_BUDGET, f"Least error within a budget: {where}",
                  found_within(context, cells, where, costs, error),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),

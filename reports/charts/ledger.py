@@ -2,6 +2,7 @@
 """The ledger of verifications: which method is wrong or gives no answer, and time against error of pair queries."""
 
 import math
+from collections import Counter
 
 import pandas as pd
 from matplotlib.lines import Line2D
@@ -10,7 +11,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 import failure
 import noise
 from chart import Chart, Headline, of_store
-from finding import Finding, cut
+from finding import Finding, cut, fits
 from load import family
 from sentences import clauses, listing, methods, plural, some, verb
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
@@ -23,6 +24,8 @@ NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadp
 FLOOR = 1e-17  # smaller errors count as 0: a tenth of the rounding of one operation in double precision
 
 
+MANY = 30  # columns with cells too narrow for decimals
+LABELS = 6  # most numbers beside a panel: more cannot be matched with their marks
 PARTS, MADE_BY = ["stage", "dimension", "precision"], "verify --pairs 200"
 
 
@@ -217,6 +220,11 @@ def _panel_axes(panels, context, methods):
     return figure, axes
 
 
+def _whole(part):
+    """A share for a narrow cell: in whole percent."""
+    return failure.share(part) if part == 0 or part >= 0.1 else "<1%" if part < 0.005 else f"{100 * part:.0f}%"
+
+
 def _panel(ax, rows, methods):
     columns = sorted(set(rows["column"]), key=_order)
     groups = {key: part for key, part in rows.groupby(["method", "column"])}
@@ -227,7 +235,7 @@ def _panel(ax, rows, methods):
             asked = int(part["asked"].sum()) if part is not None else 0
             if asked:
                 bad, refused = failure.in_ledger(part) / asked, int(part["refused"].sum()) / asked
-                text, ink = failure.share(bad), "black"
+                text, ink = _whole(bad) if len(columns) > MANY else failure.share(bad), "black"
                 if bad > refused:
                     depth = min(1.0, max(0.0, 1 + math.log10(bad) / 4))
                     colour, ink, corner = plt.cm.Oranges(0.2 + 0.65 * depth), "white" if depth > 0.8 else "black", refused > 0
@@ -285,7 +293,7 @@ def _cost(context, rows, dimension, precision):
             if row.share > 0:
                 ends.append((worst, failure.share(row.share), look["color"]))
         ax.set_title(pairs[index])
-        direct_labels(ax, ends, 7)
+        direct_labels(ax, ends if len(ends) <= LABELS else [], 7)
         if index % columns == 0:
             ax.set_ylabel("error / size")
         else:
@@ -302,7 +310,8 @@ def _cost(context, rows, dimension, precision):
                  f"Pair queries of LPC and witnesses: time against error, {dimension}D, {precision}",
                  _cost_finding(rows, dimension, precision), "", figure, table.sort_values(["pair", "method"]), holes,
                  "A mark is the worst error of all questions, the dash the median (lower end of its decade), the number at the "
-                 "right the share that failed. At least half of the questions are of families that broke libraries before. All "
+                 f"right the share that failed. Where more than {LABELS} methods fail, the chart of the ledger has these "
+                 "shares. At least half of the questions are of families that broke libraries before. All "
                  f"questions are timed once together, so noise is unknown and only ratios beyond {noise.UNMEASURED:g} count. "
                  "Witnesses (hollow marks) are timed in their own process.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
@@ -331,17 +340,22 @@ def _cost_finding(rows, dimension, precision):
     if not len(good):
         return Finding(f"{where} every pair query fails somewhere on every pair of shapes.", table)
     alone = [found[0] for found in leaders.values() if len(found) == 1]
-    pairs, near = plural(len(leaders), "pair of shapes", "pairs of shapes"), sum(len(found) > 1 for found in leaders.values())
+    pairs = plural(len(leaders), "pair of shapes", "pairs of shapes")
+    close = Counter(method for found in leaders.values() if len(found) > 1 for method in found)
     first = max(sorted(set(alone)), key=alone.count, default="")
-    said = [first and f"{first} is the fastest without a failure on {alone.count(first)}",
-            near and f"several methods are within {noise.UNMEASURED:g} times the fastest on "
-                     f"{'all' if near == len(leaders) else near}",
-            only and f"{some(sorted(set(only.values())))} alone {verb(len(set(only.values())), 'have')} no failure on "
-                     f"{len(only)}"]
-    return Finding(f"{where} of {pairs}, {listing(filter(None, said))}.", table)
+    groups = [(sorted(m for m in close if close[m] == count), count) for count in sorted(set(close.values()), reverse=True)[:2]]
+    clean, most = "" if first else " without a failure", max(close.values(), default=0)
+    near = [f"{some(named)} {verb(len(named), 'are')} within {noise.UNMEASURED:g} times the fastest{clean} on {count}"
+            if count == most else f"{some(named)} on {count}" for named, count in groups]
+    fastest = [f"{first} is the fastest without a failure on {alone.count(first)}"] if first else []
+    sole = [f"{some(sorted(set(only.values())))} alone {verb(len(set(only.values())), 'have')} no failure on {len(only)}"
+            ] if only else []
+    return Finding(fits(*(f"{where} of {pairs}, {listing(said)}." for said in (
+        fastest + near + sole, fastest + near[:1] + sole, fastest + near[:1] or sole))), table)
 
 
 ROW, CELL, HEAD = 0.22, 0.4, 0.3  # inches
+NARROW = 0.3  # inches: numbers are upright in narrower cells
 
 
 def clean(ledger):
@@ -386,12 +400,14 @@ def _chart(context, rows):
         wide, high = min(WIDTH - left - 0.15, CELL * 1.6 * len(columns)), ROW * len(lines[stage])
         ax = figure.add_axes((left / WIDTH, (top - HEAD - high) / height, wide / WIDTH, high / height))
         asked = {(row.dimension, row.method, row.column): row.asked for row in part.itertuples()}
+        each = set(asked.values()) - {0}
+        look = {"fontsize": 5, "rotation": 90} if wide / len(columns) < NARROW and len(each) > 1 else {"fontsize": 7}
         for y, (dimension, method, _) in enumerate(lines[stage]):
             for x, column in enumerate(columns):
                 number = asked.get((dimension, method, column))
                 ax.add_patch(Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=RIGHT if number else NOT_ASKED, lw=0))
-                ax.text(x, y, _short(number) if number else "–", ha="center", va="center", fontsize=7,
-                        color="#2F5D44" if number else "#888888")
+                text = "–" if not number else _short(number) if len(each) > 1 else ""
+                ax.text(x, y, text, ha="center", va="center", color="#2F5D44" if number else "#888888", **look)
         ax.set_xlim(-0.5, len(columns) - 0.5)
         ax.set_ylim(len(lines[stage]) - 0.5, -0.5)
         ax.set_xticks(range(len(columns)))
@@ -399,7 +415,8 @@ def _chart(context, rows):
                            fontsize=7.5)
         ax.set_yticks(range(len(lines[stage])))
         ax.set_yticklabels([name(line) for line in lines[stage]], fontsize=8)
-        ax.set_title(f"{NOUNS.get(stage, stage)}: questions, none failed")
+        asked_of = f"{each.pop():,} questions each" if len(each) == 1 else "questions"
+        ax.set_title(f"{NOUNS.get(stage, stage)}: {asked_of}, none failed")
         ax.grid(False)
         ax.tick_params(length=0)
         for side in ax.spines.values():
@@ -416,7 +433,7 @@ def _chart(context, rows):
     numbers = table.rename(columns={"in": "precisions", "column": "kinds or family"})
     unsure = int(everything["undecided"].sum())
     return Chart("ledger_clean", SECTION, "Ledgers without a failure", Finding(text, found), "", figure, numbers, [],
-                 f"A cell is the number of questions. {failure.DEFINITION}"
+                 f"A cell is the number of questions; green: asked, “–”: not declared. {failure.DEFINITION}"
                  + (f" For {plural(unsure, 'question')} the referee's interval was too wide to decide." if unsure else ""),
                  made_by=MADE_BY)
 

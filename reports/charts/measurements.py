@@ -16,7 +16,7 @@ import ranking
 from chart import Chart, of_store
 from finding import Finding, cut
 from load import NOT_RUN, SEVERITY
-from sentences import listing, plural, some, verb
+from sentences import listing, plural, some, span, verb
 from style import OUTCOMES, WIDTH, grid_of_axes, plt
 
 DIFFERENT = "Are these methods different?"
@@ -93,7 +93,7 @@ def finding_of_alike(table, swept):
     else:
         sweep, _, equal, cells, group = max(same, key=lambda row: (len(row[4]), row[2]))
         ends = (f"they end in the same bits in {equal} of {cells} common runs" if len(group) == 2 else
-                "each ends in the same bits as another of them in most common runs")
+                "each ends in the same bits as another of them in most of the runs that both finished")
         text = f"In {sweep} {some(group)} are one path: {ends}."
     columns = ["sweep", "one path", "pairs of runs with equal bits", "pairs of runs"]
     return Finding(text, cut(pd.DataFrame([row[:4] for row in rows], columns=columns)))
@@ -145,18 +145,19 @@ def noise_floor(context):
                            "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
     return [Chart("noise", NOISY, "The same method against itself", finding_of_noise(rows), "", figure, table,
                   [], "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, "
-                  f"from the same rounds. The bar is the noise floor, with {noise.LIKELY} of 100 cells inside. A ratio counts "
-                  "in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries and engines have their "
-                  "own floors." + beyond(rows) + " Load is the mean of a minute.")]
+                  f"from the same rounds. The bar is the noise floor: of up to 20 cells all are inside, of more {noise.LIKELY} "
+                  "of 100. A ratio counts in charts if it exceeds the floor and the two whiskers do not overlap. Other libraries "
+                  "and engines have their own floors." + beyond(rows) + " Load is the mean of a minute.")]
 
 
 def beyond(rows):
     """For the note: sweeps with marks outside the first panel, which are drawn at its edge."""
     said = []
     for row in rows:
-        most = max([row["floor"], *(max(ratio, 1 / ratio) for ratio in row["ratios"])]) if row["ratios"] else 1.0
-        if 100 * (most - 1) > WIDEST:
-            said.append(f"{row['sweep']} (a factor of up to {most:.2g})")
+        marks = [*row["ratios"], row["floor"], 1 / row["floor"]] if row["ratios"] else []
+        outside = [max(ratio, 1 / ratio) for ratio in marks if abs(100 * (ratio - 1)) > WIDEST]
+        if outside:
+            said.append(f"{row['sweep']} (a factor of up to {max(outside):.2g})")
     return f" Drawn at the edge of the first panel: marks of {listing(said)}." if said else ""
 
 
@@ -185,19 +186,19 @@ def _drawn(rows):
 
 def finding_of_noise(rows):
     known = sorted((row for row in rows if row["ratios"]), key=lambda row: row["floor"])
-    found = [{"sweep": row["sweep"], "noise floor": f"{noise.percent(row['floor'])} %", "cells": len(row["ratios"])}
-             for row in known]
-    found += [{"sweep": row["sweep"], "noise floor": f"too few repeats: only ratios beyond {noise.UNMEASURED:g} count",
-               "cells": row["cells"]} for row in rows if not row["ratios"]]
+    few = f"too few repeats: only ratios beyond {noise.UNMEASURED:g} count"
+    found = [{"sweep": row["sweep"], "noise floor": f"{noise.percent(row['floor'])} %" if row["ratios"] else few,
+              "cells with enough repeats": len(row["ratios"])}
+             for row in [*known, *(row for row in rows if not row["ratios"])]]
     loads = {row["sweep"]: row["loads"] for row in rows if row["loads"]}
     for row in found if loads else ():
         mine = loads.get(row["sweep"], [])
         row["load average, median to most"] = f"{np.median(mine):.2g} to {max(mine):.2g}" if mine else ""
     if not known:
         return Finding("No cell has enough repeats to measure the noise.", cut(pd.DataFrame(found)))
-    ends = dict.fromkeys(f"{noise.percent(row['floor'])} % ({row['sweep']})" for row in (known[0], known[-1]))
-    return Finding(f"A method differs from itself by at most {' to '.join(ends)} in {noise.LIKELY} of 100 cells.",
-                   cut(pd.DataFrame(found)))
+    ends = span(*(f"{noise.percent(row['floor'])} % ({row['sweep']}, {noise.inside(len(row['ratios']))})"
+                  for row in (known[0], known[-1])))
+    return Finding(f"A method differs from itself by at most {ends}.", cut(pd.DataFrame(found)))
 
 
 def _rows(context, sweep):

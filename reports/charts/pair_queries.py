@@ -13,7 +13,7 @@ import measured
 import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, of_sweeps
-from finding import Finding, cut, told
+from finding import Finding, cut, fits, told
 from load import one_machine, varying
 from sentences import listing, plural, some, verb
 from style import (NOT_ASKED, OUTCOMES, RIGHT, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si,
@@ -109,8 +109,9 @@ def finding(cells, dimension, least):
         first = [row["method"] for row in rows if row["fastest on"] + row["ties for fastest on"] == most]
         pairs = good[passed].groupby("pair")["method"].nunique()
         rivals = int((pairs > 1).sum())
+        these = "of these" if set(first) <= set(clean) else "without failures"
         head = (f"In {dimension}D {len(clean)} of {count} methods never fail at {tolerances(good)}" +
-                (f"; without failures, {some(first)} {verb(len(first), 'are')} fastest or tied on {most} of "
+                (f"; {these}, {some(first)} {verb(len(first), 'are')} fastest or tied on {most} of "
                  f"{plural(rivals, 'pair of shapes', 'pairs of shapes')}." if rivals else "; no two on one pair of shapes."))
     table = pd.DataFrame(rows)
     return Finding(head, cut(table if table["only method on"].any() else table.drop(columns="only method on")))
@@ -233,9 +234,10 @@ def _scatter(context, cells, dimension, refused, least):
     return Chart(f"{cells['sweep'].iloc[0]}_error_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
                  finding(cells, dimension, least), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
                  refused + _holes(cells),
-                 "Lower left is better. A mark is the error of 99 of 100 queries over their size (largest extent + distance + "
+                 "Lower left is better. A mark is the 99th percentile of the error over the size (largest extent + distance + "
                  "largest coordinate); its bar spans the median to the worst. A time is that of a single query and two readings "
-                 f"of the clock. Hollow marks are witnesses. {noise.rule(least)} {failure.DEFINITION}",
+                 f"of the clock. Hollow marks are witnesses. {noise.rule(least)} {failure.DEFINITION} Methods that fail are on "
+                 "no Pareto front. Trials with a looser tolerance are judged by theirs.",
                  headline=headline(cells, dimension, least))
 
 
@@ -317,9 +319,11 @@ def finding_of_failures(good, bad, dimension):
     elif not bad:
         head = f"In {dimension}D no query of {np.nansum(asked):,.0f} fails, judged at {tolerances(good)}."
     else:
-        _, method, pair, found, number = max(bad)
-        head = (f"In {dimension}D {len(clean)} of {count} methods never fail at {tolerances(good)}; {method} fails most often, "
-                f"on {pair}: {share_of(found, number)}.")
+        rate, *_, found, number = max(bad)
+        first, pairs = (sorted({one[at] for one in bad if one[0] == rate}) for at in (1, 2))
+        head = fits(*(f"In {dimension}D {len(clean)} of {count} methods never fail at {tolerances(good)}; {some(first)} "
+                      f"{verb(len(first), 'fail')} most often{on}: {share_of(found, number)}."
+                      for on in (f", on {some(pairs)}", "")))
     return Finding(head, cut(pd.DataFrame(rows)))
 
 

@@ -398,7 +398,7 @@ def found(where, cells, setting):
     best = solved if len(solved) else falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]
     return {**row, "methods": sorted(best["method"]), "residual before": ends(best["before"].min(), best["before"].max(), "1"),
             "residual after": f"<{si(FLOOR)}" if len(solved) else si(float(best["after"].iloc[0])),
-            "does not fall": f"{int(((before > 0) & (after >= before)).sum())} of {len(table)}",
+            "does not fall": f"{int(((after > 0) & (after >= before)).sum())} of {len(table)}",
             f"below {si(FLOOR)} throughout": f"{int(((before == 0) & (after == 0)).sum())} of {len(table)}",
             "outcome": "solved to rounding" if len(solved) else "falls most"}
 
@@ -423,7 +423,7 @@ def finding_of_residual(rows, setting, dimension, everyone, unranked):
 def _chart(context, cells, shown, left_out, setting):
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     figure, axes, width = over_steps.grid(context, cells, 2, len(shown))
-    looks, said = context.looks(cells), []
+    looks, said, lines = context.looks(cells), [], set()
     for column, (where, part) in enumerate(shown):
         above, below = axes[0][column], axes[1][column]
         good = part[(part["outcome"] == "ok") & np.isfinite(part[NORMALISED].astype(float))]
@@ -436,6 +436,8 @@ def _chart(context, cells, shown, left_out, setting):
         above.set_title(f"{where}, {dimension}D")
         middle = over_steps.at_middle(part, setting)
         tracks = {key: context.store.series(key, SERIES) for key in middle["key"] if key is not None}
+        lines |= {*good["method"], *(m for m, key in zip(middle["method"], middle["key"])
+                                     if tracks.get(key) is not None and np.isfinite(tracks[key]).any())}
         values = [v for track in tracks.values() if track is not None for v in over_steps.stretches(track)[1] if math.isfinite(v)]
         scale = ZeroLog(below, "y", values, failures=False, floor=FLOOR)
         over_steps.lines(context, below, middle, lambda cell, tracks=tracks: tracks[cell["key"]], scale.place)
@@ -446,7 +448,7 @@ def _chart(context, cells, shown, left_out, setting):
                 for method, why in ranking.unranked(context, part).items()}
     axes[0][0].set_ylabel("residual, median of steps")
     axes[1][0].set_ylabel("residual")
-    over_steps.legend(context, figure, cells, width)
+    over_steps.legend(context, figure, cells[cells["method"].isin(lines)] if lines else cells, width)
     drawn = pd.concat([part.assign(where=where) for where, part in shown])
     table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], setting: drawn[setting],
                           "outcome": drawn["outcome"],

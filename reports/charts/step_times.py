@@ -94,6 +94,8 @@ def _beside(first, engine, floor):
         return f"engine in {mine}: median {si(engine[MEDIAN], 'ms')}"
     if ratio[:1].isdigit():
         return f"engine: {ratio} times the median of {first['method']}"
+    if ratio == noise.FEW:
+        return f"engine: {ratio} to tell its median from that of {first['method']}"
     return f"engine: median as {first['method']}, {NOISE if ratio == noise.NOISE else ratio}"
 
 

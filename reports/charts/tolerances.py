@@ -137,6 +137,7 @@ FAILS_WHERE = "Which method is right, and which fails where?"
 DECADES = range(-16, 1)  # tolerances: from a rounding to the size itself
 LOOSE = -3  # a thousandth of the size, which is invisible in a game
 EVERYTHING = "all queries"
+DASHES = (":", "-.", (0, (6, 2)))  # of settings that are not the defaults
 
 
 @of_store("within_tolerance", 75, FAILS_WHERE,
@@ -244,7 +245,7 @@ def _right_chart(context, rows, dimension, precision):
         ax.axvline(tight, color="#999999", lw=0.8, ls=(0, (4, 3)))
         for method in methods:
             if method in part.index:
-                ax.plot(list(DECADES), [100 * (1 - part[d][method]) for d in DECADES], **_line(looks, method))
+                ax.plot(list(DECADES), [100 * (1 - part[d][method]) for d in DECADES], **_line(looks, methods, method))
         ax.set_title(pairs[index], fontsize=8.5)
         ax.set_xlim(min(DECADES), max(DECADES))
         ax.set_ylim(-4, 104)
@@ -256,7 +257,7 @@ def _right_chart(context, rows, dimension, precision):
             ax.set_ylabel("right, %", fontsize=8.5)
         if index + columns >= len(pairs):
             ax.set_xlabel("tolerance / size", fontsize=8.5)
-    handles = [Line2D([], [], label=context.name(m), **_line(looks, m)) for m in methods]
+    handles = [Line2D([], [], label=context.name(m), **_line(looks, methods, m)) for m in methods]
     handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="tolerance of the ledger"))
     legend_right(figure, handles, legend_width)
     numbers = table.drop(columns=["role", "own"]).rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
@@ -270,8 +271,8 @@ def _right_chart(context, rows, dimension, precision):
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
-def _line(looks, method):
-    """A colour for each family: solid with default settings, dotted with the tightest; LPC's methods are thicker."""
-    look = looks(method)
-    tight = family(method) != method
-    return {"color": look["color"], "lw": 1.2 if "markerfacecolor" in look else 2.2, "ls": ":" if tight else "-"}
+def _line(looks, methods, method):
+    """A colour for each family: solid with default settings, a dash for each other setting; LPC's methods are thicker."""
+    look, alike = looks(method), [m for m in methods if family(m) == family(method) != m]
+    dash = DASHES[alike.index(method) % len(DASHES)] if method in alike else "-"
+    return {"color": look["color"], "lw": 1.2 if "markerfacecolor" in look else 2.2, "ls": dash}

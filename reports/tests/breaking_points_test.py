@@ -61,7 +61,8 @@ class Ladders(undrawn.Undrawn):
         self.assertEqual([tick.get_text() for tick in made.figure.axes[0].get_xticklabels()], ["5", "10", "20"])
         many = self.made({"catto": (300,), "naive": (30,)}, sizes=(3, 10, 30, 100, 300, 1000, 10000))
         self.assertEqual([tick.get_text() for tick in many.figure.axes[0].get_xticklabels()],
-                         ["3", "10", "30", "100", "300", "1000", "10k"], "each value that the headline may name has its label")
+                         ["3", "10", "30", "100", "300", "1,000", "10,000"],
+                         "each value that the headline may name has its label")
 
     @undrawn.drawn
     def test_a_calibrated_ladder_is_one_per_budget_and_names_it(self):

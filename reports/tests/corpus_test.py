@@ -95,10 +95,12 @@ class Corpus(undrawn.Undrawn):
                                                 "fails on "
                          "1 of 2, the most of 1 witness.")
         declared = {name: row(made, name)["cases declared"] for name in ("closed_form", "sat", "solid", "convex_hull")}
+        self.assertEqual({name: row(made, name)["role"] for name in ("sat", "solid")}, {"sat": "LPC", "solid": "witness"})
         self.assertEqual(declared, {"closed_form": "2", "sat": "3", "solid": "2", "convex_hull": "1"})
         self.assertEqual({name: row(made, name)["failed"] for name in declared}, {"closed_form": "1", "sat": "1", "solid": "1",
                                                                                   "convex_hull": "0"})
-        self.assertIn("The last three columns are no failures", made.note)
+        self.assertIn("The last three columns are no failures. At the right undeclared shapes are blue, cases of another "
+                      "dimension or query grey", made.note)
         self.assertEqual(made.headline.values, {"closed_form": 1, "convex_hull": 0, "sat": 1, "solid": 1})
 
     def test_of_many_witnesses_the_worst_is_named_with_what_it_declares(self):

@@ -79,6 +79,8 @@ class Gallery(undrawn.Undrawn):
         self.assertEqual(made.headline, "In 2D, f64, wrong_side has the largest error of 3 methods, 0.2 of the size, on "
                                         "sphere–sphere (ties): wrong side.")
         self.assertEqual(made.table["failure"].tolist(), ["wrong side", "wrong normal", "wrong distance"])
+        twice = {**wrong, "wrong_side{frame=world}": wrong["wrong_normal"]}
+        self.assertIn("largest error of 3 methods in 4 settings", corpus.found_pairs(twice, 2, "f64").headline)
         del wrong["wrong_side"]
         self.assertIn("0.1 of the size, on sphere–sphere (ties): along its normal alone",
                       corpus.found_pairs(wrong, 2, "f64").headline)
@@ -97,6 +99,16 @@ class Gallery(undrawn.Undrawn):
             self.assertEqual(made.holes, [f"m, simplest: the store, written by an older program, has no outline of {kind}"])
             self.assertNotIn("outline", made.table["input"].iloc[1])
             style.plt.close(made.figure)
+
+    @undrawn.drawn
+    def test_a_shape_that_is_too_small_to_be_seen_has_a_ring(self):
+        for radius, rings in ((0.5, []), (0.001, [(3.0, 0.0)])):
+            figure, ax = style.plt.subplots()
+            pair = case("m", "wrong_distance", 0.1, 1.0)
+            corpus._draw(ax, {**pair, "shapeB": {"type": "sphere", "radius": radius}})
+            found = [tuple(line.get_xydata()[0].round(3)) for line in ax.lines if line.get_marker() == "o"]
+            self.assertEqual(found, rings)
+            style.plt.close(figure)
 
     @undrawn.drawn
     def test_the_simplest_and_the_worst_pair_stand_beside_each_other(self):

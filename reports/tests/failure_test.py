@@ -5,6 +5,7 @@ import math
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -52,6 +53,12 @@ class Synthetic(undrawn.Undrawn):
 
 
 class Failure(Synthetic):
+    def test_a_method_has_one_role_in_the_ledger_and_in_legends(self):
+        with unittest.mock.patch.object(self.store, "role", lambda label: "engine" if label == "fcl_libccd" else "competitor"):
+            ledger = self.store.ledger()
+        self.assertEqual(set(ledger["role"][ledger["method"] == "fcl_libccd"]), {"engine"})
+        self.assertEqual(set(ledger["role"][ledger["method"] != "fcl_libccd"]), {"competitor", "witness"})
+
     def charts(self):
         return [c for c in chart.made(pair_queries, self.context)]
 
@@ -85,6 +92,8 @@ class Failure(Synthetic):
         self.assertEqual(set(found["method"][found["failures there"] == "none"]), {"closed_form", "gjk_epa", "sat"})
         self.assertIn("3 of 5 methods never fail at 1e-12 of the size", rates.finding.headline)
         self.assertTrue(all(failure.DEFINITION in c.note for c in charts))
+        self.assertEqual({"Pareto" in c.note for c in charts if "_error_" in c.id}, {True})
+        self.assertEqual({"Pareto" in c.note for c in charts if "_failures_" in c.id}, {False}, "it has no front")
         wrong = rates.table[rates.table["method"] == "fcl"]
         self.assertTrue((wrong["wrong"] > 0).all() and (wrong["without an answer"] == 0).all())
 

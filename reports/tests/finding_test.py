@@ -61,6 +61,12 @@ class Tables(unittest.TestCase):
         fastest = finding.ranked([Line("a", 2.0), Line("b", 4.0), Line("c", 0.0)], "speed", "m/s", larger=True)
         self.assertEqual(fastest["against the best"].tolist(), ["best", "0.5 times", "-4 m/s"])
 
+    def test_methods_that_failed_or_have_no_rank_are_not_cut(self):
+        lines = [Line(f"m{i:02}", float(i)) for i in range(20)]
+        lines += [Line("fell", outcome="failed: sank"), Line("box2d", 1.0, outcome="not ranked: f32 among f64"), Line("none")]
+        shown = finding.ranked(lines, "error", "m", ties=["m05"])["method"].tolist()
+        self.assertLessEqual({"m00", "m05", "m19", "fell", "box2d", "none"}, set(shown))
+
     def test_no_ratio_to_nothing(self):
         self.assertEqual([finding.ratio(*v, unit="m") for v in ((2e-3, 0.0), (0.0, 0.0), (2.0, 1.0), (1.0001, 1.0))],
                          ["+2 mm", "equal", "2.0 times", "equal in three digits"])

@@ -19,6 +19,7 @@ import budget  # noqa: E402
 import chart  # noqa: E402
 import noise  # noqa: E402
 import over_steps  # noqa: E402
+import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
@@ -138,6 +139,9 @@ class Findings(with_store.WithStore):
                                                                                                  "shapes"]),
                          ("catto", "1 mm"))
         self.assertIn("A time above a budget by no more than the noise is within it", found.note)
+        few = self.context(self.cut([1.5, 1.51])).store.cells("costs")
+        self.assertEqual(sorted(budget.within(few, COST, "penetration_poses", 1.02, least)), ["naive"], "two repeats")
+        self.assertEqual(sorted(budget.within(few, COST, "penetration_poses", 1.02, noise.UNMEASURED)), ["naive"])
 
     @undrawn.drawn
     def test_a_cost_of_0_is_drawn_and_within_every_budget(self):
@@ -203,7 +207,7 @@ class Findings(with_store.WithStore):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")
             for label, errors in (("catto", (1e-5, 1e-16)), ("naive", (4e-6, 1e-16)), ("millington", (1e-5, 1e-8)),
-                                  ("soft_step", (3e-13, 1e-13))):
+                                  ("soft_step", (3e-13, 1e-13)), ("catto+linear", (3e-13, 1e-10))):
                 for iterations, error in zip((4, 30), errors):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, 1.0, error)
@@ -212,7 +216,8 @@ class Findings(with_store.WithStore):
                          "below 1e-12.")
         row = found.finding.table.iloc[0]
         self.assertEqual((row["residual before"], row["residual after"]), ("4e-07 to 1e-06", "<1e-12"))
-        self.assertEqual((row["does not fall"], row["below 1e-12 throughout"]), ("0 of 4", "1 of 4"))
+        self.assertEqual((row["does not fall"], row["below 1e-12 throughout"]), ("1 of 5", "1 of 5"),
+                         "catto+linear rises from rounding")
 
     def test_residuals_are_compared_over_one_span(self):
         def fill(contacts):
@@ -284,6 +289,61 @@ class Findings(with_store.WithStore):
         found = self.made(energy, fill(0.0, False))[0]
         self.assertEqual(found.finding.headline, "In 2D box2d gains energy on fall, 50 J.")
         self.assertEqual(row(found, "fall")["remark"], "more than is exchanged")
+
+    def test_the_method_that_gains_most_joules_is_not_that_with_the_largest_share(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label")
+            for label, exchanged, gain in (("catto", 10.0, 2.0), ("box2d", 0.1, 0.2), ("naive", 10.0, 0.0)):
+                series = {"kinetic": np.array([0.0, exchanged, 0.0]),
+                          "potential": 20 + np.array([exchanged, 0.0, exchanged + gain])}
+                axes = {"kind": "world", "scene": "fall", "dimension": 2, "resolver": label, "timed": False, "repeat": 0}
+                maker.trial("costs", axes, {}, series=series)
+        found = self.made(energy, fill)[0]
+        self.assertEqual(found.finding.headline, "In 2D 2 of 3 methods gain energy on fall, catto most (2 J).")
+
+    @undrawn.drawn
+    def test_rounding_of_the_energy_is_drawn_at_zero_and_a_gain_is_not(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label")
+            for label, gain in (("catto", 0.0), ("naive", 5.0)):
+                series = {"kinetic": np.array([0.0, 2e-13, 0.0]), "potential": np.array([2000.0, 2000.0, 2000.0 - 2e-13 + gain])}
+                axes = {"kind": "world", "scene": "rest", "dimension": 2, "resolver": label, "timed": False, "repeat": 0}
+                maker.trial("costs", axes, {}, series=series)
+        ax = self.made(energy, fill)[0].figure.axes[0]
+        drawn = sorted(max(abs(y) for y in line.get_ydata()) for line in ax.lines if line.get_linewidth() == 1.2)
+        self.assertEqual(drawn, [0.0, 1.1])
+
+    @undrawn.drawn
+    def test_whiskers_lie_inside_the_panel(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label")
+            for label, ms in (("catto", 1.0), ("naive", 2.0)):
+                for repeat in range(5):
+                    axes = {"kind": "world", "scene": "s", "dimension": 2, "resolver": label, "timed": True, "repeat": repeat,
+                            "precision": "f64"}
+                    maker.trial("costs", axes, {COST: ms * (9.0 if repeat == 4 else 1.0), "penetration_poses": 1e-3 / ms})
+        ax = self.made(cost_against_error, fill)[0].figure.axes[0]
+        drawn = [x for line in ax.lines if line.get_linewidth() == 0.9 for x in line.get_xdata()]
+        self.assertAlmostEqual(max(drawn), 18.0)
+        self.assertGreater(ax.get_xlim()[1], 18.0)
+
+    @undrawn.drawn
+    def test_the_budgets_that_are_drawn_are_those_of_the_table(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label", iterations="setting")
+            for iterations in (4, 40):
+                for label, ms in (("catto", 1.0), ("soft_step", 2.0), ("naive", 0.2)):
+                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
+                    maker.world("costs", axes, ms * iterations / 4, 1e-3 / ms, repeats=1)
+                maker.world("costs", {**axes, "resolver": "sank"}, 1.0, 1.0, "sank", "all", 5)
+            maker.leave_rows(50, "naive")  # not ranked
+        found = self.made(error_within_budgets, fill)[0]
+        self.assertNotIn("sank", [text.get_text() for text in found.figure.legends[0].get_texts()])
+        drawn = [f"{style.si(line.get_xdata()[0], 'ms')} per step" for line in found.figure.axes[0].lines
+                 if line.get_linestyle() == ":"]
+        self.assertGreaterEqual(len(drawn), 2)
+        within = [told["within"] for told in found.finding.rows()]
+        self.assertEqual(drawn, [text for text in within if text.endswith(" ms per step")])
 
     def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
         def fill(maker):

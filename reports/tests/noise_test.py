@@ -126,9 +126,9 @@ class OfStores(with_store.WithStore):
         few = context.store.cells("noisy").assign(measured=[{COST: Measured((1.0, 1.1, 1.0))}])
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
         row = chart.made(noise_floor, context)[0]
-        self.assertEqual(row.finding.headline, "A method differs from itself by at most 20 % (noisy) in 95 of 100 cells.")
-        self.assertEqual([(found["sweep"], found["noise floor"], found["cells"]) for found in row.finding.rows()],
-                         [("noisy", "20 %", 1)])
+        self.assertEqual(row.finding.headline, "A method differs from itself by at most 20 % (noisy, 1 cell).")
+        self.assertEqual([(found["sweep"], found["noise floor"], found["cells with enough repeats"])
+                          for found in row.finding.rows()], [("noisy", "20 %", 1)])
         drawn = [x for line in row.figure.axes[0].lines for x in line.get_xdata()]
         self.assertAlmostEqual(max(drawn), 20.0, msg="percent, as in the finding")
         self.assertIn("noisy, 1 cell", [label.get_text() for label in row.figure.axes[0].get_yticklabels()])
@@ -257,7 +257,7 @@ class OfStores(with_store.WithStore):
                                                 "penetration_poses": error})
 
     def test_the_floor_of_every_chart_is_that_of_its_sweep(self):
-        context, everywhere = self.context(self.two_scenes), "up to 20 % in 95 of 100 cells"
+        context, everywhere = self.context(self.two_scenes), "up to 20 % in 6 cells with enough repeats"
         self.assertAlmostEqual(noise.floor_of(context, "costs", COST), 1.2)
         for found in chart.made(cost_against_error, context):
             self.assertIn(everywhere, found.note, found.id)
@@ -286,7 +286,8 @@ class OfStores(with_store.WithStore):
         for floor, told in ((least, "1.20"), (float(least), "noise")):  # a plain number: the planted bug, one floor for all
             self.assertEqual(noise.said(sat, gjk, "ns_per_query", floor), told)
         self.assertEqual(noise.said(sat, fcl, "ns_per_query", least), "noise")
-        self.assertIn("2 % (competitor), 90 % (witness) in 95", noise.rule(least))
+        self.assertIn("up to 2 % (competitor) in 4 cells with enough repeats and 90 % (witness) in 2 cells with enough",
+                      noise.rule(least))
         self.assertEqual([noise.percent(v) for v in (1.0234, 1.9, 2.6)], ["2.3", "90", "160"])
         found = chart.made(noise_floor, context)[0]
         self.assertEqual({row["sweep"]: row["noise floor"] for row in found.finding.rows()},
@@ -294,6 +295,28 @@ class OfStores(with_store.WithStore):
         self.assertIn("Drawn at the edge of the first panel: marks of pairs (witness) (a factor of up to 1.9)", found.note)
         with unittest.mock.patch.object(measurements, "WIDEST", 200.0):
             self.assertNotIn("Drawn at the edge", chart.made(noise_floor, context)[0].note)
+        told = measurements.finding_of_noise([
+            {"sweep": name, "cells": 54, "ratios": [1.0] * n, "floor": floor, "loads": []}
+            for name, n, floor in (("a", 3, 1.1), ("b", 21, 1.2), ("c", 0, noise.UNMEASURED))])
+        self.assertEqual(told.headline, "A method differs from itself by at most 10 % (a, 3 cells) to 20 % (b, 95 of 100 cells).")
+        self.assertEqual(told.table["cells with enough repeats"].tolist(), [3, 21, 0])
+        self.assertEqual(measurements.beyond([{"sweep": "s", "ratios": [0.65, 1.1], "floor": 1.4}]), "", "-35 % is no +54 %")
+
+    def test_the_rule_tells_how_many_cells_measure_the_floor_and_that_others_have_few_repeats(self):
+        def fill(cells, few):
+            def into(maker):
+                maker.sweep("costs", "world", resolver="label")
+                for i in range(cells):
+                    for repeat in range(2 if i < few else 4):
+                        axes = {"kind": "world", "scene": f"s{i}", "dimension": 2, "resolver": "catto", "precision": "f64",
+                                "timed": True, "repeat": repeat}
+                        maker.trial("costs", axes, {COST: 1 + 0.1 * (repeat % 2)})
+            return into
+        rule = lambda *cells: noise.rule(noise.floor_of(self.context(fill(*cells)), "costs", COST))  # noqa: E731
+        self.assertIn("up to 10 % in 95 of 100 cells with enough repeats.", rule(21, 0))
+        self.assertIn("up to 10 % in 20 cells with enough repeats.", rule(21, 1))
+        self.assertIn("it is noise. Cells with fewer than 4 repeats need a ratio over 2.", rule(21, 1))
+        self.assertNotIn("fewer than 4 repeats", rule(21, 0))
 
     def test_a_cell_of_few_repeats_is_judged_by_a_larger_floor(self):
         many = cell([1.0, 1.01, 1.02, 1.01, 1.0])
@@ -439,6 +462,10 @@ class OfStores(with_store.WithStore):
     def test_no_two_ticks_have_one_label(self):
         labels = [style._tick(value, "1") for value in style._ticks(math.log10(1.4e-4), math.log10(8e-4), 8)]
         self.assertEqual(len(set(labels)), len(labels), labels)
+
+    def test_ticks_below_a_million_have_all_digits(self):
+        self.assertEqual([style._tick(value, "1") for value in (5e4, 1e5, 2e5, 1e6)],
+                         ["50,000", "100,000", "200,000", "$10^{6}$"])
 
 
 if __name__ == "__main__":

@@ -176,7 +176,7 @@ class Pictures(unittest.TestCase):
         said = []
         self.figure(lambda ax: (style.one_line(ax, style.same(alike), sentences.listing),
                                 said.extend(t.get_text() for t in ax.texts)))
-        self.assertEqual(said, ["9 methods lie on 3 lines"])
+        self.assertEqual(said, ["9 methods coincide in 3 groups"])
 
     def test_lines_without_room_for_their_names_are_named_in_the_caption(self):
         alike = {f"a method with a long name {i}": [1.0, 2.0] for i in range(9)}

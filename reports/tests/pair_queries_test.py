@@ -79,7 +79,7 @@ class PairQueries(undrawn.Undrawn):
     def test_methods_inside_the_noise_tie(self):
         first = self.made()[0]
         self.assertEqual(self.wins(first), {"sat": (1, 2), "closed_form": (0, 2), "gjk_epa": (0, 0)})
-        self.assertEqual(first.finding.headline, "In 2D 3 of 3 methods never fail at 1e-12 of the size; without failures, sat is "
+        self.assertEqual(first.finding.headline, "In 2D 3 of 3 methods never fail at 1e-12 of the size; of these, sat is "
                          "fastest or tied on 3 of 3 pairs of shapes.")
         self.assertIn(" 5 % ", first.note)
         with unittest.mock.patch.object(noise, "tells", lambda a, b, metric, least: a[metric] != b[metric]):
@@ -132,7 +132,10 @@ class PairQueries(undrawn.Undrawn):
     def test_shares_have_the_number_of_queries_beside_them(self):
         rates = self.made(failing=("fcl_libccd",))[1]
         self.assertEqual(rates.finding.headline, "In 2D 3 of 4 methods never fail at 1e-12 of the size; fcl_libccd fails most "
-                         "often, on sphere–sphere: 8 of 96 (8.3%).")
+                         "often, on box–box, box–sphere and 1 more: 8 of 96 (8.3%).")
+        both = self.made(failing=("fcl_libccd", "libccd_mpr"), missing=[
+            ("fcl_libccd", "sphere", "sphere"), ("libccd_mpr", "box", "sphere"), ("libccd_mpr", "sphere", "sphere")])[1]
+        self.assertIn("fcl_libccd and libccd_mpr fail most often, on box–box and box–sphere: 8 of 96", both.finding.headline)
         table = rates.finding.table.set_index("method")
         self.assertEqual(list(table["queries of a pair"]), ["600", "600", "600", "96"])
         self.assertEqual(list(table["unseen share, at most"]), ["0.5%", "0.5%", "0.5%", ""])
@@ -182,12 +185,18 @@ class OneTiming(undrawn.Undrawn):
         four = (ours(100, 150), ours(100, 250), ours(180, 100), ours(300, 100))
         found = self.finding(*four)
         self.assertEqual(found.headline, "In 3D, f64, of 4 pairs of shapes, gjk_epa is the fastest without a failure on 1 and "
-                         "several methods are within 2 times the fastest on 2.")
+                         "gjk_epa and sat are within 2 times the fastest on 2.")
         counts = lambda found: {row["method"]: row["fastest on"] for row in found.rows()}  # noqa: E731
         self.assertEqual(counts(found), {"gjk_epa": 1, "sat": 1})
         self.assertEqual([row["within 2 times the fastest on"] for row in found.rows()], [2, 2])
         with unittest.mock.patch.object(noise, "UNMEASURED", 1.0):
             self.assertEqual(counts(self.finding(*four)), {"gjk_epa": 2, "sat": 2}, "the planted bug: every difference counts")
+
+    def test_without_a_single_fastest_the_methods_near_it_are_counted(self):
+        three = lambda *ns: [(m, "competitor", n, 0.0) for m, n in zip(("by_kind", "sat", "gjk_epa"), ns)]  # noqa: E731
+        self.assertEqual(self.finding(three(10, 11, 30), three(10, 12, 30), three(10, 30, 15)).headline,
+                         "In 3D, f64, of 3 pairs of shapes, by_kind is within 2 times the fastest without a failure on 3 and sat "
+                         "on 2.")
 
     def test_witnesses_compete_only_where_they_do_not_fail(self):
         fast = lambda share: [("sat", "competitor", 100, 0.0), ("gjk_epa", "competitor", 300, 0.0),  # noqa: E731

@@ -345,6 +345,7 @@ class Findings(WithStore):
         self.assertEqual(numbers.loc["closed_form", "median error [1]"], 0.0)
         self.assertEqual(numbers.loc["fcl_libccd", "worst"], '{"id": "planted"}')
         cost = made["ledger_cost_pair_query_3d_f64"]
+        self.assertIn(f"Where more than {ledger.LABELS} methods fail, the chart of the ledger has these shares", cost.note)
         self.assertIn("bullet_box_box on box–box: refused all 20,000 questions", cost.holes)
         shown = cost.table.set_index(["pair", "method"])["failed [1]"]
         self.assertAlmostEqual(shown["box–box", "fcl_libccd"], 0.26)
@@ -352,6 +353,7 @@ class Findings(WithStore):
         for c in made.values():
             style.plt.close(c.figure)
 
+    @undrawn.drawn
     def test_ledgers_without_a_failure_share_a_matrix_with_all_questions(self):
         questions = self.store.ledger()
         self.assertEqual(check_clean(questions, ledger.clean), "")
@@ -366,6 +368,10 @@ class Findings(WithStore):
         self.assertEqual(sum(row["questions"] for row in made.finding.rows()), asked)
         queries = made.table[made.table["stage"] == "pair_query"]["asked"].sum()
         self.assertEqual(queries, everything[everything["stage"] == "pair_query"]["asked"].sum())
+        for ax in made.figure.axes:
+            numbers = {text.get_text() for text in ax.texts} - {"–", ""}
+            self.assertNotEqual(len(numbers), 1, "one number for all cells stands in the title")
+            self.assertEqual("questions each" in ax.get_title("left"), not numbers, ax.get_title("left"))
         style.plt.close(made.figure)
 
     def test_ladders_have_the_first_failure_and_missing_results(self):
@@ -404,6 +410,12 @@ def check_zero_place(axis_of):
     labels = [t.get_text() for t in ax.get_yticklabels()]
     style.plt.close(ax.figure)
     return low < places[0] < places[1] < places[2] < places[3] < high and "0" in labels and "failed" in labels
+
+
+class Shares(unittest.TestCase):
+    def test_shares_of_narrow_cells_are_short(self):
+        self.assertEqual([ledger._whole(part) for part in (0.0, 1e-5, 0.004, 0.006, 0.055, 0.0996, 0.21, 0.9, 1.0)],
+                         ["0", "<1%", "<1%", "1%", "6%", "10%", "21%", "90%", "100%"])
 
 
 class PlainLog(style.ZeroLog):

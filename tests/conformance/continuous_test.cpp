@@ -376,6 +376,7 @@ void twinsFail() {
   expectCaught("shapes are their inner balls, turning" + in, spinningRodIsStopped<D>(bug("only_centres")));
   expectCaught("everyone is fast" + in, restIsFree<D>(bug("everyone")));
   expectCaught("touching is stopping" + in, slidesOverSeams<D>("cast{depth=0}"));
+  EXPECT_TRUE(leavesAtOnce<D>("cast{depth=0}")) << in;
   expectCaught("nobody looks: a queue" + in, queueIsStopped<D>("none"));
 }
 TEST(Continuous, TwinsFail2) { twinsFail<2>(); }

@@ -120,6 +120,24 @@ TEST(DeepCurvedPairs, BallsBesideAnAxisInClosedForm) {
   }
 }
 
+// An ellipsoid in a wide cylinder or cone leaves it through the cap. Across the cap's normal the bound has a crease.
+TEST(DeepCurvedPairs, EllipsoidsLeaveThroughCapsInClosedForm) {
+  PlainDraw draw(41);
+  for (int i = 0; i < 200; ++i) {
+    const Real h = draw.real(0.5, 1), r = draw.real(6, 9), deep = draw.pick({Real(0), draw.real(0, 0.2)});
+    const std::vector<Real> sizes = {h, r}, half = {draw.real(0.3, 0.9), draw.real(0.3, 0.9), draw.real(0.3, 0.9)};
+    const auto body = Shape<3>::curved(draw.coin() ? ShapeKind::cone : ShapeKind::cylinder, sizes);
+    const auto ellipsoid = Shape<3>::curved(ShapeKind::ellipsoid, half);
+    Pose<3> X;
+    X.p = Vec<3>(deep - h, draw.real(-1, 1), draw.real(-1, 1));
+    if (draw.coin()) X.q = drawRotation<3>(draw);
+    const Vec<3> n = X.q.inverse() * Vec<3>(1, 0, 0);
+    const double truth =
+        -double(deep) - std::sqrt(double(Vec<3>(half[0] * n[0], half[1] * n[1], half[2] * n[2]).squaredNorm()));
+    isAnswered({body.view(), ellipsoid.view(), X}, truth, truth, "pair " + std::to_string(i));
+  }
+}
+
 TEST(DeepCurvedPairs, AreAsTheRefereeProves) {
   struct Hard {
     ShapeKind a, b;

@@ -193,6 +193,11 @@ TEST(MeshFile, BrokenFilesAreRefusedWithAReason) {
     return bytes.replace(bytes.find(from), from.size(), to);
   };
   const std::string first = "v 0.000000 0.000000 0.000000";
+  const auto triangle = [](const std::string& corner, const std::string& face) {
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 1\nproperty list int int vertex_indices\nend_header\n" +
+           corner + "\n0 1 0\n0 0 1\n" + face + "\n";
+  };
   struct Broken {
     std::string name, bytes, reason;
   };
@@ -232,6 +237,12 @@ TEST(MeshFile, BrokenFilesAreRefusedWithAReason) {
       {"x.ply", ply(kCorners, {{0, 1}}, Ply::bigEndian), ": face 0 has 2 corners; valid: 3 to 256"},
       {"x.ply", ply(kCorners, {{0, 1, 2, 3}}, Ply::bigEndian),
        ": face 0: a face whose sides 2 and 4 cross or touch; valid: a simple polygon"},
+      {"x.ply", triangle("1e999 0 0", "3 0 1 2"), ":10: the coordinate inf; valid: finite, as a number of 32 bits"},
+      {"x.ply", triangle("-1e999 0 0", "3 0 1 2"), ":10: the coordinate -inf; valid: finite, as a number of 32 bits"},
+      {"x.ply", triangle("1 0 0", "2.5 0 1 2"), ":13: a list of 2.5 items; valid: a whole number from 0 to 999999999"},
+      {"x.ply", triangle("1 0 0", "-3 0 1 2"), ":13: a list of -3 items; valid: a whole number from 0 to 999999999"},
+      {"x.ply", triangle("1 0 0", "1e999 0 1 2"),
+       ":13: a list of inf items; valid: a whole number from 0 to 999999999"},
       {"x.ply", ply(kCorners, {}, Ply::text), ": has no faces; valid: a surface of triangles or larger faces"},
       {"x.obj",
        box + "f" +

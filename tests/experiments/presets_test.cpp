@@ -333,6 +333,33 @@ TEST(Presets, JengaStandsAlsoWithoutABlock) {
   EXPECT_GT(moved(falls, 59), Real(0.125));
 }
 
+// Figures 7.1, 7.2, 7.4 and 7.5, in the pipeline of their sweeps: towers of single circles, a heap after the firework,
+// rest. Under `rounded_polygon`, the generator of 2009, rounding makes the towers fall earlier.
+TEST(Presets, ScriptOneStandsCollapsesAndRests) {
+  Play<2> play("director_1", {},
+               "broadphase=region_tree contacts=sat_clip cache=by_feature "
+               "solver=split_solver{velocity=catto{iterations=10},position=split_impulse} sleep=split_average");
+  const auto points = [&] {
+    int n = 0;
+    for (const Manifold<2>& m : play.world.manifolds()) n += m.count;
+    return n;
+  };
+  const auto awake = [&] {
+    const Bodies<2>& bodies = play.world.bodies();
+    int n = 0;
+    for (int i = 0; i < bodies.size(); ++i) n += bodies.active(i);
+    return n;
+  };
+  play.steps(5000);
+  EXPECT_EQ(points(), 200);
+  EXPECT_EQ(awake(), 0);
+  play.steps(200);
+  EXPECT_GT(awake(), 100);
+  play.steps(4800);
+  EXPECT_GT(points(), 400);
+  EXPECT_EQ(awake(), 0);
+}
+
 // The report sets small velocities to zero (5.5.2); here sleep alone does.
 TEST(Presets, TinyVelocitiesStayUntilABodySleeps) {
   const Real tiny = std::numeric_limits<Real>::min();

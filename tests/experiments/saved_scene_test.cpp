@@ -78,7 +78,7 @@ TEST(SavedScene, MistakesAreOneLine) {
   refused("./b.toml", "'saved' needs 'dt'");
   w.write("a.world", world.substr(0, world.size() / 2));
   refused("./a.toml", "a.toml:");
-  w.write("a.world", "LPCWORLD3" + world.substr(9));
+  w.write("a.world", std::string("LPCWORLD3", 10) + world.substr(10));
   refused("./a.toml", "LPCWORLD3");
   w.write("a.world", "no world");
   refused("./a.toml", "a.toml:");

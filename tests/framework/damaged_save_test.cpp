@@ -149,6 +149,7 @@ struct Damaged : SavedState<D> {
                       {{SleepEvent::userChange, 0, -1}},
                       1,
                       kDt,
+                      kDt,
                       1,
                       {w.pairRecords().begin(), w.pairRecords().end()},
                       {w.forces().begin(), w.forces().end()}} {}
@@ -193,6 +194,7 @@ std::vector<Damage<D>> damages() {
       {"a setting", [](P p) { p.settings.margin = -1; }},
       {"the time", [](P p) { p.time = kNan; }},
       {"the time", [](P p) { p.lastDt = -1; }},
+      {"the time", [](P p) { p.sinceContacts = -1; }},
       {"the number of steps", [](P p) { p.steps = -1; }},
       {"the number of steps", [](P p) { p.steps = std::numeric_limits<std::int64_t>::max(); }},
       {"unequal lengths", [](P p) { p.bodies.sleep.pop_back(); }},

@@ -25,7 +25,7 @@ SavedState<D> someState() {
   s.events = in.table.events, s.joints = joints.records;
   s.manifolds.resize(1), s.records.resize(2), s.forces.resize(1);
   s.manifolds[0].normal = at<D>(0, 1), s.records[1].partA = 5;
-  s.time = Real(1.5), s.lastDt = Real(0.5), s.steps = 3;
+  s.time = Real(1.5), s.lastDt = Real(0.5), s.sinceContacts = Real(0.125), s.steps = 3;
   return s;
 }
 

@@ -13,7 +13,7 @@
 
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
-inline constexpr std::size_t kSavedChecksum = 26, kSavedBody = 34;  // after format, two numbers and length
+inline constexpr std::size_t kSavedChecksum = 27, kSavedBody = 35;  // after format, two numbers and length
 
 /// Corrects length and checksum, so that the reader's own validation is tested.
 inline std::string sealed(std::string bytes) {

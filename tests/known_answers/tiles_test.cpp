@@ -183,6 +183,47 @@ void nothingSlowsInEveryPipeline() {
 TEST(Tiles, NothingSlowsInEveryPipeline2) { nothingSlowsInEveryPipeline<2>(); }
 TEST(Tiles, NothingSlowsInEveryPipeline3) { nothingSlowsInEveryPipeline<3>(); }
 
+// avbd solves a body as if the rows that were active at its last velocity acted. Where many rows become active
+// together, their summed penalty exceeds m / dt^2, and their impulses alternate between none and too much. A second
+// solve sees which rows are active. Returns the largest change of height (m), 1 if the body does not get far. `first`:
+// number of tiles to the left of the origin.
+template <int D>
+double liftBySmallTiles(const std::string& solver, double tile, int first) {
+  World<D> world(Pipeline::parse("solver=" + solver));
+  for (int i = 0; i < 5 / tile; ++i) {
+    world.add(slippery<D>(Shape<D>::box(at<D>(tile / 2, 0.5, 2)), at<D>(tile * (i - first), -0.5)));
+  }
+  BodyDef<D> def = slippery<D>(Shape<D>::box(Vec<D>::Constant(Real(0.4))), at<D>(0, 0.405), BodyType::dynamic);
+  def.velocity = at<D>(2, 0);
+  const BodyHandle handle = world.add(def);
+  double lift = 0;
+  for (int i = 0; i < 100; ++i) {
+    world.step(kDt);
+    if (i > 10) lift = std::max(lift, std::abs(double(world.pose(handle).p[1]) - 0.4));
+  }
+  return world.pose(handle).p[0] > 3 ? lift : 1;  // also where it is not a number
+}
+template <int D>
+double liftBySmallTiles(const std::string& solver) {
+  return std::max({liftBySmallTiles<D>(solver, 0.1, 2), liftBySmallTiles<D>(solver, 0.1, 10),
+                   liftBySmallTiles<D>(solver, 0.05, 2)});
+}
+template <int D>
+void manyContactsLiftNothing() {
+  constexpr double kMost = 2e-3;
+  EXPECT_LT(liftBySmallTiles<D>("avbd{tries=1}"), kMost);
+  for (const Registered* r : Registry::instance().list(StageKind::solver, D)) {
+    if (!competes(*r)) continue;
+    const auto& failures = r->info.failures;
+    const bool declared = std::any_of(failures.begin(), failures.end(), [](const FailureMode& f) {
+      return std::string_view(f.test) == "Tiles.ManyContactsAtOnceLiftNothing";
+    });
+    const double lift = liftBySmallTiles<D>(r->info.name);
+    EXPECT_EQ(lift > kMost, declared) << r->info.name << " in " << D << "D: " << lift << " m";
+  }
+}
+TEST(Tiles, ManyContactsAtOnceLiftNothing) { manyContactsLiftNothing<2>(), manyContactsLiftNothing<3>(); }
+
 TEST(Tiles, NothingSlowsACylinder) {
   const Real sizes[] = {Real(0.4), Real(0.3)};
   for (const Floor kind : kFloors) {

@@ -158,7 +158,7 @@ bool substepsOrGives(const Spec& solver) {
 // rounding level.
 TEST(Extrusion, AgreesOrSaysThatItDoesNot) {
   std::map<std::pair<std::string, bool>, double> used;
-  for (const std::string& text : everySolver<3>()) {
+  for (const std::string& text : everySolver<3>(true)) {
     const bool told = declares<3>(text, "Extrusion.AgreesOrSaysThatItDoesNot");
     const Spec spec = Spec::parse(text);
     const bool gives = substepsOrGives(spec);

@@ -348,13 +348,13 @@ TEST(Replay, DamagedSavesAreRefusedAndChangeNothing) {
   }
   // The error for a save of another format names that format.
   std::string old = bytes;
-  old.replace(0, 9, "LPCWORLD4");
+  old.replace(0, 10, "LPCWORLD4", 10);  // with its final zero
   try {
     std::istringstream in(old);
     world.load(in);
     ADD_FAILURE() << "an old save was read";
   } catch (const UserError& e) {
-    EXPECT_STREQ(e.what(), "load: the saved world has the format LPCWORLD4; this program reads LPCWORLD9");
+    EXPECT_STREQ(e.what(), "load: the saved world has the format LPCWORLD4; this program reads LPCWORLD10");
   }
   EXPECT_EQ(world.hash(), hash);
   World<3> space;

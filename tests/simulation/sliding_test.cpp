@@ -104,7 +104,7 @@ Real worst(const std::string& solver, std::uint64_t seed) {
 
 template <int D>
 void everySolver(std::uint64_t seed) {
-  for (const std::string& solver : test::everySolver<D>()) {
+  for (const std::string& solver : test::everySolver<D>(true)) {
     const bool plain = solver.find('{') == solver.npos, position = solver.find("{position=") != solver.npos;
     if (!plain && !position) continue;
     EXPECT_LT(worst<D>(solver, seed), kTolerance) << solver << ", " << D << 'D';

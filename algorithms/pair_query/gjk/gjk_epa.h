@@ -122,6 +122,17 @@ class GjkEpaSearch {
     return std::isfinite(whole) ? part * whole : 0;
   }
 
+  // The normals of flat caps: across them the bound has a crease, which steps approach without reaching it.
+  static void tryCaps(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& work) {
+    const auto hasCap = [](ShapeKind kind) { return kind == ShapeKind::cylinder || kind == ShapeKind::cone; };
+    const Vec<3> axes[2] = {Vec<3>::Unit(0), pair.r.col(0)};
+    for (int i = 0; i < 2; ++i) {
+      if (!hasCap((i == 0 ? pair.a : pair.b).kind)) continue;
+      best.tryDirection(pair, axes[i], work);
+      best.tryDirection(pair, -axes[i], work);
+    }
+  }
+
   Vec<D> firstDirection(const CorePair<D>& pair) const {
     Vec<D> n = m_cache.direction();
     if (makeUnit<D>(n)) return n;
@@ -248,6 +259,9 @@ class GjkEpaSearch {
     }
     // If a tolerance was asked for and met, the last steps are skipped.
     const bool enough = allowedToLeave(pair, best.bound) > 0 && status == QueryStatus::converged;
+    if constexpr (D == 3) {
+      if (curved && inside && !enough) tryCaps(pair, best, work);
+    }
     if (curved && !enough) m_polish.improve(pair, best, work);
     // Near contact rounding decides the side of GJK's origin; the bound is more reliable.
     const bool overlaps = best.bound < -tolerance || (inside && best.bound <= tolerance);

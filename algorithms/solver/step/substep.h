@@ -13,6 +13,7 @@
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/step/free_motion.h"
 #include "algorithms/solver/step/gyroscopic.h"
+#include "algorithms/solver/step/remade_contacts.h"
 #include "framework/math/indexed.h"
 #include "framework/stage/profiler.h"
 
@@ -79,13 +80,6 @@ inline std::vector<FailureMode> substepFailures(const std::string& braked, std::
     own.push_back(shared);
   }
   return own;
-}
-
-enum class ContactsOf { step, substep };
-template <class Visitor>
-void visitContactsOf(Visitor& v, ContactsOf& contacts) {
-  v.choice("contacts", contacts, {"step", "substep"},
-           "made for the step, or again for each sub-step, which costs more");
 }
 
 struct SubstepPlan {
@@ -159,12 +153,14 @@ class Substeps {
   BodyDisplacements<D> displacements() { return {m_start, m_displacement}; }
 
   /// Turns the arms of contacts with the bodies. Shared: both bodies get the impulse at one point, so it adds no torque
-  /// to the pair (sharedArms()). Not shared: each body gets the impulse at its own anchor.
+  /// to the pair (sharedArms()). Not shared: each body gets the impulse at its own anchor. Contacts made at
+  /// the present poses have shared arms already.
   void turnArms(const StepInput<D>& in, bool shared) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     if (in.model.restitution && m_detected.empty()) m_detected = m_contacts.points;
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
       const Manifold<D>& m = in.manifolds[rows.manifold];
+      if (shared && m_plan.contacts == ContactsOf::substep && isMadeNow(in, m)) continue;
       const auto a = rows.a, b = rows.b;
       const auto [atA, atB] = displacements().pair(in.bodies, a, b);
       countMadeRows<D>(in.work, rows.rows());
@@ -290,8 +286,8 @@ class Substeps {
     }
   }
 
-  // Makes the contacts of the present poses. A point that has carried load inherits its impulses and its velocity
-  // before the step.
+  // Makes the contacts of the present poses. A point that was hit in this step rebounds from its velocity before that;
+  // any other from its present velocity.
   void makeContacts(const StepInput<D>& in) {
     storeContacts(in);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
@@ -299,30 +295,33 @@ class Substeps {
         in.manifolds[m.manifold].points[k].memory[0] = m_states[m.first + k].velocity;
       }
     }
+    m_remade.keep(in.manifolds, in.active);
     in.detect.again();
     Profiler::Scope scope(in.profiler, "solver.prepare");
+    m_remade.restore(in.manifolds, in.active, PointImpulse::ofSubstep);
     prepareContacts(in, 1);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       for (int k = 0; k < m.count; ++k) {
         const ContactPoint<D>& c = in.manifolds[m.manifold].points[k];
         State& state = m_states[m.first + k];
-        state.load = state.maxImpulse = c.load;
-        if (c.load > 0) state.velocity = c.memory[0];
+        if (!(c.load > 0)) continue;
+        state.load = state.maxImpulse = c.load, state.velocity = c.memory[0];
       }
     }
     measure(in);
+  }
+
+  static bool isMadeNow(const StepInput<D>& in, const Manifold<D>& m) {
+    const Pose<D> X_AB = poseBetween(in.bodies.pose[m.bodyA], in.bodies.pose[m.bodyB]);
+    return X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
   }
 
   // Arms of points that a cache has kept: each body's own, in world axes of the time when the points were made. The
   // rotation of A at that time is stored with each point, also of a point that a listener vetoes, since it may be
   // allowed later.
   void keepArms(const StepInput<D>& in) {
-    const auto made = [&](const Manifold<D>& m) {  // present rotation
-      const Pose<D> X_AB = poseBetween(in.bodies.pose[m.bodyA], in.bodies.pose[m.bodyB]);
-      return X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
-    };
     for (Manifold<D>& m : in.manifolds) {
-      if (!made(m)) continue;
+      if (!isMadeNow(in, m)) continue;
       const Ang<D> turn = turnOf(in.bodies.pose[m.bodyA].q);
       for (int k = 0; k < m.count; ++k) {
         std::copy(turn.begin(), turn.end(), m.points[k].memory.begin());
@@ -330,7 +329,7 @@ class Substeps {
     }
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
       const Manifold<D>& m = in.manifolds[rows.manifold];
-      if (made(m)) continue;
+      if (isMadeNow(in, m)) continue;
       countMadeRows<D>(in.work, rows.rows());
       for (int k = 0; k < m.count; ++k) {
         const ContactPoint<D>& c = m.points[k];
@@ -446,9 +445,10 @@ class Substeps {
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
   IndexedVector<Vec<D>> m_start, m_displacement;  // by body: position at the start of the step, displacement since, m
-  IndexedVector<PointRows<D>> m_detected;         // by point, before arms were turned; empty if they were not
-  IndexedVector<State> m_states;                  // by point
-  IndexedVector<JointImpulse> m_jointImpulse;     // by joint slot
+  RemadeContacts<D> m_remade;
+  IndexedVector<PointRows<D>> m_detected;      // by point, before arms were turned; empty if they were not
+  IndexedVector<State> m_states;               // by point
+  IndexedVector<JointImpulse> m_jointImpulse;  // by joint slot
   IndexedVector<Wrench<D>> m_wrenches;
 };
 

@@ -41,6 +41,9 @@ class MeshLines {
   std::string_view m_rest, m_line;
 };
 
+/// Whether a number that is out of range is too close to 0.
+inline bool isTiny(std::string_view word) { return word.find("e-") != word.npos || word.find("E-") != word.npos; }
+
 /// A coordinate. A number closer to 0 than any float is read as 0.
 inline float meshCoordinate(std::string_view word, const std::string& path, long line) {
   const std::string shown(word.substr(0, 40));
@@ -49,9 +52,7 @@ inline float meshCoordinate(std::string_view word, const std::string& path, long
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   const bool read = error != std::errc::invalid_argument && end == word.data() + word.size();
   if (!read) refuseMesh(path, line, "'" + shown + "' is not a coordinate; valid: a number");
-  const bool tiny =
-      error == std::errc::result_out_of_range && (word.find("e-") != word.npos || word.find("E-") != word.npos);
-  if (tiny) return 0;
+  if (error == std::errc::result_out_of_range && isTiny(word)) return 0;
   if (error == std::errc() && std::isfinite(value)) return value;
   refuseMesh(path, line, "the coordinate " + shown + "; valid: finite, as a number of 32 bits");
 }

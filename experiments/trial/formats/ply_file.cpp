@@ -64,6 +64,15 @@ class PlyFile {
     }
     return 0;
   }
+  /// The number of items of a list; 1 for another property.
+  double nextCount(const PlyProperty& p) {
+    if (!p.list) return 1;
+    const double n = next(p.count);
+    if (!(n >= 0 && n < 1e9) || n != std::floor(n)) {
+      fail("a list of " + asText(n) + " items; valid: a whole number from 0 to 999999999");
+    }
+    return n;
+  }
   void requireEnd() {
     if (m_text) {
       std::string_view word = m_lines.word();
@@ -133,6 +142,10 @@ class PlyFile {
     if (error == std::errc::invalid_argument || end != word.data() + word.size()) {
       fail("'" + shown + "' is not a number; valid: a number");
     }
+    if (error == std::errc::result_out_of_range) {
+      const double infinity = std::numeric_limits<double>::infinity();
+      return isTiny(word) ? 0 : word.starts_with('-') ? -infinity : infinity;
+    }
     return value;
   }
   template <class T>
@@ -165,7 +178,7 @@ void readVertices(PlyFile& file, const PlyElement& vertex, MeshFaces& out) {
     MeshCorner point{};
     for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
       const PlyProperty& p = vertex.properties[i];
-      const double count = p.list ? file.next(p.count) : 1;
+      const double count = file.nextCount(p);
       for (double k = 0; k < count; ++k) {
         const double value = file.next(p.type);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -186,7 +199,7 @@ void readFaces(PlyFile& file, const PlyElement& face, const std::string& path, M
   for (long n = 0; n < face.n; ++n) {
     for (const PlyProperty& p : face.properties) {
       const bool corners = p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
-      const double count = p.list ? file.next(p.count) : 1;
+      const double count = file.nextCount(p);
       if (corners && !(count >= 3 && count <= double(kMostFaceCorners))) {
         file.fail("face " + std::to_string(n) + " has " + asText(count) + " corners; valid: 3 to " +
                   std::to_string(kMostFaceCorners));
@@ -220,7 +233,7 @@ MeshFaces readPly(const std::string& bytes, const std::string& path) {
     } else {
       for (long n = 0; n < e.n; ++n) {
         for (const PlyProperty& p : e.properties) {
-          const double count = p.list ? file.next(p.count) : 1;
+          const double count = file.nextCount(p);
           for (double k = 0; k < count; ++k) file.next(p.type);
         }
       }

@@ -41,9 +41,11 @@ double Rest::share() const { return std::fmax(sagShare(), std::fmax(depthShare()
 std::string Rest::reason() const {
   char why[160];
   if (share() == sagShare()) {
-    std::snprintf(why, sizeof why, "at the end a body has sagged by %.4g m", sag - fall);
+    std::snprintf(why, sizeof why, "at the end a body has sagged by %.4g m, %.4g m beyond the slop of its levels",
+                  sag - fall, sagShare() * size);
   } else if (share() == depthShare()) {
-    std::snprintf(why, sizeof why, "at the end shapes overlap by %.4g m", depth);
+    std::snprintf(why, sizeof why, "at the end shapes overlap by %.4g m, %.4g m beyond the slop", depth,
+                  depthShare() * size);
   } else {
     std::snprintf(why, sizeof why, "at the end a body sinks by %.4g m in a second", sinking);
   }
