@@ -36,7 +36,7 @@ class ByDistance final : public ContactCache<D> {
 
  private:
   void inherit(const Manifold<D>& old, Manifold<D>& m) const {
-    const cache::FrictionTurn<D> turn(old.normal, m.normal);
+    const FrictionTurn<D> turn(old.normal, m.normal);
     IndexedArray<bool, kManifoldPoints<D>> given{}, taken{};
     for (int n = std::min(old.count, m.count); n > 0; --n) {
       Real least = std::numeric_limits<Real>::infinity();

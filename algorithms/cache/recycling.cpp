@@ -102,7 +102,7 @@ class Recycling final : public ContactCache<D> {
   static void renew(const CacheInput<D>& in, Manifold<D>& m) {
     const Pose<D>&X_WA = in.pose[m.bodyA], &X_WB = in.pose[m.bodyB];
     const Vec<D> n = X_WA.q * m.normalA;
-    const cache::FrictionTurn<D> turn(m.normal, n);
+    const FrictionTurn<D> turn(m.normal, n);
     m.normal = n, m.begun = m.ignored = 0;
     for (int i = 0; i < m.count; ++i) {
       ContactPoint<D>& p = m.points[i];

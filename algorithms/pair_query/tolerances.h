@@ -173,9 +173,8 @@ inline constexpr int kLocalFaces = 256;
 /// elsewhere. Smaller: more faces first.
 inline constexpr Real kNearFace = Real(1e-4);
 
-/// No steps start from a face whose normal is closer than this (rad) to a direction where earlier
-/// steps have ended. Larger: one of two
-/// near depths is missed. Smaller: more starts that end at the same place.
+/// No steps start from a face if its normal is closer than this (rad) to a direction where earlier steps have ended.
+/// Larger: one of two near depths is missed. Smaller: more starts that end at the same place.
 inline constexpr Real kSameDirection = Real(0.05);
 
 /// Starts of Newton's steps that end where others did, without a better bound, after which the search ends (count); and

@@ -38,8 +38,8 @@ class ListenerTable {
   void forEach(const Manifold<D>& m, const F& f) const;
 
   /// Calls mix(), then reports contacts that begin, persist and end. Writes the listeners' answers into the manifolds.
-  /// Adds sleep events: for sleeping bodies, and for awake ones whose deep contact opens. `world` is passed to the
-  /// listeners.
+  /// Adds sleep events: for sleeping bodies, and for awake ones with a deep contact that opens. `world` is passed to
+  /// the listeners.
   void notify(const World<D>& world, BodyTable<D>& table, const StepContacts<D>& news) const;
 
  private:

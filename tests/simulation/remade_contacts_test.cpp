@@ -67,29 +67,6 @@ void bounces() {
 TEST(RemadeContacts, BounceAsThoseOfAStep2) { bounces<2>(); }
 TEST(RemadeContacts, BounceAsThoseOfAStep3) { bounces<3>(); }
 
-// The loads of a body at rest carry its weight.
-template <int D>
-void carries() {
-  forMemories<WorldSettings<D>>([](const std::string& often, const std::string&, const WorldSettings<D>& settings) {
-    World<D> world(Pipeline::parse(often), settings);
-    world.add(body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::fixed));
-    const BodyHandle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
-    double load = 0;
-    constexpr int kSettling = 60, kSteps = 60;
-    for (int i = 0; i < kSettling + kSteps; ++i) {
-      world.step(kDt);
-      if (i < kSettling) continue;
-      for (const Manifold<D>& m : world.manifolds()) {
-        for (int k = 0; k < m.count; ++k) load += double(m.points[k].load);
-      }
-    }
-    const double weight = double(world.mass(box)) * double(-settings.gravity[1]) * double(kDt) * kSteps;
-    EXPECT_NEAR(load / weight, 1, 0.01);
-  });
-}
-TEST(RemadeContacts, CarryTheWeight2) { carries<2>(); }
-TEST(RemadeContacts, CarryTheWeight3) { carries<3>(); }
-
 // A polygon of 24 corners rolls, in 3D a prism: its contacts change their features within a step. In each step its
 // loads change its momentum.
 template <int D>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/math/indexed.h"
+#include "framework/problem/friction_turn.h"
 #include "framework/stage/stage_solver.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -24,7 +25,7 @@ enum class PointImpulse { ofSubstep, sum };
 
 /// Hands what a step has done to its contacts to the contacts that replace them within the step: impulses, loads, and
 /// the velocity with which each was hit (m/s, in memory[0]). The cache does not do this: `by_feature` keeps only points
-/// whose features stay, and `none` keeps nothing.
+/// with unchanged features, and `none` keeps nothing.
 template <int D>
 class RemadeContacts {
  public:
@@ -58,6 +59,7 @@ class RemadeContacts {
     return loaded;
   }
   static void hand(const Manifold<D>& old, Manifold<D>& m, PointImpulse kind) {
+    const FrictionTurn<D> turn(old.normal, m.normal);
     for (int o = 0; o < old.count; ++o) {
       const ContactPoint<D>& from = old.points[o];
       ContactPoint<D>& to = m.points[nearest(from, m)];
@@ -66,7 +68,7 @@ class RemadeContacts {
       if (from.load > 0 && (same || to.separation <= 0)) to.memory[0] = std::min(to.memory[0], from.memory[0]);
       if (!same && kind == PointImpulse::ofSubstep) continue;
       IndexedArray<Real, D> impulse = from.impulse;
-      turn(old.normal, m.normal, impulse);
+      turn(impulse);
       for (int d = 0; d < D; ++d) to.impulse[d] = (kind == PointImpulse::sum ? to.impulse[d] : 0) + impulse[d];
     }
   }
@@ -81,15 +83,6 @@ class RemadeContacts {
     }
     return best;
   }
-  // Friction is carried as a vector: the tangents may be mirrored although the normals differ by one rounding.
-  static void turn(const Vec<D>& from, const Vec<D>& to, IndexedArray<Real, D>& impulse) {
-    if (from == to) return;
-    Vec<D - 1> friction;
-    for (int d = 1; d < D; ++d) friction[d - 1] = impulse[d];
-    friction = (tangents(to).transpose() * (tangents(from) * friction)).eval();
-    for (int d = 1; d < D; ++d) impulse[d] = friction[d - 1];
-  }
-
   std::vector<Manifold<D>> m_old;  // those with a load, sorted by key
 };
 
