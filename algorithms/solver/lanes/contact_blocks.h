@@ -197,6 +197,14 @@ class ContactBlocks {
     return row;
   }
 
+  /// Calls f(place, index of the point) for each point.
+  template <class F>
+  void forPoints(const F& f) const {
+    for (const ContactPlace& at : places) {
+      for (int k = 0; k < at.count; ++k) f(at, k);
+    }
+  }
+
   /// Adds the normal impulses to the loads.
   void addLoads() {
     for (const ContactBlock& block : blocks) {
@@ -208,7 +216,7 @@ class ContactBlocks {
     }
   }
 
-  void loadMotion(const IndexedVector<Motion<D>>& from) {
+  void loadMotion(IndexedSpan<const Motion<D>> from) {
     Real* line = motion.data() + kReserved * kLine<D>;
     for (const std::int32_t body : m_bodies) {
       const Motion<D>& m = from[body];
@@ -226,10 +234,13 @@ class ContactBlocks {
       line += kLine<D>;
     }
   }
-  void loadFixed(const Bodies<D>& bodies, IndexedSpan<const Vec<D>> start) {
+  /// `start(body)` is its position at the start of the step, m.
+  template <class Start>
+  void loadFixed(const Bodies<D>& bodies, const Start& start) {
     Real* line = fixed.data() + kReserved * kFixedLine<D>;
     for (const std::int32_t body : m_bodies) {
-      std::copy_n(start[body].data(), D, line);
+      const Vec<D> at = start(body);
+      std::copy_n(at.data(), D, line);
       line[D] = bodies.invMass[body];
       std::copy_n(bodies.invInertia[body].data(), Layout::kAng * Layout::kAng, line + D + 1);
       line += kFixedLine<D>;

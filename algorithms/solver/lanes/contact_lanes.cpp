@@ -175,6 +175,19 @@ HWY_INLINE void applyBlock(T, const ContactBlock& block, Real* numbers, const st
   s.store(offsets + block.index, lines);
 }
 
+template <int D, bool kTurns, class T>
+HWY_INLINE void velocityBlock(T, const ContactBlock& block, Real* numbers, const std::int32_t* offsets,
+                              const Real* lines, int field) {
+  using F = BlockLayout<D>;
+  const Numbers<D, T> m{numbers + block.at};
+  const Sides<D, T> s(m, offsets + block.index, lines);
+  const auto n = m.template vec<D>(F::kNormal);
+  for (int k = 0; k < block.count; ++k) {
+    const Numbers<D, T> p = m.point(k);
+    p.set(field, s.template velocity<kTurns>(n, armOf<D>(p, 0, 0), armOf<D>(p, 0, 1)));
+  }
+}
+
 template <int D, class T>
 HWY_INLINE void measureBlock(T, const ContactBlock& block, Real* numbers, const std::int32_t* offsets,
                              const Real* lines) {
@@ -348,6 +361,16 @@ void applyAll(ContactBlocks<D>& c, bool rotation) {
   }
 }
 template <int D>
+void velocityAll(ContactBlocks<D>& c, int field, bool rotation) {
+  forBlocks(c.blocks, [&](auto tag, const ContactBlock& block) HWY_ATTR {
+    if (rotation) {
+      velocityBlock<D, true>(tag, block, c.numbers(), c.offsets.data(), c.motion.data(), field);
+    } else {
+      velocityBlock<D, false>(tag, block, c.numbers(), c.offsets.data(), c.motion.data(), field);
+    }
+  });
+}
+template <int D>
 void measureAll(ContactBlocks<D>& c) {
   forBlocks(c.blocks, [&](auto tag, const ContactBlock& block)
                           HWY_ATTR { measureBlock<D>(tag, block, c.numbers(), c.offsets.data(), c.pose.data()); });
@@ -364,6 +387,8 @@ void sweep2(ContactBlocks<2>& c, const BlockSweep& law) { sweepAll(c, law); }
 void sweep3(ContactBlocks<3>& c, const BlockSweep& law) { sweepAll(c, law); }
 void apply2(ContactBlocks<2>& c, bool rotation) { applyAll(c, rotation); }
 void apply3(ContactBlocks<3>& c, bool rotation) { applyAll(c, rotation); }
+void velocity2(ContactBlocks<2>& c, int field, bool rotation) { velocityAll(c, field, rotation); }
+void velocity3(ContactBlocks<3>& c, int field, bool rotation) { velocityAll(c, field, rotation); }
 void measure2(ContactBlocks<2>& c) { measureAll(c); }
 void measure3(ContactBlocks<3>& c) { measureAll(c); }
 int lanesOfTarget() { return static_cast<int>(hn::Lanes(AllLanes())); }
@@ -379,6 +404,8 @@ HWY_EXPORT(sweep2);
 HWY_EXPORT(sweep3);
 HWY_EXPORT(apply2);
 HWY_EXPORT(apply3);
+HWY_EXPORT(velocity2);
+HWY_EXPORT(velocity3);
 HWY_EXPORT(measure2);
 HWY_EXPORT(measure3);
 HWY_EXPORT(lanesOfTarget);
@@ -388,6 +415,12 @@ void sweepBlocks(ContactBlocks<2>& c, const BlockSweep& law) { HWY_DYNAMIC_DISPA
 void sweepBlocks(ContactBlocks<3>& c, const BlockSweep& law) { HWY_DYNAMIC_DISPATCH(sweep3)(c, law); }
 void applyBlocks(ContactBlocks<2>& c, bool rotation) { HWY_DYNAMIC_DISPATCH(apply2)(c, rotation); }
 void applyBlocks(ContactBlocks<3>& c, bool rotation) { HWY_DYNAMIC_DISPATCH(apply3)(c, rotation); }
+void velocityBlocks(ContactBlocks<2>& c, int field, bool rotation) {
+  HWY_DYNAMIC_DISPATCH(velocity2)(c, field, rotation);
+}
+void velocityBlocks(ContactBlocks<3>& c, int field, bool rotation) {
+  HWY_DYNAMIC_DISPATCH(velocity3)(c, field, rotation);
+}
 void measureBlocks(ContactBlocks<2>& c) { HWY_DYNAMIC_DISPATCH(measure2)(c); }
 void measureBlocks(ContactBlocks<3>& c) { HWY_DYNAMIC_DISPATCH(measure3)(c); }
 int contactLanes() { return HWY_DYNAMIC_DISPATCH(lanesOfTarget)(); }

@@ -27,6 +27,9 @@ void prepareBlocks(ContactBlocks<3>& blocks, Real warmStart);
 /// Applies the accumulated impulses.
 void applyBlocks(ContactBlocks<2>& blocks, bool rotation);
 void applyBlocks(ContactBlocks<3>& blocks, bool rotation);
+/// Sets number `field` of each point to its normal velocity, m/s.
+void velocityBlocks(ContactBlocks<2>& blocks, int field, bool rotation);
+void velocityBlocks(ContactBlocks<3>& blocks, int field, bool rotation);
 /// Sets the goals to the separations at the poses in blocks.pose, m.
 void measureBlocks(ContactBlocks<2>& blocks);
 void measureBlocks(ContactBlocks<3>& blocks);

@@ -251,7 +251,7 @@ class Substeps {
     m_contacts.arrange(in.bodies, in.manifolds, m_order, m_colours, lanes, in.model.friction);
     m_turned = false;
     countMadeRows<D>(in.work, m_contacts.rows());
-    m_contacts.loadFixed(in.bodies, m_start);
+    m_contacts.loadFixed(in.bodies, [&](std::int32_t body) { return m_start[body]; });
     m_contacts.loadPose(in.bodies);
     prepareBlocks(m_contacts, warmStart);
     if (m_plan.armsAsMade) keepArms(in);
