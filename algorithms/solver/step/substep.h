@@ -145,9 +145,9 @@ class Substeps {
   /// Moves the bodies. Separations follow unless the method keeps those of the detection.
   void move(const StepInput<D>& in, bool separationsFollow = true) {
     Profiler::Scope scope(in.profiler, "solver.move");
+    m_motion.move(in.bodies, in.bodies.motion, m_h, in.model.rotation);
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
       if (!travels(in.bodies, k)) continue;
-      moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, in.model.rotation);
       m_displacement[k] += m_h * in.bodies.motion[k].v;
       in.bodies.pose[k].p = m_start[k] + m_displacement[k];
     }
@@ -390,6 +390,7 @@ class Substeps {
   Real m_count = 1, m_h = 0;
   ContactBlocks<D> m_contacts, m_detected;  // m_detected: before arms were turned, if m_turned
   bool m_turned = false;
+  FreeMotion<D> m_motion;
   std::vector<int> m_order, m_colours;  // of contacts, as VelocityInput has them
   JointSystem<D> m_joints;
   IndexedVector<Vec<D>> m_start, m_displacement;  // by body: position at the start of the step, displacement since, m
