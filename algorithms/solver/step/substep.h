@@ -116,7 +116,6 @@ class Substeps {
       }
     }
     m_joints.clear();
-    measure(in);
   }
 
   Real h() const { return m_h; }  // s
@@ -188,10 +187,9 @@ class Substeps {
     measureBlocks(m_contacts);
   }
 
-  /// Removes the velocity that pushing has added.
+  /// Removes the velocity that pushing has added. No velocity may change between solve() and this.
   void relax(const StepInput<D>& in, int iterations) {
     Profiler::Scope scope(in.profiler, "solver.relax");
-    m_contacts.loadMotion(in.bodies.motion);
     sweep(in, {}, iterations);
     m_contacts.storeMotion(in.bodies, in.bodies.motion);
   }
@@ -255,50 +253,42 @@ class Substeps {
     m_contacts.loadPose(in.bodies);
     prepareBlocks(m_contacts, warmStart);
     if (m_plan.armsAsMade) keepArms(in);
-    for (const ContactPlace& at : m_contacts.places) {
-      const Manifold<D>& m = in.manifolds[at.manifold];
-      if (m_plan.contacts == ContactsOf::step && !(m.restitution > 0)) continue;  // only a bounce needs it
-      const Motion<D>&a = in.bodies.motion[at.a], &b = in.bodies.motion[at.b];
-      for (int k = 0; k < at.count; ++k) {
-        const Row<D> normal = m_contacts.pointRows(at, k).normal;
-        m_contacts.of(at, k, Layout::kVelocity) = rowVelocity<D>(normal, m.normal, a, b, in.model.rotation);
-      }
+    const auto bounces = [&](const ContactPlace& at) { return in.manifolds[at.manifold].restitution > 0; };
+    if (m_plan.contacts == ContactsOf::step &&
+        std::none_of(m_contacts.places.begin(), m_contacts.places.end(), bounces)) {
+      return;  // only a bounce needs the velocities
     }
+    m_contacts.loadMotion(in.bodies.motion);
+    velocityBlocks(m_contacts, Layout::kVelocity, in.model.rotation);
   }
 
   // Writes `scale` times the impulses, and the loads.
   void storeContacts(const StepInput<D>& in, Real scale) {
-    for (const ContactPlace& at : m_contacts.places) {
-      for (int k = 0; k < at.count; ++k) {
-        ContactPoint<D>& c = in.manifolds[at.manifold].points[k];
-        for (int d = 0; d < D; ++d) c.impulse[d] = scale * m_contacts.of(at, k, Layout::kImpulse + d);
-        c.load = m_contacts.of(at, k, Layout::kLoad);
-      }
-    }
+    m_contacts.forPoints([&](const ContactPlace& at, int k) {
+      ContactPoint<D>& c = in.manifolds[at.manifold].points[k];
+      for (int d = 0; d < D; ++d) c.impulse[d] = scale * m_contacts.of(at, k, Layout::kImpulse + d);
+      c.load = m_contacts.of(at, k, Layout::kLoad);
+    });
   }
 
   // Makes the contacts of the present poses. A point that was hit in this step rebounds from its velocity before that;
   // any other from its present velocity.
   void makeContacts(const StepInput<D>& in) {
     storeContacts(in, 1);
-    for (const ContactPlace& at : m_contacts.places) {
-      for (int k = 0; k < at.count; ++k) {
-        in.manifolds[at.manifold].points[k].memory[0] = m_contacts.of(at, k, Layout::kVelocity);
-      }
-    }
+    m_contacts.forPoints([&](const ContactPlace& at, int k) {
+      in.manifolds[at.manifold].points[k].memory[0] = m_contacts.of(at, k, Layout::kVelocity);
+    });
     m_remade.keep(in.manifolds, in.active);
     in.detect.again();
     Profiler::Scope scope(in.profiler, "solver.prepare");
     m_remade.restore(in.manifolds, in.active, PointImpulse::ofSubstep);
     prepareContacts(in, 1);
-    for (const ContactPlace& at : m_contacts.places) {
-      for (int k = 0; k < at.count; ++k) {
-        const ContactPoint<D>& c = in.manifolds[at.manifold].points[k];
-        if (!(c.load > 0)) continue;
-        m_contacts.of(at, k, Layout::kLoad) = m_contacts.of(at, k, Layout::kMaxImpulse) = c.load;
-        m_contacts.of(at, k, Layout::kVelocity) = c.memory[0];
-      }
-    }
+    m_contacts.forPoints([&](const ContactPlace& at, int k) {
+      const ContactPoint<D>& c = in.manifolds[at.manifold].points[k];
+      if (!(c.load > 0)) return;
+      m_contacts.of(at, k, Layout::kLoad) = m_contacts.of(at, k, Layout::kMaxImpulse) = c.load;
+      m_contacts.of(at, k, Layout::kVelocity) = c.memory[0];
+    });
     measure(in);
   }
 
