@@ -36,48 +36,44 @@ class Recycling final : public ContactCache<D> {
   }
 
   void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) override {
-    regenerate.clear(), m_kept.clear();
+    regenerate.clear();
     std::size_t o = 0;
     for (const ShapePair& pair : in.pairs) {
-      if (o < in.old.size()) {
-        const auto body = [&](std::int32_t shape) { return in.shapes[shape].body; };
-        const auto key = std::tuple(body(pair.a), pair.a, body(pair.b), pair.b);
+      const auto ofPair = [&](const Manifold<D>& m) { return m.shapeA == pair.a && m.shapeB == pair.b; };
+      if (o < in.old.size() && !ofPair(in.old[o])) {
+        const std::tuple key(in.shapes[pair.a].body, pair.a, in.shapes[pair.b].body, pair.b);
         while (o < in.old.size() && in.old[o].shapeKey() < key) ++o;
-        std::size_t end = o;
-        while (end < in.old.size() && in.old[end].shapeKey() == key) ++end;
-        if (end > o && stays(in, in.old.subspan(o, end - o))) {
-          for (; o < end; ++o) m_kept.push_back(o);
-          continue;
-        }
       }
-      regenerate.push_back(pair);
+      const std::size_t first = o;
+      while (o < in.old.size() && ofPair(in.old[o])) ++o;
+      if (first == o || !stays(in, in.old.part(first, o - first))) regenerate.push_back(pair);
     }
   }
 
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     cache::forKnown<D>(in.old, fresh, cache::inheritByFeature<D>);
-    // Merges in place, from the end.
-    std::size_t left = fresh.size(), out = left + m_kept.size();
-    fresh.resize(out);
-    for (std::size_t k = m_kept.size(); k > 0;) {
-      const Manifold<D>& old = in.old[m_kept[k - 1]];
-      --out;
-      if (left > 0 && old.key() < fresh[left - 1].key()) {
-        fresh[out] = fresh[--left];
-      } else {
-        fresh[out] = old, --k;
-        renew(in, fresh[out]);
+  }
+
+  void renew(const CacheInput<D>& in, std::span<Manifold<D>> pair) override {
+    const Pose<D>&X_WA = in.pose[pair[0].bodyA], &X_WB = in.pose[pair[0].bodyB];
+    for (Manifold<D>& m : pair) {
+      const Vec<D> n = X_WA.q * m.normalA;
+      const FrictionTurn<D> turn(m.normal, n);
+      m.normal = n, m.begun = m.ignored = 0;
+      for (int i = 0; i < m.count; ++i) {
+        ContactPoint<D>& p = m.points[i];
+        p.separation = separation(p, n, X_WA, X_WB);
+        turn(p.impulse);
       }
     }
-    m_kept.clear();
   }
 
  private:
   // Manifolds of one pair of shapes, all made in one step.
   bool stays(const CacheInput<D>& in, std::span<const Manifold<D>> old) const {
     const Manifold<D>& m = old[0];
-    const ShapeRecord<D>&a = in.shapes[m.shapeA], &b = in.shapes[m.shapeB];
-    if (!flat(a.shape) || !flat(b.shape)) return false;
+    const Shape<D>&a = in.shapes[m.shapeA].shape, &b = in.shapes[m.shapeB].shape;
+    if (!a.flat() || !b.flat()) return false;
     const Pose<D>&X_WA = in.pose[m.bodyA], &X_WB = in.pose[m.bodyB];
     const Pose<D> X_AB = poseBetween(X_WA, X_WB);
     const Ang<D> turn = turnOf(X_AB.q * m.X_AB.q.inverse());
@@ -85,7 +81,7 @@ class Recycling final : public ContactCache<D> {
     if (!(angle <= m_params.angle)) return false;
     const Vec<D>& p = m.points[0].localB;
     const Vec<D> moved = (X_AB.p - m.X_AB.p) + (X_AB.q * p - m.X_AB.q * p);
-    const Real width = 2 * std::min(reach(a.shape), reach(b.shape));
+    const Real width = 2 * std::min(a.reach(), b.reach());
     if (!(moved.norm() + width * angle <= m_params.distance)) return false;
     const Real tilt = cross(turn, m.normalA).norm();
     if (!(std::abs(moved.dot(m.normalA)) + width * tilt <= in.margin)) return false;
@@ -99,44 +95,12 @@ class Recycling final : public ContactCache<D> {
     return false;
   }
 
-  static void renew(const CacheInput<D>& in, Manifold<D>& m) {
-    const Pose<D>&X_WA = in.pose[m.bodyA], &X_WB = in.pose[m.bodyB];
-    const Vec<D> n = X_WA.q * m.normalA;
-    const FrictionTurn<D> turn(m.normal, n);
-    m.normal = n, m.begun = m.ignored = 0;
-    for (int i = 0; i < m.count; ++i) {
-      ContactPoint<D>& p = m.points[i];
-      p.separation = separation(p, n, X_WA, X_WB);
-      turn(p.impulse);
-    }
-  }
-
   // Computed as a generator would: far from the origin the sum of a position and an arm loses digits.
   static Real separation(const ContactPoint<D>& p, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB) {
     return ((X_WB.p - X_WA.p) + X_WB.q * p.localB - X_WA.q * p.localA).dot(n);
   }
 
-  static bool flat(const Shape<D>& shape) {
-    bool flat = true;
-    if (shape.surface()) return true;  // of segments or triangles
-    forParts(shape, Pose<D>{}, [&](const ShapeView<D>& part, const Pose<D>&) {
-      flat = flat && part.radius == 0 && part.core() != CoreClass::curved && part.core() != CoreClass::point;
-    });
-    return flat;
-  }
-
-  // Radius (m) of a sphere around the shape's origin that contains the shape.
-  static Real reach(const Shape<D>& shape) {
-    if (shape.surface()) return shape.surface()->reach();
-    Real reach = 0;
-    forParts(shape, Pose<D>{}, [&](const ShapeView<D>& part, const Pose<D>& X_SP) {
-      reach = std::max(reach, X_SP.p.norm() + boundingRadius(part));
-    });
-    return reach;
-  }
-
   Params m_params;
-  std::vector<std::size_t> m_kept;  // indices into `old`
 };
 
 }  // namespace
