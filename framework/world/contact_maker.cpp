@@ -2,6 +2,7 @@
 #include "framework/world/contact_maker.h"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 
 #include "framework/world/contact_listener.h"
@@ -66,6 +67,18 @@ class PairSearch {
   std::size_t m_at = 0;
 };
 
+// Stable counting sort: binOf(item) is below `bins`.
+template <class T, class F>
+void sortByBin(std::vector<T>& items, std::vector<T>& scratch, std::vector<std::uint32_t>& begin, std::size_t bins,
+               const F& binOf) {
+  begin.assign(bins + 1, 0);
+  for (const T& item : items) ++begin[static_cast<std::size_t>(binOf(item)) + 1];
+  for (std::size_t i = 1; i < bins; ++i) begin[i] += begin[i - 1];
+  scratch.resize(items.size());
+  for (const T& item : items) scratch[begin[static_cast<std::size_t>(binOf(item))]++] = item;
+  std::swap(items, scratch);
+}
+
 }  // namespace
 
 template <int D>
@@ -86,16 +99,28 @@ void ContactMaker<D>::findPairs(const BodyTable<D>& table, const NonCollidingPai
 }
 
 // This order does not affect the result, which depends on the order of the manifolds. Generators emit manifolds mostly
-// in the order of the pairs, and moving pairs is cheaper.
+// in the order of the pairs, and moving pairs is cheaper. Shapes get places in the order of bodies, then slots. Pairs
+// are sorted by the place of B, then by that of A.
 template <int D>
 void ContactMaker<D>::sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const SpeculativePair> speculative) {
   for (const SpeculativePair& p : speculative)
     m_pairs.push_back(p.shapes);  // the broadphase has already found the near ones
-  for (const ShapePair& p : m_pairs) {
-    m_order.add(
-        {shapes[static_cast<std::size_t>(p.a)].body, p.a, shapes[static_cast<std::size_t>(p.b)].body, p.b, 0, 0});
+  if (m_pairs.empty()) return;
+  m_places.resize(shapes.size());
+  std::iota(m_places.begin(), m_places.end(), 0);
+  const auto inBodyOrder = [](const ShapeRecord<D>& s, const ShapeRecord<D>& t) { return s.body < t.body; };
+  if (!std::is_sorted(shapes.begin(), shapes.end(), inBodyOrder)) {
+    const std::int32_t last = std::max_element(shapes.begin(), shapes.end(), inBodyOrder)->body;
+    m_shapeOrder = m_places;
+    sortByBin(m_shapeOrder, m_scratchOrder, m_begin, static_cast<std::size_t>(last) + 2,
+              [&](std::int32_t s) { return shapes[static_cast<std::size_t>(s)].body + 1; });  // a free slot's is -1
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      m_places[static_cast<std::size_t>(m_shapeOrder[i])] = static_cast<std::int32_t>(i);
+    }
   }
-  m_order.apply(std::span(m_pairs));
+  const auto placeOf = [&](std::int32_t shape) { return m_places[static_cast<std::size_t>(shape)]; };
+  sortByBin(m_pairs, m_scratchPairs, m_begin, shapes.size(), [&](const ShapePair& p) { return placeOf(p.b); });
+  sortByBin(m_pairs, m_scratchPairs, m_begin, shapes.size(), [&](const ShapePair& p) { return placeOf(p.a); });
   if (!speculative.empty()) m_pairs.erase(std::unique(m_pairs.begin(), m_pairs.end()), m_pairs.end());
 }
 

@@ -87,7 +87,9 @@ class ContactMaker {
 
   // Scratch.
   std::vector<ProxyPair> m_proxyPairs;
-  std::vector<ShapePair> m_pairs, m_regenerate;
+  std::vector<ShapePair> m_pairs, m_scratchPairs, m_regenerate;
+  std::vector<std::int32_t> m_places, m_shapeOrder, m_scratchOrder;  // see sortPairs()
+  std::vector<std::uint32_t> m_begin;
   IndexedVector<Manifold<D>> m_fresh, m_gone;
   std::vector<OldPair> m_oldPairs;  // without resting ones
   std::vector<PastPair> m_before;
