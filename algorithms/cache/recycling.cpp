@@ -54,13 +54,9 @@ PointLanes<D, 1> laneBetween(const Vec<D>& a, const Vec<D>& b) {
 }
 
 // About the angle between two rotations while it is small (rad).
-Real chordOf(const Rot<2>& a, const Rot<2>& b) {
-  const Real c = a.c - b.c, s = a.s - b.s;
-  return std::sqrt(c * c + s * s);
-}
+Real chordOf(const Rot<2>& a, const Rot<2>& b) { return std::abs(a.c - b.c) + std::abs(a.s - b.s); }
 Real chordOf(const Rot<3>& a, const Rot<3>& b) {
-  const Real w = a.w - b.w, x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-  return 2 * std::sqrt(w * w + x * x + y * y + z * z);
+  return 2 * (std::abs(a.w - b.w) + std::abs(a.x - b.x) + std::abs(a.y - b.y) + std::abs(a.z - b.z));
 }
 
 // Contact recycling: the points of two shapes are kept while the shapes have hardly moved relative to each other since
@@ -147,10 +143,10 @@ class Recycling final : public ContactCache<D> {
     Real way = 0, rise = 0, arm = 0;
     for (int k = 0; k < D; ++k) {
       const Real d = p_AB[k][0] - m.X_AB.p[k], p = m.points[0].localB[k];
-      way += std::abs(d), rise += d * m.normalA[k], arm += p * p;
+      way += std::abs(d), rise += d * m.normalA[k], arm += std::abs(p);
     }
     const Real chord = chordOf(R_AB, m.X_AB.q), angle = kBoundGrowth * chord;
-    const Real byAngle = angle * (std::sqrt(arm) + width);
+    const Real byAngle = angle * (arm + width);
     if (chord <= kShortChord && angle <= m_params.angle && kBoundGrowth * (way + byAngle) <= m_params.distance &&
         kBoundGrowth * (std::abs(rise) + byAngle) <= in.margin) {
       return true;

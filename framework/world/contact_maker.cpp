@@ -276,6 +276,7 @@ void ContactMaker<D>::insertFresh() {
   m_gone.clear();
   std::size_t gone = 0;
   for (const OldPair& pair : m_oldPairs) gone += pair.kept ? 0 : pair.count;
+  if (gone == 0 && m_fresh.empty()) return;
   if (gone == manifolds.size()) {
     std::swap(manifolds, m_fresh);
     m_past = m_fresh;
