@@ -207,7 +207,7 @@ class PlantedCache final : public ContactCache<D> {
   explicit PlantedCache(const Params&) : m_right(createStage<ContactCache<D>>({"by_feature", {}})) {}
   static AlgorithmInfo info() { return planted("cache"); }
 
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     m_right->carry(in, fresh);
     const std::size_t right = fresh.size();
     for (const Manifold<D>& old : in.old) {
