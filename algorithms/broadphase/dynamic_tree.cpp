@@ -29,7 +29,7 @@ class DynamicTree final : public Broadphase<D> {
       v.real("margin", margin, 0, 10, "m", "margin of a fat box on every side");
       v.real("stretch", stretch, 0, 100, "1", "steps of motion that a fat box covers, limited to the size of its box");
       v.real("bulk", bulk, 0, 1, "1",
-             "share of boxes; if more need a place in one update, the tree is built anew; 1: never");
+             "the tree is rebuilt if an update inserts or moves more than this share of more than 16 boxes; 1: never");
       v.flag("rotate", rotate, "tree rotations after an insertion where they reduce the surface area");
     }
   };

@@ -143,8 +143,8 @@ class SpatialHash final : public Broadphase<D> {
       m_level.push_back(static_cast<std::int8_t>(level)), ++m_levels[level].count;
     }
   }
-  // Few boxes go to the next coarser level. On the coarsest level they are kept apart, since all others would look it
-  // up.
+  // Few boxes go to the next coarser level. Few boxes on the coarsest level are kept apart: otherwise every other box
+  // would look up that level.
   void chooseLevels(const IndexedArray<Real, D>& origin) {
     m_coarsest = m_params.levels - 1;
     while (m_coarsest > 0 && m_levels[m_coarsest].count == 0) --m_coarsest;

@@ -4,15 +4,15 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-/// An angle is at most this times a short chord, and other bounds grow by this against rounding errors (1). Larger:
-/// more pairs compute the angle itself, which costs time only. Smaller: a bound may be below the value.
+/// Factor (1) of the bounds. It covers rounding errors, and by how much an angle exceeds a short chord. Larger: more
+/// pairs compute the angle itself, which costs time only. Smaller: a bound may be below the value.
 constexpr Real kBoundGrowth = Real(1.02);
 /// Longer chords may be shorter than the angle by more than kBoundGrowth (rad). Larger: a bound may be below the angle.
 /// Smaller: more pairs compute the angle itself.
 constexpr Real kShortChord = Real(0.25);
 
-// Vectors side by side, by component. The compiler computes several lanes at once. Eigen's vectors would pass through
-// memory: each is stored as numbers and read as a whole, for which the processor waits.
+// Vectors side by side, by component. The compiler computes several lanes at once. A vector load of numbers that were
+// just stored one by one would stall the processor.
 template <int D, int N>
 using PointLanes = IndexedArray<IndexedArray<Real, N>, D>;
 
@@ -113,6 +113,7 @@ class Recycling final : public ContactCache<D> {
   void renew(const CacheInput<D>&, std::span<Manifold<D>> pair) override {
     for (Manifold<D>& m : pair) {
       const Present& now = m_present[m_next++];
+      LPC_ASSERT(now.shapeA == m.shapeA && now.shapeB == m.shapeB);
       const FrictionTurn<D> turn(m.normal, now.normal);
       m.normal = now.normal, m.begun = m.ignored = 0;
       for (int i = 0; i < m.count; ++i) {
@@ -126,6 +127,7 @@ class Recycling final : public ContactCache<D> {
   static constexpr int kPoints = kManifoldPoints<D>;
   // A kept manifold at the present poses.
   struct Present {
+    std::int32_t shapeA, shapeB;
     Vec<D> normal;
     IndexedArray<Real, kPoints> separation;
   };
@@ -138,8 +140,9 @@ class Recycling final : public ContactCache<D> {
     const Rot<D> back = X_WA.q.inverse(), R_AB = back * X_WB.q;
     const PointLanes<D, 1> p_AB = turnedLanes(back, laneBetween<D>(X_WB.p, X_WA.p));
     const Real width = 2 * std::min(a.reach(), b.reach());
-    // Most pairs rest, and pass with bounds too. No place moves by more than the origin plus the angle times its
-    // distance from the origin. The angle is at most the chord, with `kBoundGrowth`, while the chord is short.
+    // Most pairs rest. Bounds without square roots are enough for them. A point of B moves at most as far as B's
+    // origin, plus the angle times its distance from that origin. The angle is at most the chord, with `kBoundGrowth`,
+    // while the chord is short.
     Real way = 0, rise = 0, arm = 0;
     for (int k = 0; k < D; ++k) {
       const Real d = p_AB[k][0] - m.X_AB.p[k], p = m.points[0].localB[k];
@@ -185,6 +188,7 @@ class Recycling final : public ContactCache<D> {
         for (int i = 0; i < kPoints; ++i) a[k][i] = ((centers + b[k][i]) - a[k][i]) * n[k][0];
       }
       Present& now = m_present.emplace_back();
+      now.shapeA = m.shapeA, now.shapeB = m.shapeB;
       for (int k = 0; k < D; ++k) now.normal[k] = n[k][0];
       for (int i = 0; i < kPoints; ++i) {
         if constexpr (D == 2) {
@@ -200,7 +204,7 @@ class Recycling final : public ContactCache<D> {
   }
 
   Params m_params;
-  std::vector<Present> m_present;  // of all kept manifolds, from select() to renew()
+  IndexedVector<Present> m_present;  // of all kept manifolds, from select() to renew()
   std::size_t m_next = 0;
 };
 

@@ -37,7 +37,7 @@ class Catto final : public VelocityResolver<D> {
       v.choice(
           "friction", friction, {"cone", "pyramid", "box"},
           "bound of friction: vector within mu n, each tangent within mu n, or each tangent with n of the last step");
-      visitSweepLanes(v, lanes);
+      visitSweepLanes(v, lanes, "; only with the other choices at their defaults");
     }
   };
   explicit Catto(const Params& params) : m_params(params) {}
@@ -120,7 +120,7 @@ class Catto final : public VelocityResolver<D> {
       m_inLanes.arrange(in.bodies, in.manifolds, in.order, in.colours, lanes, in.model.friction);
       m_inLanes.loadFixed(in.bodies, [&](std::int32_t body) { return in.bodies.pose[body].p; });
       m_inLanes.loadPose(in.bodies);
-      prepareBlocks(m_inLanes, m_params.warmStart ? m_params.warmFactor * lastImpulseScale(in) : Real(0));
+      prepareBlocks(m_inLanes, in.manifolds, m_params.warmStart ? m_params.warmFactor * lastImpulseScale(in) : Real(0));
       countMadeRows<D>(in.work, m_inLanes.rows());
       setTargets(in);
       m_joints.clear();
@@ -255,7 +255,7 @@ class Catto final : public VelocityResolver<D> {
   }
 
   Params m_params;
-  ContactRows<D> m_contacts;  // of the other choices
+  ContactRows<D> m_contacts;  // used unless solveInBlocks() applies
   ContactBlocks<D> m_inLanes;
   JointSystem<D> m_joints;
   std::vector<NormalBlock<D>> m_blocks;  // by manifold

@@ -45,7 +45,7 @@ class PairSearch {
   template <class M>
   bool contains(const M& m) {
     if (isAt(m_at, m)) return true;
-    if (isAt(m_at + 1, m)) return ++m_at, true;  // mostly
+    if (isAt(m_at + 1, m)) return ++m_at, true;  // the usual case: the next pair
     const std::tuple key(m.bodyA, m.shapeA, m.bodyB, m.shapeB);
     while (m_at < m_pairs.size() && keyAt(m_at) < key) ++m_at;
     return isAt(m_at, m);

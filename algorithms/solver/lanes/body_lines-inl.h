@@ -50,7 +50,7 @@ struct LaneVec {
       return sum(a[0] * b[0], a[1] * b[1], a[2] * b[2]);
     }
   }
-  /// Sums as Eigen does, with entries that it takes two at a time (in f64).
+  /// Adds in Eigen's order: in f64 Eigen adds the first two entries first.
   static HWY_INLINE V sum(V a, V b, V c) { return sizeof(Real) == 8 ? (a + b) + c : a + (b + c); }
 };
 

@@ -5,12 +5,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "algorithms/solver/rows/contact_rows.h"
 #include "framework/math/indexed.h"
+#include "framework/stage/params.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
@@ -56,28 +60,26 @@ inline void visitSweepOrder(ParamVisitor& v, SweepOrder& order) {
   v.choice("order", order, {"stored", "coloured"},
            "order of the contacts in a pass: stored, or in groups that share no dynamic body, which lanes need");
 }
-inline void visitSweepLanes(ParamVisitor& v, SweepLanes& lanes) {
-  v.choice("lanes", lanes, {"auto", "scalar"}, "coloured contacts in SIMD lanes, or one at a time; the same bits");
+inline void visitSweepLanes(ParamVisitor& v, SweepLanes& lanes, const char* when = "") {
+  v.choice("lanes", lanes, {"auto", "scalar"},
+           std::string("coloured contacts in SIMD lanes, or one at a time; the same bits") + when);
 }
 
 /// Lanes of a register on this machine.
 int contactLanes();
-/// Fewer lanes than this are not worth a block: one manifold is solved alone.
-inline constexpr int kFewestLanes = 2;
-
 struct ContactBlock {
   std::size_t at;             // of its first number
   std::size_t index;          // of its first offset: by lane, A and B to read, A and B to write, and the manifold
   std::int32_t lanes, count;  // count: points of each of its manifolds
-  bool rubs;                  // whether its manifolds have friction
+  bool hasFriction;           // whether its manifolds have friction
 };
 
 /// A manifold in its block.
 struct ContactPlace {
-  std::size_t at;  // of its first number; the next one follows after `lanes`
+  std::size_t at;  // of its first number; number f is at `at + f * lanes`
   std::int32_t lanes, count;
   std::int32_t a, b, manifold;
-  bool rubs;
+  bool hasFriction;
 };
 
 template <int D>
@@ -90,17 +92,16 @@ class ContactBlocks {
   std::vector<std::int32_t> offsets;  // of bodies in `motion` and `pose`, and of manifolds
   IndexedVector<Real> motion, pose;   // kLine numbers per body
   IndexedVector<Real> fixed;          // kFixedLine numbers per body
-  const Real* manifolds = nullptr;    // those that offsets are of
 
   /// Places the manifolds `order`. prepareBlocks() sets their numbers. `colours` are offsets into `order` as in
   /// VelocityInput; empty: none.
   void arrange(const Bodies<D>& bodies, IndexedSpan<const Manifold<D>> all, IndexedSpan<const int> order,
                IndexedSpan<const int> colours, int lanes, bool friction) {
-    manifolds = reinterpret_cast<const Real*>(all.data());
+    LPC_ASSERT(all.size() * (sizeof(Manifold<D>) / sizeof(Real)) <= std::numeric_limits<std::int32_t>::max());
     blocks.clear(), places.clear(), offsets.clear(), m_bodies.clear();
     m_line.resize(bodies.pose.size(), 0);
     m_end = 0, m_rows = 0;
-    const bool wide = !colours.empty() && lanes >= kFewestLanes;
+    const bool wide = !colours.empty() && lanes > 1;
     if (!wide) {
       for (const int k : order) addBlock(bodies, all, {&k, 1}, 1, friction);
     }
@@ -114,7 +115,7 @@ class ContactBlocks {
         const std::span<const int> members(sorted);
         for (std::size_t i = 0; i < members.size();) {
           const std::size_t n = std::min(members.size() - i, static_cast<std::size_t>(lanes));
-          addBlock(bodies, all, members.subspan(i, n), n < kFewestLanes ? 1 : lanes, friction);
+          addBlock(bodies, all, members.subspan(i, n), n == 1 ? 1 : lanes, friction);
           i += n;
         }
       }
@@ -128,7 +129,9 @@ class ContactBlocks {
   Real* numbers() { return m_numbers.empty() ? nullptr : m_numbers.data()->x; }
   /// Rows of one sweep, and those of one manifold.
   std::uint64_t rows() const { return m_rows; }
-  static std::uint64_t rowsOf(const ContactPlace& m) { return static_cast<std::uint64_t>(m.count * (m.rubs ? D : 1)); }
+  static std::uint64_t rowsOf(const ContactPlace& m) {
+    return static_cast<std::uint64_t>(m.count * (m.hasFriction ? D : 1));
+  }
   /// A number of a manifold, or of its point i.
   Real& of(const ContactPlace& m, int field) { return numbers()[m.at + stride(m, field)]; }
   Real& of(const ContactPlace& m, int i, int field) { return of(m, ofPoint(i, field)); }
@@ -156,7 +159,7 @@ class ContactBlocks {
     row.normal = make(m.normal);
     putArms(at, i, 0, row.normal);
     of(at, i, Layout::kMass) = row.normal.mass;
-    if (!at.rubs) return;
+    if (!at.hasFriction) return;
     const RealMatrix<D, D - 1> t = tangents(m.normal);
     for (int d = 0; d < D - 1; ++d) row.tangent[d] = make(t.col(d)), putArms(at, i, d + 1, row.tangent[d]);
     prepareFriction(row);
@@ -172,7 +175,7 @@ class ContactBlocks {
     ManifoldRows<D> m{};
     m.a = at.a, m.b = at.b, m.count = at.count, m.manifold = at.manifold;
     m.invMassA = of(at, Layout::kInvMassA), m.invMassB = of(at, Layout::kInvMassB);
-    m.friction = of(at, Layout::kFriction);
+    m.friction = at.hasFriction ? of(at, Layout::kFriction) : Real(0);
     get(at, Layout::kNormal, m.n), get(at, Layout::kTangents, m.t);
     return m;
   }
@@ -180,20 +183,22 @@ class ContactBlocks {
     Inertia<D> invIA, invIB;
     get(at, Layout::kInvIA, invIA), get(at, Layout::kInvIB, invIB);
     PointRows<D> row{};
-    for (int d = 0; d < (at.rubs ? D : 1); ++d) {
+    for (int d = 0; d < (at.hasFriction ? D : 1); ++d) {
       Row<D>& to = d == 0 ? row.normal : row.tangent[d - 1];
       const int arms = ofPoint(i, Layout::kArms + 2 * d * Layout::kAng);
       get(at, arms, to.armA), get(at, arms + Layout::kAng, to.armB);
       to.turnA = invIA * to.armA, to.turnB = invIB * to.armB;
     }
-    row.normal.mass = of(at, i, Layout::kMass), row.slide = of(at, i, Layout::kSlide);
+    row.normal.mass = of(at, i, Layout::kMass);
+    for (int d = 0; d < D; ++d) row.impulse[d] = of(at, i, Layout::kImpulse + d);
+    if (!at.hasFriction) return row;
+    row.slide = of(at, i, Layout::kSlide);
     if constexpr (D == 2) {
       row.stick(0, 0) = row.slide;
     } else {
       row.stick(0, 0) = of(at, i, Layout::kStick), row.stick(1, 1) = of(at, i, Layout::kStick + 2);
       row.stick(0, 1) = row.stick(1, 0) = of(at, i, Layout::kStick + 1);
     }
-    for (int d = 0; d < D; ++d) row.impulse[d] = of(at, i, Layout::kImpulse + d);
     return row;
   }
 
@@ -271,8 +276,8 @@ class ContactBlocks {
     }
   }
 
-  // Lines before those of the bodies. Unused lanes copy a manifold of their block, but read the first line and write to
-  // the second, as do lanes with a body that no contact moves.
+  // Lines before those of the bodies. Unused lanes hold a copy of a manifold of their block; they read line 0, which is
+  // zero, and write to line 1. Lanes with a static or kinematic body read its line and write to line 1.
   static constexpr std::size_t kReserved = 2;
   static constexpr std::int32_t kNothing = 0, kNowhere = kLine<D>;
   struct alignas(64) Chunk {
@@ -298,9 +303,9 @@ class ContactBlocks {
   void addBlock(const Bodies<D>& bodies, IndexedSpan<const Manifold<D>> all, std::span<const int> members, int lanes,
                 bool friction) {
     const Manifold<D>& first = all[members[0]];
-    const bool rubs = friction && first.friction > 0;
+    const bool hasFriction = friction && first.friction > 0;
     const std::size_t at = m_end * (64 / sizeof(Real)), n = static_cast<std::size_t>(lanes);
-    blocks.push_back({at, offsets.size(), lanes, first.count, rubs});
+    blocks.push_back({at, offsets.size(), lanes, first.count, hasFriction});
     offsets.resize(offsets.size() + 5 * n, kNothing);
     std::int32_t* const to = offsets.data() + offsets.size() - 5 * n;
     const auto manifoldOffset = [&](int k) {
@@ -311,7 +316,7 @@ class ContactBlocks {
     for (std::size_t lane = 0; lane < members.size(); ++lane) {
       const Manifold<D>& m = all[members[lane]];
       to[4 * n + lane] = manifoldOffset(members[lane]);
-      places.push_back({at + lane, lanes, m.count, m.bodyA, m.bodyB, members[lane], rubs});
+      places.push_back({at + lane, lanes, m.count, m.bodyA, m.bodyB, members[lane], hasFriction});
       for (int side = 0; side < 2; ++side) {
         const std::int32_t body = side == 0 ? m.bodyA : m.bodyB, line = lineOf(body);
         to[static_cast<std::size_t>(side) * n + lane] = line;
@@ -320,7 +325,7 @@ class ContactBlocks {
     }
     const std::size_t size = n * static_cast<std::size_t>(Layout::kManifold + first.count * Layout::kPoint);
     m_end += (size * sizeof(Real) + 63) / 64;
-    m_rows += members.size() * static_cast<std::uint64_t>(first.count * (rubs ? D : 1));
+    m_rows += members.size() * static_cast<std::uint64_t>(first.count * (hasFriction ? D : 1));
   }
   std::vector<Chunk> m_numbers;
   std::size_t m_end = 0;  // chunks in use

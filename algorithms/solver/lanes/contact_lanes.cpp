@@ -55,7 +55,7 @@ struct Sides {
     return v;
   }
   template <bool kTurns>
-  HWY_INLINE void push(const LaneVec<D, T>& d, const LaneVec<kAng, T>& armA, const LaneVec<kAng, T>& armB, V impulse) {
+  HWY_INLINE void apply(const LaneVec<D, T>& d, const LaneVec<kAng, T>& armA, const LaneVec<kAng, T>& armB, V impulse) {
     a.setV(a.v() - (impulse * invMassA) * d);
     b.setV(b.v() + (impulse * invMassB) * d);
     if constexpr (kTurns) {
@@ -105,7 +105,7 @@ HWY_INLINE void sweepFriction(const Numbers<D, T>& p, const LaneVec<D, T>* t, hn
     }
   }
   for (int d = 0; d < D - 1; ++d) {
-    s.template push<kTurns>(t[d], armA[d], armB[d], impulse[d] - old[d]);
+    s.template apply<kTurns>(t[d], armA[d], armB[d], impulse[d] - old[d]);
     p.set(F::kImpulse + 1 + d, impulse[d]);
   }
 }
@@ -133,8 +133,8 @@ HWY_INLINE void sweepBlock(T tag, const ContactBlock& block, Real* numbers, cons
     if (!law.targets) {
       const hn::Mask<T> apart = goal > zero;
       const V above = goal + slop, depth = hn::IfThenElse(zero < above, zero, above);
-      const V wanted = rate * depth, push = hn::IfThenElse(wanted < fastest, fastest, wanted);
-      bias = hn::IfThenElse(apart, goal / h, hn::IfThenElseZero(rate > zero, push));
+      const V wanted = rate * depth, speed = hn::IfThenElse(wanted < fastest, fastest, wanted);
+      bias = hn::IfThenElse(apart, goal / h, hn::IfThenElseZero(rate > zero, speed));
       const hn::Mask<T> rigid = law.softGaps ? hn::Xor(apart, apart) : apart;
       ofMass = hn::IfThenElse(rigid, one, massScale), ofImpulse = hn::IfThenElse(rigid, zero, impulseScale);
     }
@@ -147,9 +147,9 @@ HWY_INLINE void sweepBlock(T tag, const ContactBlock& block, Real* numbers, cons
       const V most = p.get(F::kMaxImpulse);
       p.set(F::kMaxImpulse, hn::IfThenElse(most < impulse, impulse, most));
     }
-    s.template push<kTurns>(n, armA, armB, impulse - old);
+    s.template apply<kTurns>(n, armA, armB, impulse - old);
   }
-  if (block.rubs) {
+  if (block.hasFriction) {
     LaneVec<D, T> t[D - 1];
     for (int d = 0; d < D - 1; ++d) t[d] = m.template vec<D>(F::kTangents + d * D);
     const V friction = m.get(F::kFriction);
@@ -168,8 +168,8 @@ HWY_INLINE void applyBlock(T, const ContactBlock& block, Real* numbers, const st
   static_assert(F::kTangents == F::kNormal + D);
   for (int k = 0; k < block.count; ++k) {
     const Numbers<D, T> p = m.point(k);
-    for (int d = 0; d < (block.rubs ? D : 1); ++d) {
-      s.template push<kTurns>(directions[d], armOf<D>(p, d, 0), armOf<D>(p, d, 1), p.get(F::kImpulse + d));
+    for (int d = 0; d < (block.hasFriction ? D : 1); ++d) {
+      s.template apply<kTurns>(directions[d], armOf<D>(p, d, 0), armOf<D>(p, d, 1), p.get(F::kImpulse + d));
     }
   }
   s.store(offsets + block.index, lines);
@@ -246,7 +246,8 @@ HWY_INLINE void setFriction(const Numbers<3, T>& p, const hn::Vec<T>* mass, cons
 }
 
 template <int D, class T>
-HWY_INLINE void prepareBlock(T tag, const ContactBlock& block, ContactBlocks<D>& c, Real warmStart) {
+HWY_INLINE void prepareBlock(T tag, const ContactBlock& block, ContactBlocks<D>& c, const Real* manifolds,
+                             Real warmStart) {
   using F = BlockLayout<D>;
   using V = hn::Vec<T>;
   constexpr int kAng = F::kAng, kFixedScale = kFixedLine<D> / kLine<D>;
@@ -279,7 +280,7 @@ HWY_INLINE void prepareBlock(T tag, const ContactBlock& block, ContactBlocks<D>&
   static_assert(offsetof(Manifold<D>, friction) == offsetof(Manifold<D>, normal) + D * sizeof(Real));
   static_assert(offsetof(ContactPoint<D>, localB) == offsetof(ContactPoint<D>, localA) + D * sizeof(Real));
   V numbers[8];
-  loadFour(tag, c.manifolds + inReals(offsetof(Manifold<D>, normal)), from, numbers);
+  loadFour(tag, manifolds + inReals(offsetof(Manifold<D>, normal)), from, numbers);
   LaneVec<D, T> directions[D];
   for (int k = 0; k < D; ++k) directions[0][k] = numbers[k];
   setTangents(directions[0], directions + 1);
@@ -289,7 +290,7 @@ HWY_INLINE void prepareBlock(T tag, const ContactBlock& block, ContactBlocks<D>&
   }
   const LaneVec<D, T> centers = b.v() - a.v();
   for (int k = 0; k < block.count; ++k) {
-    const Real* const point = c.manifolds + inReals(offsetof(Manifold<D>, points)) + k * kPointStride;
+    const Real* const point = manifolds + inReals(offsetof(Manifold<D>, points)) + k * kPointStride;
     const Numbers<D, T> p = m.point(k);
     for (int i = 0; i < 2 * D; i += 4) {
       loadFour(tag, point + inReals(offsetof(ContactPoint<D>, localA)) + i, from, numbers + i);
@@ -302,7 +303,7 @@ HWY_INLINE void prepareBlock(T tag, const ContactBlock& block, ContactBlocks<D>&
     const LaneVec<D, T> rA = fromA + half * gap, rB = fromB - half * gap;
     LaneVec<kAng, T> armA[D], armB[D], turnA[D], turnB[D];
     V mass[D];
-    for (int d = 0; d < (block.rubs ? D : 1); ++d) {
+    for (int d = 0; d < (block.hasFriction ? D : 1); ++d) {
       armA[d] = cross(rA, directions[d]), armB[d] = cross(rB, directions[d]);
       turnA[d] = invI[0] * armA[d], turnB[d] = invI[1] * armB[d];
       const V response = (invMassSum + dot(armA[d], turnA[d])) + dot(armB[d], turnB[d]);
@@ -312,12 +313,12 @@ HWY_INLINE void prepareBlock(T tag, const ContactBlock& block, ContactBlocks<D>&
       }
     }
     p.set(F::kMass, mass[0]);
-    if (block.rubs) setFriction(p, mass + 1, armA[D - 2], armB[D - 2], turnA[D - 1], turnB[D - 1]);
+    if (block.hasFriction) setFriction(p, mass + 1, armA[D - 2], armB[D - 2], turnA[D - 1], turnB[D - 1]);
     loadFour(tag, point + inReals(offsetof(ContactPoint<D>, impulse)), from, numbers);
-    const V scale = hn::Set(tag, warmStart), push = scale * numbers[0];
+    const V scale = hn::Set(tag, warmStart), start = scale * numbers[0];
     const bool warm = warmStart > 0;
-    p.set(F::kImpulse, warm ? hn::IfThenElse(push < zero, zero, push) : zero);
-    for (int d = 1; d < D; ++d) p.set(F::kImpulse + d, warm && block.rubs ? scale * numbers[d] : zero);
+    p.set(F::kImpulse, warm ? hn::IfThenElse(start < zero, zero, start) : zero);
+    for (int d = 1; d < D; ++d) p.set(F::kImpulse + d, warm && block.hasFriction ? scale * numbers[d] : zero);
     p.set(F::kMaxImpulse, zero), p.set(F::kVelocity, zero), p.set(F::kLoad, zero);
   }
 }
@@ -377,12 +378,13 @@ void measureAll(ContactBlocks<D>& c) {
 }
 
 template <int D>
-void prepareAll(ContactBlocks<D>& c, Real warmStart) {
-  forBlocks(c.blocks, [&](auto tag, const ContactBlock& block) HWY_ATTR { prepareBlock<D>(tag, block, c, warmStart); });
+void prepareAll(ContactBlocks<D>& c, const Real* manifolds, Real warmStart) {
+  forBlocks(c.blocks, [&](auto tag, const ContactBlock& block)
+                          HWY_ATTR { prepareBlock<D>(tag, block, c, manifolds, warmStart); });
 }
 
-void prepare2(ContactBlocks<2>& c, Real warmStart) { prepareAll(c, warmStart); }
-void prepare3(ContactBlocks<3>& c, Real warmStart) { prepareAll(c, warmStart); }
+void prepare2(ContactBlocks<2>& c, const Real* manifolds, Real warmStart) { prepareAll(c, manifolds, warmStart); }
+void prepare3(ContactBlocks<3>& c, const Real* manifolds, Real warmStart) { prepareAll(c, manifolds, warmStart); }
 void sweep2(ContactBlocks<2>& c, const BlockSweep& law) { sweepAll(c, law); }
 void sweep3(ContactBlocks<3>& c, const BlockSweep& law) { sweepAll(c, law); }
 void apply2(ContactBlocks<2>& c, bool rotation) { applyAll(c, rotation); }
@@ -409,8 +411,12 @@ HWY_EXPORT(velocity3);
 HWY_EXPORT(measure2);
 HWY_EXPORT(measure3);
 HWY_EXPORT(lanesOfTarget);
-void prepareBlocks(ContactBlocks<2>& c, Real warmStart) { HWY_DYNAMIC_DISPATCH(prepare2)(c, warmStart); }
-void prepareBlocks(ContactBlocks<3>& c, Real warmStart) { HWY_DYNAMIC_DISPATCH(prepare3)(c, warmStart); }
+void prepareBlocks(ContactBlocks<2>& c, IndexedSpan<const Manifold<2>> manifolds, Real warmStart) {
+  HWY_DYNAMIC_DISPATCH(prepare2)(c, reinterpret_cast<const Real*>(manifolds.data()), warmStart);
+}
+void prepareBlocks(ContactBlocks<3>& c, IndexedSpan<const Manifold<3>> manifolds, Real warmStart) {
+  HWY_DYNAMIC_DISPATCH(prepare3)(c, reinterpret_cast<const Real*>(manifolds.data()), warmStart);
+}
 void sweepBlocks(ContactBlocks<2>& c, const BlockSweep& law) { HWY_DYNAMIC_DISPATCH(sweep2)(c, law); }
 void sweepBlocks(ContactBlocks<3>& c, const BlockSweep& law) { HWY_DYNAMIC_DISPATCH(sweep3)(c, law); }
 void applyBlocks(ContactBlocks<2>& c, bool rotation) { HWY_DYNAMIC_DISPATCH(apply2)(c, rotation); }

@@ -22,8 +22,9 @@ void sweepBlocks(ContactBlocks<2>& blocks, const BlockSweep& law);
 void sweepBlocks(ContactBlocks<3>& blocks, const BlockSweep& law);
 /// Sets all numbers of the manifolds: rows with one arm to the middle between the anchors, at the poses (of absolute
 /// position) in blocks.pose; goals are separations, impulses the stored ones times `warmStart`, and other sums 0.
-void prepareBlocks(ContactBlocks<2>& blocks, Real warmStart);
-void prepareBlocks(ContactBlocks<3>& blocks, Real warmStart);
+/// `manifolds`: those given to arrange().
+void prepareBlocks(ContactBlocks<2>& blocks, IndexedSpan<const Manifold<2>> manifolds, Real warmStart);
+void prepareBlocks(ContactBlocks<3>& blocks, IndexedSpan<const Manifold<3>> manifolds, Real warmStart);
 /// Applies the accumulated impulses.
 void applyBlocks(ContactBlocks<2>& blocks, bool rotation);
 void applyBlocks(ContactBlocks<3>& blocks, bool rotation);

@@ -109,6 +109,7 @@ HWY_INLINE bool turnGroup(std::span<Pose<3>> pose, std::span<const Motion<3>> mo
 template <int D>
 void turn(std::span<Pose<D>> pose, std::span<const Motion<D>> motion, std::span<const std::int32_t> bodies, Real dt) {
   static_assert(sizeof(Pose<2>) == 4 * sizeof(Real) && sizeof(Pose<3>) == 7 * sizeof(Real));
+  static_assert(sizeof(Motion<2>) == 3 * sizeof(Real) && sizeof(Motion<3>) == 6 * sizeof(Real));
   constexpr std::size_t kNumbers = D == 2 ? 2 : 4;
   const auto oneByOne = [&](std::span<const std::int32_t> some) {
     for (const std::int32_t slot : some) {

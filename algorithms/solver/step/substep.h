@@ -161,7 +161,7 @@ class Substeps {
   /// the present poses have shared arms already.
   void turnArms(const StepInput<D>& in, bool shared) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
-    if (in.model.restitution && !m_turned) m_detected = m_contacts;
+    if (m_bounces && !m_turned) m_detected = m_contacts;
     m_turned = true;
     for (const ContactPlace& at : m_contacts.places) {
       const Manifold<D>& m = in.manifolds[at.manifold];
@@ -222,7 +222,7 @@ class Substeps {
   /// Applies restitution, then stores the impulses. Contacts store those of the last sub-step, scaled to a whole step,
   /// for warm starting. A rolling ball, whose anchor turns up and away, carries load in the first sub-steps only.
   void finish(const StepInput<D>& in, BounceFriction how = BounceFriction::withFriction) {
-    if (in.model.restitution) bounce(in, how);
+    if (m_bounces) bounce(in, how);
     storeContacts(in, m_count);
     const auto store = [&](std::int32_t j) {
       JointRecord<D>& joint = in.joints[j];
@@ -251,13 +251,12 @@ class Substeps {
     countMadeRows<D>(in.work, m_contacts.rows());
     m_contacts.loadFixed(in.bodies, [&](std::int32_t body) { return m_start[body]; });
     m_contacts.loadPose(in.bodies);
-    prepareBlocks(m_contacts, warmStart);
+    prepareBlocks(m_contacts, in.manifolds, warmStart);
     if (m_plan.armsAsMade) keepArms(in);
-    const auto bounces = [&](const ContactPlace& at) { return in.manifolds[at.manifold].restitution > 0; };
-    if (m_plan.contacts == ContactsOf::step &&
-        std::none_of(m_contacts.places.begin(), m_contacts.places.end(), bounces)) {
-      return;  // only a bounce needs the velocities
-    }
+    m_bounces = in.model.restitution &&
+                std::any_of(m_contacts.places.begin(), m_contacts.places.end(),
+                            [&](const ContactPlace& at) { return in.manifolds[at.manifold].restitution > 0; });
+    if (!m_bounces && m_plan.contacts == ContactsOf::step) return;  // only a bounce needs the velocities
     m_contacts.loadMotion(in.bodies.motion);
     velocityBlocks(m_contacts, Layout::kVelocity, in.model.rotation);
   }
@@ -363,13 +362,13 @@ class Substeps {
         m_contacts.of(at, k, Layout::kLoad) += row.impulse[0] - old;
         countRows<D>(in.work, 1);
         if (m.friction > 0 && row.impulse[0] != old) {
-          const bool rubs = row.impulse[0] < old || how == BounceFriction::withFriction;
+          const bool slides = row.impulse[0] < old || how == BounceFriction::withFriction;
           if (row.impulse[0] < old) {
             solveFrictionAt(m, row, a, b, rotation);
-          } else if (rubs) {
+          } else if (slides) {
             solveFrictionBeside(m, row, row.impulse[0] - old, a, b, rotation);
           }
-          if (rubs) countRows<D>(in.work, D - 1);
+          if (slides) countRows<D>(in.work, D - 1);
         }
         for (int d = 0; d < D; ++d) m_contacts.of(at, k, Layout::kImpulse + d) = row.impulse[d];
       }
@@ -379,7 +378,7 @@ class Substeps {
   SubstepPlan m_plan;
   Real m_count = 1, m_h = 0;
   ContactBlocks<D> m_contacts, m_detected;  // m_detected: before arms were turned, if m_turned
-  bool m_turned = false;
+  bool m_turned = false, m_bounces = false;
   FreeMotion<D> m_motion;
   std::vector<int> m_order, m_colours;  // of contacts, as VelocityInput has them
   JointSystem<D> m_joints;
