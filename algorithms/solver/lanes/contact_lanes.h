@@ -9,11 +9,11 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
 
 struct BlockSweep {
-  Feedback contact, contactFixed;  // contactFixed: one body cannot move
-  Real slop = 0, maxSpeed = 0;     // m, m/s
-  Real h = 0;                      // s
-  bool softGaps = false;           // springs also act on contacts that are still apart
-  bool targets = false;            // the goal of a point is its least normal velocity, not its separation
+  Feedback contact = {}, contactFixed = {};  // contactFixed: one body cannot move
+  Real slop = 0, maxSpeed = 0;               // m, m/s
+  Real h = 0;                                // s
+  bool softGaps = false;                     // springs also act on contacts that are still apart
+  bool targets = false;                      // the goal of a point is its least normal velocity, not its separation
   bool rotation = true;
 };
 
