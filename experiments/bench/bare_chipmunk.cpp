@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The pyramid in Chipmunk, written like the Hello Chipmunk example of its manual. Settings that differ from Chipmunk's defaults, and why:
+// The pyramid in Chipmunk, written like the Hello Chipmunk example of its manual. Settings other than the defaults:
 // gravity, friction   those of the scene
 // collision slop      5 mm, as in the other engines; the default of 0.1 is meant for lengths in pixels
 // Debian builds Chipmunk with its debug checks, so a release build is faster than this program.
