@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "algorithms/solver/lanes/rotation_lanes.h"
+#include "tests/draw.h"
 #include "tests/each_target.h"
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
@@ -111,8 +112,8 @@ void expectBitsOfOneLane() {
   PhysicsModel plain;
   plain.rotation = plain.friction = false;
   for (const char* solver : kSolvers) {
-    for (std::uint64_t seed = 0; seed < 4; ++seed) {
-      const PhysicsModel model = seed == 3 ? plain : PhysicsModel{};
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+      const PhysicsModel model = seed == 2 ? plain : PhysicsModel{};
       const std::vector<Real> one = run<D>(withLanes(solver, "scalar"), seed, model);
       forEachTarget([&](std::int64_t target) {
         EXPECT_TRUE(sameBits(run<D>(withLanes(solver, "auto"), seed, model), one))
@@ -175,8 +176,8 @@ void expectFullBlocks() {
   // The plate with 80 boxes has more contacts than there are colours: the others are alone.
   EXPECT_GE(p.colours.size(), static_cast<std::size_t>(ContactGraph<D>::kGreedyColours) + 10);
   EXPECT_GE(alone, std::size_t{10});
-  EXPECT_LT(alone, p.active.size() / 3);
-  p.colours = {0, static_cast<int>(p.active.size())};
+  EXPECT_GT(wide, p.active.size() * 2 / 5);  // each of these many colours may leave one contact over
+  p.order = p.active, p.colours = {0, static_cast<int>(p.active.size())};
   expectCaught("contacts of one colour that share bodies", sameBits(p.swept(lanes, blocks), p.swept(1, one)));
 }
 
