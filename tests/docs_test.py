@@ -44,6 +44,7 @@ ELSEWHERE = {
 NOT_RUN = {
     "./experiments/run quick": "builds and sweeps for minutes",
     "./experiments/run heritage": "builds and sweeps for minutes",
+    "./experiments/run bench": "builds and times for minutes; step_times runs with few steps beside this one",
     "./tests/run": "it is what runs this",
     "./tests/run -R BroadphaseConformance": "it is what runs this",
     ".ci/install_packages run window": "installs",
@@ -79,6 +80,8 @@ NOT_RUN = {
 }
 # Shorter versions that take a second or two.
 INSTEAD = {
+    "taskset -c 1 experiments/bench/step_times --runs 3":
+        f"{SOURCE}/experiments/bench/step_times --bin {BINARY}/bin --runs 1 --steps 12",
     "taskset -c 1 experiments/bench/engines":
         f"{SOURCE}/experiments/bench/engines --bin {BINARY}/bin --only bullet_f64 --runs 1 --steps 60",
     "for n in 0 1 2 3 4 5 6 8 9 10 11; do lpc run $n --pipeline 2009 --film preset_$n.strip.svg; done":

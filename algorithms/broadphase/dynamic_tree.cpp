@@ -3,14 +3,19 @@
 #include <limits>
 #include <utility>
 
+#include "algorithms/broadphase/fat_pairs.h"
+#include "algorithms/broadphase/surface_split.h"
 #include "framework/stage/stage_broadphase.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
+using namespace broadphase;
+
 // A tree of enlarged (fat) boxes that is kept from step to step (Presson's btDbvt in Bullet; Catto 2019). A box is
 // reinserted only when it leaves its fat box, at the place where it adds the least surface (branch and bound).
-// Rotations on the way up keep sorted insertions from degenerating the tree into a list.
+// Rotations on the way up keep sorted insertions from degenerating the tree into a list. Insertions of a large share of
+// the boxes at once, as of a new scene, are replaced by a top-down build, as in Bullet's optimizeTopDown.
 //
 // Pairs of overlapping fat boxes are kept, too. A step then costs the tests of these pairs, and queries for the few
 // boxes that were reinserted or got other filters or activity; all their pairs are dropped and found anew.
@@ -18,11 +23,13 @@ template <int D>
 class DynamicTree final : public Broadphase<D> {
  public:
   struct Params {
-    Real margin = Real(0.1), stretch = 4;
+    Real margin = Real(0.1), stretch = 4, bulk = Real(0.3);
     bool rotate = true;
     void visit(ParamVisitor& v) {
       v.real("margin", margin, 0, 10, "m", "margin of a fat box on every side");
       v.real("stretch", stretch, 0, 100, "1", "steps of motion that a fat box covers, limited to the size of its box");
+      v.real("bulk", bulk, 0, 1, "1",
+             "the tree is rebuilt if an update inserts or moves more than this share of more than 16 boxes; 1: never");
       v.flag("rotate", rotate, "tree rotations after an insertion where they reduce the surface area");
     }
   };
@@ -32,14 +39,14 @@ class DynamicTree final : public Broadphase<D> {
     return {.name = "dynamic_tree",
             .summary = "persistent tree of fat boxes, with the pairs of fat boxes kept between steps",
             .paper = "catto2019",
-            .complexity = "pairs of fat boxes + log n per box that leaves its fat box",
+            .complexity = "pairs of fat boxes + log n per box that leaves its fat box, n log n if many do at once",
             .failures = {{.when = "all boxes are fast or rotate, and leave their fat boxes in each step",
-                          .symptom = "every box is removed and inserted again",
+                          .symptom = "the tree is built anew in each step; with bulk=1, every box is reinserted",
                           .test = "tree_all_fast_work"},
-                         {.when = "rotate=false and boxes inserted in sorted order",
+                         {.when = "rotate=false, and boxes are inserted one by one in sorted order",
                           .symptom = "a deep tree: each insertion visits many nodes",
                           .test = "tree_sorted_insertion_work"},
-                         {.when = "boxes that have changed places many times",
+                         {.when = "boxes that have changed places many times, a few in each step",
                           .symptom = "a tree of worse quality than a rebuilt one",
                           .test = "tree_history_work"}}};
   }
@@ -47,49 +54,35 @@ class DynamicTree final : public Broadphase<D> {
   void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
     const auto n = static_cast<std::size_t>(proxies.size());
     if (n > m_leaf.size()) {
-      m_leaf.resize(n, kNone), m_changed.resize(n, 0), m_tight.resize(n);
-      m_nodes.reserve(2 * n), m_heap.reserve(2 * n), m_free.reserve(2 * n), m_list.reserve(n);
+      m_leaf.resize(n, kNone), m_tight.resize(n), m_fat.resize(n), m_pairs.resize(n);
+      m_nodes.reserve(2 * n), m_heap.reserve(2 * n), m_free.reserve(2 * n);
+      m_placed.reserve(n), m_items.reserve(n), m_leaves.reserve(n);
     }
     for (const ProxyId i : changes.removed) takeOut(i);
+    m_placed.clear();
     for (const ProxyId i : changes.added) place(proxies, i);
     for (const ProxyId i : changes.moved) place(proxies, i);
+    putPlaced();
     if (proxies.active != m_active || proxies.category != m_category || proxies.mask != m_mask) {
       m_active.resize(proxies.active.size()), m_category.resize(m_active.size()), m_mask.resize(m_active.size());
       for (std::size_t i = 0; i < n; ++i) {
         const bool same = proxies.active[i] == m_active[i] && proxies.category[i] == m_category[i];
-        if (!same || proxies.mask[i] != m_mask[i]) note(static_cast<ProxyId>(i));
+        if (!same || proxies.mask[i] != m_mask[i]) m_pairs.note(static_cast<ProxyId>(i));
       }
       m_active = proxies.active, m_category = proxies.category, m_mask = proxies.mask;
     }
   }
 
   void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
-    const auto emit = [&](const ProxyPair& pair) {
-      const Aabb<D>&a = m_tight[pair.a], &b = m_tight[pair.b];
-      if (a.overlaps(b)) out.push_back(pair);
-    };
-    std::size_t kept = 0;
-    for (const ProxyPair pair : m_pairs) {
-      if (m_changed[pair.a] | m_changed[pair.b]) continue;
-      m_pairs[kept++] = pair;
-      emit(pair);
+    m_pairs.keep(m_tight, out);
+    const auto flush = [&] { m_pairs.addListed(proxies, m_tight, out); };
+    if (isMany(m_pairs.changed().size())) {
+      descend(flush);
+    } else {
+      queryChanged(flush);
     }
-    m_pairs.resize(kept);
-    for (const ProxyId i : m_list) {
-      const std::int32_t leaf = m_leaf[i];
-      if (leaf == kNone) continue;
-      const Aabb<D> fat = node(leaf).box;
-      m_visits += visit([&](const Aabb<D>& box) { return box.overlaps(fat); },
-                        [&](ProxyId j) {
-                          // If both boxes changed, both queries find the pair.
-                          if (j == i || (j < i && m_changed[j])) return;
-                          if (!proxies.mayCollide(i, j)) return;
-                          m_pairs.push_back({std::min(i, j), std::max(i, j)});
-                          emit(m_pairs.back());
-                        });
-    }
-    for (const ProxyId i : m_list) m_changed[i] = 0;
-    m_list.clear();
+    flush();
+    m_pairs.settle();
     work[WorkCount::boxTests] += m_pairs.size();
     work[WorkCount::nodeVisits] += std::exchange(m_visits, 0);
     work[WorkCount::sortMoves] += std::exchange(m_moves, 0);
@@ -144,7 +137,7 @@ class DynamicTree final : public Broadphase<D> {
   }
 
  private:
-  static constexpr std::int32_t kNone = -1;
+  static constexpr std::int32_t kNone = -1, kWaits = -2;  // no node; no leaf yet
 
   struct Node {
     Aabb<D> box;
@@ -162,26 +155,18 @@ class DynamicTree final : public Broadphase<D> {
     }
   };
 
+  struct Range {  // of the items of a build
+    std::size_t begin, count;
+    std::int32_t node;  // that gets them
+    int depth;
+  };
+
   Node& node(std::int32_t at) { return m_nodes[at]; }
   const Node& node(std::int32_t at) const { return m_nodes[at]; }
 
-  // Half of the surface (3D) or of the perimeter (2D). Bounded, so that differences do not overflow to NaN.
-  static Real surface(const Aabb<D>& box) {
-    const Vec<D> size = box.hi - box.lo;
-    Real half = size[0] + size[1];
-    if constexpr (D == 3) half = size[0] * size[1] + half * size[2];
-    return std::min(half, std::numeric_limits<Real>::max() / 4);
-  }
-
-  void note(ProxyId i) {
-    std::uint8_t& changed = m_changed[i];
-    if (!changed) m_list.push_back(i);
-    changed = 1;
-  }
-
   void place(const Proxies<D>& proxies, ProxyId i) {
     const Aabb<D> box = proxies.box(i);
-    const bool known = m_leaf[i] != kNone;
+    const bool known = m_leaf[i] != kNone;  // also if it waits: `added` and `moved` may both name it
     if (known && box.lo == m_tight[i].lo && box.hi == m_tight[i].hi) return;
     const Vec<D> way = known ? ahead(m_tight[i], box) : Vec<D>(Vec<D>::Zero());
     m_tight[i] = box;
@@ -189,21 +174,122 @@ class DynamicTree final : public Broadphase<D> {
       takeOut(i);
       return;
     }
-    std::int32_t start = m_root;
     if (known) {
-      // Also reinserts a box with a fat box made for a larger or faster one; it would otherwise keep false pairs for
+      // Also places a box anew with a fat box made for a larger or faster one; it would otherwise keep false pairs for
       // ever.
-      const Aabb<D>& fat = node(m_leaf[i]).box;
+      const Aabb<D>& fat = m_fat[i];
       const Real most = kMostMargins * m_params.margin + 2 * way.cwiseAbs().maxCoeff();
       if (fat.contains(box) && box.grown(most).contains(fat)) return;
-      start = takeOut(i);
     }
-    Aabb<D> fat = box.grown(m_params.margin);
+    Aabb<D>& fat = m_fat[i] = box.grown(m_params.margin);
     for (int d = 0; d < D; ++d) (way[d] > 0 ? fat.hi : fat.lo)[d] += way[d];
-    note(i);
-    ++m_moves;
-    m_leaf[i] = newNode({fat, kNone, {kNone, i}, 0});
-    insert(m_leaf[i], start);
+    m_pairs.note(i);
+    m_placed.push_back(i);
+    if (!known) m_leaf[i] = kWaits, ++m_count;
+  }
+
+  bool isMany(std::size_t boxes) const {
+    return boxes > kFewest && static_cast<Real>(boxes) > m_params.bulk * static_cast<Real>(m_count);
+  }
+  void putPlaced() {
+    m_moves += m_placed.size();
+    if (isMany(m_placed.size())) {
+      build();
+      return;
+    }
+    // In the order of the nodes, see queryChanged.
+    std::sort(m_placed.begin(), m_placed.end(),
+              [&](ProxyId a, ProxyId b) { return m_leaf[a] != m_leaf[b] ? m_leaf[a] < m_leaf[b] : a < b; });
+    for (const ProxyId i : m_placed) {
+      const std::int32_t start = m_leaf[i] == kWaits ? m_root : cut(i);
+      m_leaf[i] = newNode({m_fat[i], kNone, {kNone, i}, 0});
+      insert(m_leaf[i], start);
+    }
+  }
+
+  // Makes the whole tree anew. Siblings are adjacent in memory, and parents come before children.
+  void build() {
+    m_items.clear();
+    for (std::size_t i = 0; i < m_leaf.size(); ++i) {
+      if (m_leaf[i] != kNone) m_items.push_back({m_fat[i], static_cast<ProxyId>(i)});
+    }
+    m_nodes.clear(), m_free.clear();
+    m_root = newNode({{}, kNone, {kNone, kNone}, 0});
+    m_ranges.assign(1, {0, m_items.size(), m_root, 0});
+    while (!m_ranges.empty()) {
+      const Range range = m_ranges.back();
+      m_ranges.pop_back();
+      if (range.count == 1) {
+        const SplitItem<D>& item = m_items[range.begin];
+        node(range.node).box = item.box, node(range.node).child[1] = item.proxy;
+        m_leaf[item.proxy] = range.node;
+        continue;
+      }
+      const std::span<SplitItem<D>> items(&m_items[range.begin], range.count);
+      const std::size_t few = split<D>(items, range.depth < kBySurface);
+      const Node child = {{}, range.node, {kNone, kNone}, 0};
+      const std::int32_t left = newNode(child), right = newNode(child);
+      node(range.node).child = {left, right};
+      m_ranges.push_back({range.begin + few, range.count - few, right, range.depth + 1});
+      m_ranges.push_back({range.begin, few, left, range.depth + 1});
+    }
+    for (auto at = static_cast<std::int32_t>(m_nodes.size()); at-- > 0;) {
+      if (!node(at).isLeaf()) fit(at);
+    }
+    m_visits += m_nodes.size();
+  }
+
+  // Both list the pairs of overlapping fat boxes of which at least one has changed, and call flush() when the list is
+  // long. Queries cost less if few boxes have changed.
+  template <class Flush>
+  void queryChanged(const Flush& flush) {
+    // In the order of the nodes, successive queries visit the same part of the tree, which is then in the cache.
+    m_leaves.clear();
+    for (const ProxyId i : m_pairs.changed()) {
+      if (m_leaf[i] != kNone) m_leaves.push_back(m_leaf[i]);
+    }
+    std::sort(m_leaves.begin(), m_leaves.end());
+    for (const std::int32_t leaf : m_leaves) {
+      const ProxyId i = node(leaf).child[1];
+      const Aabb<D> fat = node(leaf).box;
+      m_visits += visit([&](const Aabb<D>& box) { return FatPairs<D>::near(box, fat); },
+                        [&](ProxyId j) {
+                          // If both boxes changed, both queries find the pair.
+                          if (j != i && !(j < i && m_pairs.isChanged(j))) m_pairs.list(i, j);
+                        });
+      if (m_pairs.listIsLong()) flush();
+    }
+  }
+  // The tree against itself.
+  template <class Flush>
+  void descend(const Flush& flush) {
+    std::size_t top = 0;
+    const auto push = [&](std::int32_t a, std::int32_t b) {
+      ++m_visits;
+      m_stack[top] = {a, b};  // without a branch: half of the tests hit
+      top += FatPairs<D>::near(node(a).box, node(b).box);
+    };
+    m_stack.resize(std::max<std::size_t>(m_stack.size(), 256));
+    if (m_root != kNone) push(m_root, m_root);
+    while (top > 0) {
+      const auto [a, b] = m_stack[--top];
+      if (top + 4 > m_stack.size()) m_stack.resize(2 * m_stack.size());
+      const Node &x = node(a), &y = node(b);
+      if (a == b) {
+        if (x.isLeaf()) continue;
+        const auto [l, r] = x.child;
+        push(l, r), push(r, r), push(l, l);
+      } else if (x.height < y.height) {
+        const auto [l, r] = y.child;
+        push(a, r), push(a, l);
+      } else if (!x.isLeaf()) {
+        const auto [l, r] = x.child;
+        push(r, b), push(l, b);
+      } else if (const ProxyId i = x.child[1], j = y.child[1]; m_pairs.isChanged(i) || m_pairs.isChanged(j)) {
+        m_pairs.list(i, j);
+        if (m_pairs.listIsLong()) flush();
+      }
+    }
   }
 
   // The expected motion of the next steps if they are like the last one; no longer than the box, since a teleport is
@@ -219,12 +305,14 @@ class DynamicTree final : public Broadphase<D> {
     return way;
   }
 
-  // Returns the lowest remaining ancestor.
-  std::int32_t takeOut(ProxyId i) {
-    std::int32_t& leaf = m_leaf[i];
-    if (leaf == kNone) return m_root;
-    note(i);
-    const std::int32_t parent = node(leaf).parent;
+  void takeOut(ProxyId i) {
+    if (m_leaf[i] == kNone) return;
+    m_pairs.note(i);
+    cut(i), --m_count;
+  }
+  // Frees a leaf. Returns the lowest remaining ancestor.
+  std::int32_t cut(ProxyId i) {
+    const std::int32_t leaf = std::exchange(m_leaf[i], kNone), parent = node(leaf).parent;
     std::int32_t above = kNone;
     if (parent == kNone) {
       m_root = kNone;
@@ -235,7 +323,7 @@ class DynamicTree final : public Broadphase<D> {
       above = node(sibling).parent;
       for (std::int32_t at = above; at != kNone && fit(at); at = node(at).parent) ++m_visits;
     }
-    m_free.push_back(std::exchange(leaf, kNone));
+    m_free.push_back(leaf);
     return above == kNone ? m_root : above;
   }
 
@@ -292,7 +380,7 @@ class DynamicTree final : public Broadphase<D> {
   // Returns the node beside which a new leaf adds the least surface: that of its new parent, and the increase of all
   // nodes above. Best first; a subtree is skipped if no leaf in it can be better.
   std::int32_t bestSibling(const Aabb<D>& box, std::int32_t start) {
-    const Real own = surface(box);
+    const Real own = halfSurface(box);
     std::int32_t best = start;
     Real least = std::numeric_limits<Real>::infinity();
     m_heap.assign(1, {Real(0), start});
@@ -302,10 +390,10 @@ class DynamicTree final : public Broadphase<D> {
       std::pop_heap(m_heap.begin(), m_heap.end()), m_heap.pop_back();
       ++m_visits;
       const Node& n = node(c.node);
-      const Real direct = surface(n.box.merged(box));
+      const Real direct = halfSurface(n.box.merged(box));
       if (c.inherited + direct < least) least = c.inherited + direct, best = c.node;
       if (n.isLeaf()) continue;
-      const Real inherited = c.inherited + (direct - surface(n.box));
+      const Real inherited = c.inherited + (direct - halfSurface(n.box));
       if (inherited + own >= least) continue;
       for (const std::int32_t child : n.child) {
         m_heap.push_back({inherited, child});
@@ -317,8 +405,8 @@ class DynamicTree final : public Broadphase<D> {
     while (!node(best).isLeaf()) {
       const auto [a, b] = node(best).child;
       const std::int32_t lower = node(a).height <= node(b).height ? a : b;
-      const Real whole = surface(node(best).box.merged(box));
-      if (surface(node(best).box) < whole || surface(node(lower).box.merged(box)) > own) break;
+      const Real whole = halfSurface(node(best).box.merged(box));
+      if (halfSurface(node(best).box) < whole || halfSurface(node(lower).box.merged(box)) > own) break;
       best = lower;
     }
     return best;
@@ -333,10 +421,10 @@ class DynamicTree final : public Broadphase<D> {
       const std::int32_t upper = node(at).child[side];
       const Node& between = node(node(at).child[1 - side]);
       if (between.isLeaf()) continue;
-      const Real now = surface(between.box);
+      const Real now = halfSurface(between.box);
       for (const int which : {0, 1}) {
         const std::int32_t stays = between.child[1 - which];
-        const Real gain = now - surface(node(stays).box.merged(node(upper).box));
+        const Real gain = now - halfSurface(node(stays).box.merged(node(upper).box));
         if (gain > most) most = gain, high = upper, low = between.child[which];
       }
     }
@@ -372,7 +460,9 @@ class DynamicTree final : public Broadphase<D> {
     return visits;
   }
 
-  static constexpr Real kMostMargins = 4;  // of a fat box around its content, as in Box2D
+  static constexpr Real kMostMargins = 4;     // of a fat box around its content, as in Box2D
+  static constexpr std::size_t kFewest = 16;  // boxes that may be worth a build
+  static constexpr int kBySurface = 40;       // levels; deeper ranges are halved
 
   Params m_params;
   std::int32_t m_root = kNone;
@@ -381,11 +471,17 @@ class DynamicTree final : public Broadphase<D> {
   std::vector<Candidate> m_heap;       // scratch of bestSibling
   IndexedVector<std::int32_t> m_leaf;  // by slot, as the following
   IndexedVector<Aabb<D>> m_tight;      // as of the last update
-  IndexedVector<std::uint8_t> m_changed, m_active;
+  IndexedVector<Aabb<D>> m_fat;        // that of the leaf: update() reads it in the order of the slots
+  IndexedVector<std::uint8_t> m_active;
   std::vector<std::uint32_t> m_category, m_mask;
-  std::vector<ProxyId> m_list;              // boxes that changed since the last findPairs
-  std::vector<ProxyPair> m_pairs;           // pairs of overlapping fat boxes that may collide
-  std::uint64_t m_visits = 0, m_moves = 0;  // since the last findPairs
+  FatPairs<D> m_pairs;
+  std::size_t m_count = 0;                           // boxes in the tree
+  std::vector<ProxyId> m_placed;                     // boxes of an update that need a place
+  IndexedVector<SplitItem<D>> m_items;               // scratch of build
+  std::vector<Range> m_ranges;                       // the same
+  std::vector<std::int32_t> m_leaves;                // scratch of queryChanged
+  std::vector<std::array<std::int32_t, 2>> m_stack;  // scratch of descend
+  std::uint64_t m_visits = 0, m_moves = 0;           // since the last findPairs
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ class ByDistance final : public ContactCache<D> {
                           "its points start cold, although their features would match", "Cache.CarriesAcrossAJump"}}};
   }
 
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     cache::forKnown<D>(in.old, fresh, [&](const Manifold<D>& old, Manifold<D>& m) { inherit(old, m); });
   }
 

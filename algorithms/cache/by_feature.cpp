@@ -20,7 +20,7 @@ class ByFeature final : public ContactCache<D> {
                           "the contact gets a new feature id and starts cold", "Cache.CarriesWhereFeaturesChange"}}};
   }
 
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     cache::forKnown<D>(in.old, fresh, cache::inheritByFeature<D>);
   }
 };

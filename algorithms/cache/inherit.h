@@ -31,7 +31,7 @@ void inheritByFeature(const Manifold<D>& old, Manifold<D>& m) {
 
 /// Calls `f(old, m)` for each new manifold with an old one of the same key. Both lists are sorted.
 template <int D, class F>
-void forKnown(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fresh, const F& f) {
+void forKnown(std::span<const Manifold<D>> old, std::span<Manifold<D>> fresh, const F& f) {
   std::size_t o = 0;
   for (Manifold<D>& m : fresh) {
     while (o < old.size() && old[o].key() < m.key()) ++o;

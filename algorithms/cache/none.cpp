@@ -24,7 +24,7 @@ class NoCache final : public ContactCache<D> {
                 {"a body that is moved at once", "impulses are not kept", "Cache.CarriesAcrossAJump"}}};
   }
 
-  void carry(const CacheInput<D>&, std::vector<Manifold<D>>&) override {}
+  void carry(const CacheInput<D>&, std::span<Manifold<D>>) override {}
 };
 
 }  // namespace

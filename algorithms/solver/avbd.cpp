@@ -224,12 +224,11 @@ class Avbd final : public Solver<D> {
     }
   }
 
-  void move(const StepInput<D>& in) const {
+  void move(const StepInput<D>& in) {
     for (std::size_t k = 0; k < m_from.size(); ++k) {
-      if (!travels(in.bodies, k)) continue;
-      in.bodies.pose[k] = m_from[k];
-      moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, m_rotation);
+      if (travels(in.bodies, k)) in.bodies.pose[k] = m_from[k];
     }
+    m_motion.move(in.bodies, in.bodies.motion, m_h, m_rotation);
   }
 
   // Linearises the joints at the present poses; their errors then belong to u = 0.
@@ -479,6 +478,7 @@ class Avbd final : public Solver<D> {
   struct NoBias final : PositionResolver<D> {};
 
   Params m_params;
+  FreeMotion<D> m_motion;
   bool m_rotation = true;
   Real m_h = 0, m_alpha = 0;
   ContactRows<D> m_contacts;

@@ -23,6 +23,8 @@ class SoftStep final : public Solver<D> {
     Joints joints = Joints::soft;
     Arms arms = Arms::turning;
     bool bounceFriction = false;
+    SweepOrder order = SweepOrder::stored;
+    SweepLanes lanes = SweepLanes::automatic;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
       v.real("hertz", hertz, 0, 100000, "1/s", "stiffness of contacts; limited to a quarter of the sub-step rate");
@@ -36,6 +38,7 @@ class SoftStep final : public Solver<D> {
       v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
       v.flag("gyroscopic", gyroscopic, "implicit gyroscopic term, in 3D; published: false");
       visitContactsOf(v, contacts);
+      visitSweepOrder(v, order), visitSweepLanes(v, lanes);
       v.choice("arms", arms, {"turning", "as_made"},
                "lever arms of cached points: current, or frozen at creation as in Box2D 3, which misses a lean");
       v.flag("bounce_friction", bounceFriction, "friction also acts on restitution impulses; published: false");
@@ -72,7 +75,7 @@ class SoftStep final : public Solver<D> {
 
   void step(const StepInput<D>& in) override {
     m_substeps.prepare(in, {m_params.substeps, m_params.warmStart, m_params.gyroscopic, m_params.arms == Arms::asMade,
-                            m_params.contacts});
+                            m_params.contacts, m_params.order, m_params.lanes});
     const Real h = m_substeps.h(), hertz = std::min(m_params.hertz, Real(0.25) / h);
     ErrorFeedback errors = springs(hertz, m_params.dampingRatio, m_params.jointDampingRatio, m_params.pushSpeed, h);
     if (m_params.joints == Joints::rigid) errors.joint = {.rate = m_params.jointFactor / in.dt};

@@ -166,9 +166,7 @@ class SplitSolver final : public Solver<D> {
   }
   void move(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.move");
-    for (std::size_t i = 0; i < m_drift.size(); ++i) {
-      if (travels(in.bodies, i)) moveBody(in.bodies.pose[i], m_drift[i], in.dt, in.model.rotation);
-    }
+    m_motion.move(in.bodies, m_drift, in.dt, in.model.rotation);
   }
   void correct(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.position");
@@ -184,6 +182,7 @@ class SplitSolver final : public Solver<D> {
   IndexedVector<Real> m_key;  // by manifold: the sort key, m or m/s
   std::vector<Motion<D>> m_drift, m_free, m_arrival;
   Impact<D> m_impact;
+  FreeMotion<D> m_motion;
 };
 
 }  // namespace

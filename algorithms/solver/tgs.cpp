@@ -37,6 +37,8 @@ class Tgs final : public Solver<D> {
     Real factor = Real(0.2), slop = kLinearSlop, pushSpeed = 4;
     bool warmStart = true, gyroscopic = false;
     ContactsOf contacts = ContactsOf::step;
+    SweepOrder order = SweepOrder::stored;
+    SweepLanes lanes = SweepLanes::automatic;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
       v.integer("sweeps", sweeps, 0, 100000, "passes over all joints and contacts in each sub-step");
@@ -50,6 +52,7 @@ class Tgs final : public Solver<D> {
       v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
       v.flag("gyroscopic", gyroscopic, "implicit gyroscopic term, in 3D; published: false");
       visitContactsOf(v, contacts);
+      visitSweepOrder(v, order), visitSweepLanes(v, lanes);
     }
   };
   explicit Tgs(const Params& params) : m_params(params) {}
@@ -72,7 +75,8 @@ class Tgs final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    m_substeps.prepare(in, {m_params.substeps, m_params.warmStart, m_params.gyroscopic, false, m_params.contacts});
+    m_substeps.prepare(in, {m_params.substeps, m_params.warmStart, m_params.gyroscopic, false, m_params.contacts,
+                            m_params.order, m_params.lanes});
     const Feedback rigid{.rate = m_params.factor / in.dt};
     const ErrorFeedback errors{rigid, rigid, rigid, m_params.slop, m_params.pushSpeed};
     for (int i = 0; i < m_params.substeps; ++i) {

@@ -21,6 +21,8 @@ class TgsNgs final : public Solver<D> {
     NgsShare share;
     bool warmStart = true, gyroscopic = false;
     ContactsOf contacts = ContactsOf::step;
+    SweepOrder order = SweepOrder::stored;
+    SweepLanes lanes = SweepLanes::automatic;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step", ParamRole::effort);
       v.integer("sweeps", sweeps, 0, 100000, "velocity passes in each sub-step");
@@ -32,6 +34,7 @@ class TgsNgs final : public Solver<D> {
       v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
       v.flag("gyroscopic", gyroscopic, "implicit gyroscopic term, in 3D; published: false");
       visitContactsOf(v, contacts);
+      visitSweepOrder(v, order), visitSweepLanes(v, lanes);
     }
   };
   explicit TgsNgs(const Params& params) : m_params(params) {}
@@ -59,7 +62,8 @@ class TgsNgs final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    m_substeps.prepare(in, {m_params.substeps, m_params.warmStart, m_params.gyroscopic, false, m_params.contacts});
+    m_substeps.prepare(in, {m_params.substeps, m_params.warmStart, m_params.gyroscopic, false, m_params.contacts,
+                            m_params.order, m_params.lanes});
     for (int i = 0; i < m_params.substeps; ++i) {
       m_substeps.begin(in, i);
       if (i > 0 && m_params.arms != Arms::detection) m_substeps.turnArms(in, m_params.arms == Arms::shared);

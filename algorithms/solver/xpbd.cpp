@@ -161,9 +161,9 @@ class Xpbd final : public Solver<D> {
   // times.
   void move(const StepInput<D>& in, Real h) {
     m_ahead.assign(m_displacement.begin(), m_displacement.end());
+    m_motion.move(in.bodies, in.bodies.motion, h, in.model.rotation);
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
       if (!travels(in.bodies, k)) continue;
-      moveBody(in.bodies.pose[k], in.bodies.motion[k], h, in.model.rotation);
       m_ahead[k] += h * in.bodies.motion[k].v;
       in.bodies.pose[k].p = m_start[k] + m_ahead[k];
     }
@@ -335,6 +335,7 @@ class Xpbd final : public Solver<D> {
   struct NoBias final : PositionResolver<D> {};
 
   Params m_params;
+  FreeMotion<D> m_motion;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
   IndexedVector<Pose<D>> m_from;  // before this sub-step's motion

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "algorithms/solver/lanes/contact_lanes.h"
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/rows/normal_block.h"
 #include "algorithms/solver/rows/sequential_impulse.h"
@@ -25,6 +26,7 @@ class Catto final : public VelocityResolver<D> {
     Sweep sweep = Sweep::forward;
     bool block = false;
     Friction friction = Friction::cone;
+    SweepLanes lanes = SweepLanes::automatic;
     void visit(ParamVisitor& v) {
       v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts", ParamRole::effort);
       v.flag("warm_start", warmStart, "warm start from the impulses of the last step");
@@ -35,6 +37,7 @@ class Catto final : public VelocityResolver<D> {
       v.choice(
           "friction", friction, {"cone", "pyramid", "box"},
           "bound of friction: vector within mu n, each tangent within mu n, or each tangent with n of the last step");
+      visitSweepLanes(v, lanes, "; only with the other choices at their defaults");
     }
   };
   explicit Catto(const Params& params) : m_params(params) {}
@@ -72,12 +75,15 @@ class Catto final : public VelocityResolver<D> {
   }
 
   void solve(const VelocityInput<D>& in) override {
+    if (m_params.sweep == Sweep::forward && !m_params.block && m_params.friction == Friction::cone) {
+      return solveInBlocks(in);
+    }
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
       m_contacts.prepare(in);
       m_joints.clear();
       if (in.model.joints) m_joints.prepare(in.work, in.bodies, in.joints);
-      if (m_params.block) prepareBlocks(in.work);
+      if (m_params.block) prepareNormalBlocks(in.work);
       if (m_params.friction == Friction::box) prepareLimits(in);
       if (m_params.warmStart) warmStart(in);
     }
@@ -102,15 +108,84 @@ class Catto final : public VelocityResolver<D> {
   }
 
  private:
+  using Layout = BlockLayout<D>;
+
+  // The default choices, in lanes where `order` has colours.
+  void solveInBlocks(const VelocityInput<D>& in) {
+    const bool rotation = in.model.rotation;
+    auto& motion = in.bodies.motion;
+    {
+      Profiler::Scope scope(in.profiler, "solver.prepare");
+      const int lanes = m_params.lanes == SweepLanes::scalar ? 1 : contactLanes();
+      m_inLanes.arrange(in.bodies, in.manifolds, in.order, in.colours, lanes, in.model.friction);
+      m_inLanes.loadFixed(in.bodies, [&](std::int32_t body) { return in.bodies.pose[body].p; });
+      m_inLanes.loadPose(in.bodies);
+      prepareBlocks(m_inLanes, in.manifolds, m_params.warmStart ? m_params.warmFactor * lastImpulseScale(in) : Real(0));
+      countMadeRows<D>(in.work, m_inLanes.rows());
+      setTargets(in);
+      m_joints.clear();
+      if (in.model.joints) m_joints.prepare(in.work, in.bodies, in.joints);
+      if (m_params.warmStart) {
+        applyBlocks(m_inLanes, rotation);
+        m_inLanes.storeMotion(in.bodies, motion);
+        warmStartJoints(in);
+        m_inLanes.loadMotion(motion);
+      }
+    }
+    Profiler::Scope scope(in.profiler, "solver.iterate");
+    const Feedback relaxed{.rate = 0, .massScale = m_params.relaxation};
+    const BlockSweep law{.contact = relaxed, .contactFixed = relaxed, .targets = true, .rotation = rotation};
+    const Feedback feedback{.rate = in.position.jointBias(in.dt)};
+    for (int i = 0; i < m_params.iterations; ++i) {
+      if (!m_joints.blocks.empty()) {
+        m_inLanes.storeMotion(in.bodies, motion);
+        m_joints.sweep(motion, in.dt, feedback);
+        m_inLanes.loadMotion(motion);
+      }
+      sweepBlocks(m_inLanes, law);
+    }
+    m_inLanes.storeMotion(in.bodies, motion);
+    const auto iterations = static_cast<std::uint64_t>(m_params.iterations);
+    countRows<D>(in.work, m_inLanes.rows() * iterations);
+    m_joints.count(in.work, iterations);
+    m_inLanes.forPoints([&](const ContactPlace& at, int k) {
+      ContactPoint<D>& c = in.manifolds[at.manifold].points[k];
+      for (int d = 0; d < D; ++d) c.impulse[d] = m_inLanes.of(at, k, Layout::kImpulse + d);
+      c.load = c.impulse[0];
+    });
+    m_joints.store(in.joints);
+  }
+
+  // Restitution uses the velocities before any impulse. Afterwards the blocks hold the present velocities.
+  void setTargets(const VelocityInput<D>& in) {
+    constexpr int kArrival = Layout::kVelocity, kNow = Layout::kMaxImpulse;  // neither is needed otherwise
+    if (!in.arrival.empty()) {
+      m_inLanes.loadMotion(in.arrival);
+      velocityBlocks(m_inLanes, kArrival, in.model.rotation);
+    }
+    m_inLanes.loadMotion(in.bodies.motion);
+    velocityBlocks(m_inLanes, kNow, in.model.rotation);
+    m_inLanes.forPoints([&](const ContactPlace& at, int k) {
+      const Manifold<D>& m = in.manifolds[at.manifold];
+      const Real v = m_inLanes.of(at, k, kNow), arrival = in.arrival.empty() ? v : m_inLanes.of(at, k, kArrival);
+      m_inLanes.of(at, k, Layout::kGoal) =
+          contactTarget<D>(m.points[k].separation, v, arrival, in.model.restitution ? m.restitution : Real(0),
+                           in.restitutionThreshold, in.dt, in.position);
+    });
+  }
+
   void warmStart(const VelocityInput<D>& in) {
+    warmStartContacts(in, m_params.warmFactor * lastImpulseScale(in), m_contacts);
+    warmStartJoints(in);
+  }
+  void warmStartJoints(const VelocityInput<D>& in) {
     const Real factor = m_params.warmFactor * lastImpulseScale(in);
-    warmStartContacts(in, factor, m_contacts);
     m_joints.warmStart(in.dt,
                        [&](std::int32_t joint, std::int32_t row) { return factor * in.joints[joint].impulse[row]; });
     m_joints.applyAccumulated(in.bodies.motion);
   }
 
-  void prepareBlocks(WorkDone& work) {
+  void prepareNormalBlocks(WorkDone& work) {
     m_blocks.resize(m_contacts.manifolds.size());
     m_isBlock.assign(m_contacts.manifolds.size(), 0);
     for (std::size_t k = 0; k < m_blocks.size(); ++k) {
@@ -180,7 +255,8 @@ class Catto final : public VelocityResolver<D> {
   }
 
   Params m_params;
-  ContactRows<D> m_contacts;
+  ContactRows<D> m_contacts;  // used unless solveInBlocks() applies
+  ContactBlocks<D> m_inLanes;
   JointSystem<D> m_joints;
   std::vector<NormalBlock<D>> m_blocks;  // by manifold
   std::vector<std::uint8_t> m_isBlock;

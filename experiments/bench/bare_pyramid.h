@@ -33,5 +33,6 @@ class Pyramid {
 
 std::unique_ptr<Pyramid> bulletPyramid(const Settings& settings);
 std::unique_ptr<Pyramid> box2dPyramid(const Settings& settings);
+std::unique_ptr<Pyramid> chipmunkPyramid(const Settings& settings);
 
 }  // namespace bare

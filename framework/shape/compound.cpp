@@ -60,7 +60,7 @@ Shape<D> Shape<D>::compound(std::span<const ShapePart<D>> parts, PartOverlap all
   }
   Shape s;
   s.m_compound = std::move(made);
-  return s;
+  return std::move(s).measured();
 }
 
 template <int D>

@@ -6,10 +6,12 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 #include "framework/shape/curved_core.h"
+#include "framework/shape/surface.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
@@ -55,7 +57,7 @@ Shape<D> Shape<D>::sphere(Real radius) {
   requireSize("sphere", "radius", radius, true);
   Shape s;
   s.m_view.kind = ShapeKind::sphere, s.m_view.radius = radius;
-  return s;
+  return std::move(s).measured();
 }
 
 template <int D>
@@ -64,7 +66,7 @@ Shape<D> Shape<D>::box(const Vec<D>& halfExtents, Real rounding) {
   requireSize("box", "rounding", rounding, true);
   Shape s;
   s.m_view.kind = ShapeKind::box, s.m_view.half = halfExtents, s.m_view.radius = rounding;
-  return s;
+  return std::move(s).measured();
 }
 
 template <int D>
@@ -73,7 +75,7 @@ Shape<D> Shape<D>::capsule(Real halfLength, Real radius) {
   requireSize("capsule", "radius", radius, false);
   Shape s;
   s.m_view.kind = ShapeKind::capsule, s.m_view.half[0] = halfLength, s.m_view.radius = radius;
-  return s;
+  return std::move(s).measured();
 }
 
 template <int D>
@@ -82,7 +84,7 @@ Shape<D> Shape<D>::segment(Real halfLength) {
   requireSize("segment", "half length", halfLength, false);
   Shape s;
   s.m_view.kind = ShapeKind::segment, s.m_view.half[0] = halfLength;
-  return s;
+  return std::move(s).measured();
 }
 
 template <int D>
@@ -106,7 +108,7 @@ Shape<D> Shape<D>::polytope(std::shared_ptr<const Polytope<D>> hull, Real roundi
   s.m_view.kind = ShapeKind::polytope, s.m_view.radius = rounding, s.m_view.hull = hull.get();
   for (const Vec<D>& v : hull->vertices) s.m_view.half = s.m_view.half.cwiseMax(v.cwiseAbs()).eval();
   s.m_hull = std::move(hull);
-  return s;
+  return std::move(s).measured();
 }
 
 template <int D>
@@ -119,7 +121,7 @@ Shape<D> Shape<D>::triangle(const Vec<D>& p0, const Vec<D>& p1, const Vec<D>& p2
     s.m_hull = flatTriangle({p0, p1, p2}, "triangle");
     s.m_view.kind = ShapeKind::triangle, s.m_view.radius = rounding, s.m_view.hull = s.m_hull.get();
     for (const Vec<D>& v : s.m_hull->vertices) s.m_view.half = s.m_view.half.cwiseMax(v.cwiseAbs()).eval();
-    return s;
+    return std::move(s).measured();
   }
 }
 
@@ -176,14 +178,31 @@ Shape<D> Shape<D>::curved(ShapeKind kind, std::span<const Real> sizes, Real roun
   }
   s.m_view.kind = kind, s.m_view.radius = rounding, s.m_view.half = s.m_curved->half();
   s.m_view.curved = s.m_curved.get();
-  return s;
+  return std::move(s).measured();
 }
 
 template <int D>
 Shape<D> Shape<D>::plane() {
   Shape s;
   s.m_view.kind = ShapeKind::plane;
-  return s;
+  return std::move(s).measured();
+}
+
+template <int D>
+Shape<D> Shape<D>::measured() && {
+  if (m_surface) {
+    m_flat = true, m_reach = m_surface->reach();
+  } else if (convex()) {
+    m_flat = m_view.radius == 0 && m_view.core() != CoreClass::curved && m_view.core() != CoreClass::point;
+    m_reach = boundingRadius(m_view);
+  } else {
+    m_flat = true;
+    for (const ShapePart<D>& part : *m_compound) {
+      m_flat = m_flat && part.shape.flat();
+      m_reach = std::max(m_reach, part.X_SP.p.norm() + part.shape.reach());
+    }
+  }
+  return std::move(*this);
 }
 
 template <int D>

@@ -192,6 +192,10 @@ class Shape {
   std::span<const PlacedView<D>> surfaceParts() const;
   /// True when the shape is unbounded or has no interior: only a static body may have it.
   bool staysFixed() const { return isPlane() || m_surface; }
+  /// True when no part is round: each is a box, polytope, triangle, segment or plane without rounding.
+  bool flat() const { return m_flat; }
+  /// Radius (m) of a sphere around the shape's own origin that contains all parts (see boundingRadius).
+  Real reach() const { return m_reach; }
   /// True for a copy: the numbers are equal, and the hull, core, parts and surface are the same objects, not only equal
   /// ones.
   bool same(const Shape& o) const {
@@ -200,11 +204,15 @@ class Shape {
   }
 
  private:
+  Shape measured() &&;  // with the data that follow from the others
+
   ShapeView<D> m_view;
   std::shared_ptr<const Polytope<D>> m_hull;
   std::shared_ptr<const CurvedCore<D>> m_curved;
   std::shared_ptr<const std::vector<ShapePart<D>>> m_compound;
   std::shared_ptr<const Surface<D>> m_surface;
+  Real m_reach = 0;
+  bool m_flat = false;
 };
 
 /// A convex part of a compound.

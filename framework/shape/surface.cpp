@@ -177,7 +177,7 @@ Shape<D> Shape<D>::mesh(std::span<const Vec<D>> points, std::span<const std::arr
   } else {
     Shape s;
     s.m_surface = std::make_shared<const Surface<3>>(points, triangles, "mesh");
-    return s;
+    return std::move(s).measured();
   }
 }
 
@@ -196,7 +196,7 @@ Shape<D> Shape<D>::chain(std::span<const Vec<D>> points, bool closed) {
     if (closed) segments.push_back({n - 1, 0});
     Shape s;
     s.m_surface = std::make_shared<const Surface<2>>(points, segments, "chain");
-    return s;
+    return std::move(s).measured();
   }
 }
 

@@ -217,21 +217,24 @@ struct CacheInput {
   Real margin;                               // m: contacts are made up to this separation
 };
 
-/// Transfers impulses and other data from the old manifolds to the fresh ones.
+/// Transfers impulses and other data from the old manifolds to the fresh ones. May keep old manifolds.
 template <int D>
 class ContactCache : public Stage {
  public:
   static constexpr StageKind kStage = StageKind::cache;
   static constexpr int kDimension = D;
 
-  /// Selects the pairs that need new contacts, in their order; default: all pairs. carry() must bring back the contacts
-  /// of all other pairs.
+  /// Selects the pairs that need new contacts, in their order; default: all pairs. The old manifolds of each other pair
+  /// stay, and renew() updates them. A pair without old manifolds must be selected.
   virtual void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) {
     regenerate.assign(in.pairs.begin(), in.pairs.end());
   }
-  /// Transfers data to `fresh`, which is sorted by Manifold::key and must stay sorted. Called after select(), with the
-  /// same input.
-  virtual void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) = 0;
+  /// Transfers data to `fresh`, the manifolds of selected pairs, sorted by Manifold::key. Called after select(), with
+  /// the same input.
+  virtual void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) = 0;
+  /// Updates the manifolds of one pair that select() left out to the present poses, in place. They may be those of
+  /// `in.old`. Called after carry(), with the same input, for one pair after the other.
+  virtual void renew(const CacheInput<D>&, std::span<Manifold<D>>) {}
 };
 
 }}  // namespace lpc::LPC_PRECISION

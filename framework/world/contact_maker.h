@@ -12,6 +12,7 @@
 #include "framework/world/body_table.h"
 #include "framework/world/flush_contacts.h"
 #include "framework/world/non_colliding_pairs.h"
+#include "framework/world/past_pair.h"
 #include "framework/world/simulation.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
@@ -48,14 +49,17 @@ class ContactMaker {
   void findPairs(const BodyTable<D>& table, const NonCollidingPairs& nonColliding, WorkDone& work);
   /// Adds the pairs of `speculative`, and sorts all pairs by bodies and shapes.
   void sortPairs(std::span<const ShapeRecord<D>> shapes, std::span<const SpeculativePair> speculative);
-  /// Makes the manifolds of pairs(). Then before() returns the manifolds of the last call.
+  /// Makes the manifolds of pairs(), and updates those that the cache keeps.
   void make(const MakerInput<D>& in);
   /// Indices of the manifolds that the solver takes: at least one body is active (Bodies::active), and no listener
   /// vetoed.
   IndexedVector<int>& collectActive(const Bodies<D>& bodies);
 
   std::span<const ShapePair> pairs() const { return m_pairs; }
-  std::span<const Manifold<D>> before() const { return m_old; }
+  /// The pairs that had contacts before the last call of make(), without resting ones, sorted by key.
+  std::span<const PastPair> before() const { return m_before; }
+  /// Their manifolds, unless the cache kept them, sorted by key.
+  std::span<const Manifold<D>> past() const { return m_past; }
 
   // --- between steps -------------------------------------------------------------------------------------------------
   /// Removes manifolds and records of pairs that end: endedBy(pair) returns the body that leaves the pair, or a
@@ -69,16 +73,27 @@ class ContactMaker {
  private:
   void generate(const MakerInput<D>& in, std::span<const ShapePair> pairs, Real margin);
   std::span<PairMemory> recall(const MakerInput<D>& in, std::span<const ConvexPair<D>> convexPairs);
-  template <class Pair>
-  bool cacheKeeps(const MakerInput<D>& in, const Pair& pair) const;
+  void findOld(const MakerInput<D>& in);
   void remember(const MakerInput<D>& in);
   void correctFlush(const MakerInput<D>& in);
-  void mixKept(const MakerInput<D>& in);
+  void renewKept(const MakerInput<D>& in, const CacheInput<D>& cacheInput);
+  void insertFresh();
+
+  /// The manifolds of a pair of shapes with contacts in the last step.
+  struct OldPair {
+    std::size_t first, count;  // among `manifolds`, before any is removed or inserted
+    bool kept;                 // by the cache; otherwise the contacts are made anew, or end
+  };
 
   // Scratch.
   std::vector<ProxyPair> m_proxyPairs;
-  std::vector<ShapePair> m_pairs, m_regenerate;
-  IndexedVector<Manifold<D>> m_old;
+  std::vector<ShapePair> m_pairs, m_scratchPairs, m_regenerate;
+  std::vector<std::int32_t> m_places, m_shapeOrder, m_scratchOrder;  // see sortPairs()
+  std::vector<std::uint32_t> m_begin;
+  IndexedVector<Manifold<D>> m_fresh, m_gone;
+  std::vector<OldPair> m_oldPairs;  // without resting ones
+  std::vector<PastPair> m_before;
+  std::span<const Manifold<D>> m_past;            // m_fresh or m_gone
   std::vector<PairRecord> m_oldRecords, m_asked;  // m_asked: pairs of convex parts passed to the generator
   std::vector<PairMemory> m_memory;
   PartPairs<D> m_partPairs;

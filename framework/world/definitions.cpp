@@ -18,12 +18,22 @@ bool isFinite(const MassProperties<D>& m) {
   return std::isfinite(m.mass) && m.center.allFinite() && m.inertia.allFinite();
 }
 
+// The largest coefficient of a shape: no rule that mixes two of them overflows, not even their product in f32. Larger:
+// it would be infinite. Smaller: refuses more.
+constexpr Real kLargestCoefficient = Real(1e18);
+
+void checkCoefficient(Real value, const std::string& subject, const char* what) {
+  checkAmount(value, subject, what);
+  if (value <= kLargestCoefficient) return;
+  throw UserError(subject + ": " + what + " is " + std::to_string(value) + "; valid: 0 to 1e18");
+}
+
 template <int D>
 void checkShape(const ShapeDef<D>& s, const std::string& subject) {
   checkPose(s.X_BS, subject + ", shape");
   checkAmount(s.density, subject, "density");
-  checkAmount(s.friction, subject, "friction");
-  checkAmount(s.restitution, subject, "restitution");
+  checkCoefficient(s.friction, subject, "friction");
+  checkCoefficient(s.restitution, subject, "restitution");
 }
 
 template <int D>

@@ -88,14 +88,21 @@ const Manifold<D>& FlushContacts<D>::manifold(const Touch& t) const {
   return i < m_fresh.size() ? m_fresh[i] : *m_kept[i - m_fresh.size()];
 }
 
+// Where all touches of a shape are kept, nothing is corrected.
 template <int D>
-template <class F>
-void FlushContacts<D>::forTouches(const BodyTable<D>& table, const F& f) const {
+void FlushContacts<D>::findTouches(const BodyTable<D>& table) {
+  m_count.assign(table.shapes.size(), 0), m_touches.clear();
   for (std::size_t i = 0; i < m_fresh.size() + m_kept.size(); ++i) {
-    const Manifold<D>& m = i < m_fresh.size() ? m_fresh[i] : *m_kept[i - m_fresh.size()];
+    const bool isFresh = i < m_fresh.size();
+    const Manifold<D>& m = isFresh ? m_fresh[i] : *m_kept[i - m_fresh.size()];
+    const auto add = [&](const Touch& t) {
+      std::int32_t& count = m_count[static_cast<std::size_t>(t.shape)];
+      if (!isFresh && count == 0) return;
+      ++count, m_touches.push_back(t);
+    };
     const std::int32_t a = groupOf(table, m.bodyA), b = groupOf(table, m.bodyB);
-    if (b != kAlone) f(Touch{m.shapeA, m.partA, b, static_cast<std::int32_t>(i), true});
-    if (a != kAlone) f(Touch{m.shapeB, m.partB, a, static_cast<std::int32_t>(i), false});
+    if (b != kAlone) add({m.shapeA, m.partA, b, static_cast<std::int32_t>(i), true});
+    if (a != kAlone) add({m.shapeB, m.partB, a, static_cast<std::int32_t>(i), false});
   }
 }
 
@@ -212,8 +219,7 @@ template <int D>
 void FlushContacts<D>::correct(const BodyTable<D>& table, std::span<const Manifold<D>* const> kept,
                                std::span<const Manifold<D>> before, std::vector<Manifold<D>>& fresh) {
   m_fresh = fresh, m_kept = kept, m_before = before;
-  m_count.assign(table.shapes.size(), 0), m_touches.clear();
-  forTouches(table, [&](const Touch& t) { ++m_count[static_cast<std::size_t>(t.shape)], m_touches.push_back(t); });
+  findTouches(table);
   // Most parts touch one other part of a group at most.
   std::erase_if(m_touches, [&](const Touch& t) { return m_count[static_cast<std::size_t>(t.shape)] < 2; });
   std::sort(m_touches.begin(), m_touches.end());

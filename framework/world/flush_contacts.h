@@ -29,8 +29,9 @@ namespace lpc { inline namespace LPC_PRECISION {
 template <int D>
 class FlushContacts {
  public:
-  /// `fresh`: the manifolds of this step. `kept`: manifolds that a cache keeps from the last step; they cover, and stay
-  /// unchanged. `before`: all manifolds of the last step, sorted; pairs that a listener vetoed there cover nothing.
+  /// `fresh`: the manifolds of this step. `kept`: manifolds that a cache keeps from the last step, not yet updated;
+  /// they cover, and stay unchanged. `before`: all manifolds of the last step, sorted; pairs that a listener vetoed
+  /// there cover nothing.
   void correct(const BodyTable<D>& table, std::span<const Manifold<D>* const> kept, std::span<const Manifold<D>> before,
                std::vector<Manifold<D>>& fresh);
 
@@ -52,8 +53,7 @@ class FlushContacts {
   };
   struct Side;
 
-  template <class F>
-  void forTouches(const BodyTable<D>& table, const F& f) const;
+  void findTouches(const BodyTable<D>& table);
   void correctRun(const BodyTable<D>& table, std::span<const Touch> run);
   void turn(const BodyTable<D>& table, const Touch& t, const Vec<D>& old, const Vec<D>& n);
   const Rest* coverOf(const BodyTable<D>& table, const Touch& touch, const Rest& own) const;

@@ -6,23 +6,6 @@
 namespace lpc { inline namespace LPC_PRECISION {
 namespace {
 
-// The manifolds of the first pair of shapes, one for each pair of convex parts; they are adjacent.
-template <class M>
-std::span<M> firstPair(std::span<M> manifolds) {
-  std::size_t n = 0;
-  while (n < manifolds.size() && manifolds[n].shapeKey() == manifolds[0].shapeKey()) ++n;
-  return manifolds.first(n);
-}
-
-template <int D>
-Real smallestSeparation(std::span<const Manifold<D>> pair) {
-  Real s = pair[0].points[0].separation;
-  for (const Manifold<D>& m : pair) {
-    for (int i = 0; i < m.count; ++i) s = std::min(s, m.points[static_cast<std::size_t>(i)].separation);
-  }
-  return s;
-}
-
 // Largest approach speed over the points, m/s, at least 0.
 template <int D>
 Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
@@ -47,7 +30,7 @@ void checkMaterial(const PairMaterial& m) {
 
 // Copies begun, veto and material.
 template <int D>
-void hear(Manifold<D>& m, const Manifold<D>& said) {
+void hear(Manifold<D>& m, const PastPair& said) {
   m.begun = said.begun, m.ignored = said.ignored;
   m.friction = said.friction, m.restitution = said.restitution;
 }
@@ -91,6 +74,14 @@ void ListenerTable<D>::remove(ContactListener<D>* listener) {
   for (auto& of : m_ofBodies) std::erase(of, listener);
 }
 template <int D>
+bool ListenerTable<D>::anyFor(const Manifold<D>& m) const {
+  const auto has = [&](std::int32_t body) {
+    const auto i = static_cast<std::size_t>(body);
+    return i < m_ofBodies.size() && !m_ofBodies[i].empty();
+  };
+  return !m_all.empty() || has(m.bodyA) || has(m.bodyB);
+}
+template <int D>
 void ListenerTable<D>::forget(std::size_t body) {
   if (body < m_ofBodies.size()) m_ofBodies[body].clear();
 }
@@ -110,11 +101,13 @@ void ListenerTable<D>::notify(const World<D>& world, BodyTable<D>& table, const 
       table.events.push_back({SleepEvent::separationGrown, body, other, double(speed)});
     }
   };
-  std::span<const Manifold<D>> old = news.before;
+  std::span<const PastPair> old = news.before;
+  std::span<const Manifold<D>> past = news.past;
   const auto end = [&] {
-    wakeEvent(SleepEvent::contactLost, old[0], 0);
-    forEach(old[0], [&](ContactListener<D>& l) { l.end(world, old[0]); });
-    old = old.subspan(firstPair(old).size());
+    while (past[0].shapeKey() < old[0].shapeKey()) past = past.subspan(1);
+    wakeEvent(SleepEvent::contactLost, past[0], 0);
+    forEach(past[0], [&](ContactListener<D>& l) { l.end(world, past[0]); });
+    old = old.subspan(1);
   };
   for (std::span<Manifold<D>> rest = news.now; !rest.empty();) {
     const std::span<Manifold<D>> pair = firstPair(rest);
@@ -122,33 +115,38 @@ void ListenerTable<D>::notify(const World<D>& world, BodyTable<D>& table, const 
     rest = rest.subspan(pair.size());
     while (!old.empty() && old[0].shapeKey() < m.shapeKey()) end();
     const bool known = !old.empty() && old[0].shapeKey() == m.shapeKey();
-    const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
-    old = old.subspan(before.size());
+    const PastPair before = known ? old[0] : PastPair();
+    if (known) old = old.subspan(1);
     if (table.resting(m)) continue;
     if (known && (news.again || quiet(m, table))) {  // made again in the step, or at rest: keep the answer
-      for (Manifold<D>& manifold : pair) hear(manifold, before[0]);
+      for (Manifold<D>& manifold : pair) hear(manifold, before);
       continue;
     }
     for (Manifold<D>& manifold : pair) manifold.begun = !known, manifold.ignored = 0;
     if (!known) {
       wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, table.bodies));
     } else if (news.sinceBefore > 0) {
-      const Real last = smallestSeparation<D>(before), growth = smallestSeparation<D>(pair) - last;
-      if (growth > 0) wakeEvent(SleepEvent::separationGrown, m, growth / news.sinceBefore);
-      if (growth > 0 && last < -kLinearSlop) repairEvent(m, growth / news.sinceBefore);
+      const bool deep = before.separation < -kLinearSlop;
+      if (deep || asleep(m.bodyA) || asleep(m.bodyB)) {
+        const Real growth = smallestSeparation<D>(pair) - before.separation;
+        if (growth > 0) wakeEvent(SleepEvent::separationGrown, m, growth / news.sinceBefore);
+        if (growth > 0 && deep) repairEvent(m, growth / news.sinceBefore);
+      }
     }
-    PairMaterial material{m.friction, m.restitution};
-    forEach(m, [&](ContactListener<D>& l) { l.mix(world, m, material); });
-    checkMaterial(material);
-    for (Manifold<D>& manifold : pair)
-      manifold.friction = material.friction, manifold.restitution = material.restitution;
-    forEach(m, [&](ContactListener<D>& l) {
-      if (known ? l.persist(world, m) : l.begin(world, m)) return;
-      for (Manifold<D>& manifold : pair) manifold.ignored = 1;
-    });
+    if (anyFor(m)) {
+      PairMaterial material{m.friction, m.restitution};
+      forEach(m, [&](ContactListener<D>& l) { l.mix(world, m, material); });
+      checkMaterial(material);
+      for (Manifold<D>& manifold : pair)
+        manifold.friction = material.friction, manifold.restitution = material.restitution;
+      forEach(m, [&](ContactListener<D>& l) {
+        if (known ? l.persist(world, m) : l.begin(world, m)) return;
+        for (Manifold<D>& manifold : pair) manifold.ignored = 1;
+      });
+    }
     // A veto that begins wakes the bodies in contact; one that ends wakes those that overlap by then.
-    if (known && m.ignored && !before[0].ignored) wakeEvent(SleepEvent::contactLost, m, 0);
-    if (known && !m.ignored && before[0].ignored) {
+    if (known && m.ignored && !before.ignored) wakeEvent(SleepEvent::contactLost, m, 0);
+    if (known && !m.ignored && before.ignored) {
       wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, table.bodies));
     }
   }

@@ -9,14 +9,16 @@
 #include "framework/stage/stage_sleep.h"
 #include "framework/world/body_table.h"
 #include "framework/world/contact_listener.h"
+#include "framework/world/past_pair.h"
 
 namespace lpc { inline namespace LPC_PRECISION {
 
-/// The contacts of this step and of the last step, both sorted by key.
+/// The contacts of this step and of the last step, all sorted by key.
 template <int D>
 struct StepContacts {
   std::span<Manifold<D>> now;
-  std::span<const Manifold<D>> before;
+  std::span<const PastPair> before;   // may leave out resting pairs
+  std::span<const Manifold<D>> past;  // of `before`, at least of the pairs that are not in `now`
   Real sinceBefore = 0;  // s, from the detection of `before` to this step; 0 in the first step; unused if `again`
   bool again = false;    // contacts are made again within the step
 };
@@ -43,6 +45,8 @@ class ListenerTable {
   void notify(const World<D>& world, BodyTable<D>& table, const StepContacts<D>& news) const;
 
  private:
+  bool anyFor(const Manifold<D>& m) const;
+
   std::vector<ContactListener<D>*> m_all;
   std::vector<std::vector<ContactListener<D>*>> m_ofBodies;  // by body slot; may be shorter than the body table
 };

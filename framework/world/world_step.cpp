@@ -56,7 +56,8 @@ void World<D>::step(Real dt) {
     m_contacts.make({stage<ContactCache>(), stage<ContactGenerator>(), m_table, m_settings,
                      m_continuous.speculativePairs(), m_profiler});
     Profiler::Scope scope(m_profiler, "listeners");
-    m_listeners.notify(*this, m_table, {m_contacts.manifolds, m_contacts.before(), m_sinceContacts, again});
+    m_listeners.notify(*this, m_table,
+                       {m_contacts.manifolds, m_contacts.before(), m_contacts.past(), m_sinceContacts, again});
   };
   const auto outdateGraph = [&] { m_graph.reset(m_table.bodies, m_contacts.manifolds, jointsInUse(), f.work); };
   detect(false);

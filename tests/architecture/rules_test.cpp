@@ -100,7 +100,7 @@ const std::vector<Allowance> kAllowances = {
     {"experiments/trial/measure/", {}, kAllocator},
     {"experiments/sandbox/", {"SDL2/"}, {"backends/imgui", "epoxy/", "imgui.h", "imgui_stdlib.h", "link.h"}},
     {"experiments/bench/", {"benchmark/"}, {"BulletCollision/", "BulletDynamics/", "LinearMath/"}},
-    {"experiments/bench/", {}, {"box2d/", "ode/"}},
+    {"experiments/bench/", {}, {"box2d/", "chipmunk/", "ode/"}},
     {"tests/", {""}, {}},
 };
 

@@ -34,9 +34,7 @@ struct Keeper final : ContactCache<D> {
     regenerate.clear();
     if (!keeps) regenerate.assign(in.pairs.begin(), in.pairs.end());
   }
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
-    if (keeps) fresh.assign(in.old.begin(), in.old.end());
-  }
+  void carry(const CacheInput<D>&, std::span<Manifold<D>>) override {}
 };
 
 template <int D>

@@ -40,7 +40,11 @@ struct Room : Inhabitants<D> {
     m.count = 1, m.friction = 9, m.normal[0] = 1, m.points[0].separation = separation;
   }
   void notify(bool again = false, Real lastDt = Real(0.5)) {
-    listeners.notify(token, this->table, {now, before, lastDt, again});
+    std::vector<PastPair> pairs;
+    for (std::span<const Manifold<D>> rest = before; !rest.empty(); rest = rest.subspan(firstPair(rest).size())) {
+      pairs.emplace_back(firstPair(rest));
+    }
+    listeners.notify(token, this->table, {now, pairs, before, lastDt, again});
   }
   void next() { before = std::exchange(now, {}), this->table.events.clear(); }
 };

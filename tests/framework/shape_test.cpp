@@ -125,9 +125,22 @@ void boxes() {
     const Real widest = maxOverDirections<D>([&](const Vec<D>& d) { return supportValue(s.view(), d); });
     RC_ASSERT(widest <= r * (1 + 8 * kEps));
     RC_ASSERT(widest >= Real(0.9) * r);
+    RC_ASSERT(s.reach() == r);
   });
 }
 TEST(Shape, BoundingBox) { boxes<2>(), boxes<3>(); }
+
+template <int D>
+void measures() {
+  const Shape<D> box = Shape<D>::box(Vec<D>::Constant(Real(0.5))), ball = Shape<D>::sphere(Real(0.25));
+  const Pose<D> aside{Vec<D>(2 * Vec<D>::Unit(0)), {}};
+  const std::vector<ShapePart<D>> flat = {{box, {}}, {box, aside}}, round = {{box, {}}, {ball, aside}};
+  EXPECT_TRUE(box.flat() && Shape<D>::plane().flat() && Shape<D>::compound(flat).flat());
+  EXPECT_FALSE(ball.flat() || Shape<D>::box(Vec<D>::Constant(1), Real(0.1)).flat() || Shape<D>::compound(round).flat());
+  EXPECT_EQ(Shape<D>::compound(flat).reach(), 2 + box.reach());
+  EXPECT_EQ(Shape<D>::compound(round).reach(), Real(2.25));
+}
+TEST(Shape, ReachAndFlatnessAreThoseOfAllParts) { measures<2>(), measures<3>(); }
 
 // --- points ---------------------------------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@
 namespace lpc { inline namespace LPC_PRECISION { namespace test {
 
 template <int D, class Inherit>
-void forSamePairs(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fresh, const Inherit& inherit) {
+void forSamePairs(std::span<const Manifold<D>> old, std::span<Manifold<D>> fresh, const Inherit& inherit) {
   for (Manifold<D>& m : fresh) {
     for (const Manifold<D>& o : old) {
       if (o.key() == m.key()) inherit(o, m);
@@ -20,7 +20,7 @@ void forSamePairs(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fr
 /// Keeps the old points of a known pair: contacts do not follow the bodies.
 template <int D>
 struct StaleManifold final : ContactCache<D> {
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     forSamePairs<D>(in.old, fresh,
                     [](const Manifold<D>& o, Manifold<D>& m) { m.count = o.count, m.points = o.points; });
   }
@@ -29,7 +29,7 @@ struct StaleManifold final : ContactCache<D> {
 /// The first point inherits from the first old point, whatever their features.
 template <int D>
 struct MatchesByPlace final : ContactCache<D> {
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     forSamePairs<D>(in.old, fresh, [](const Manifold<D>& o, Manifold<D>& m) {
       for (std::size_t i = 0; i < static_cast<std::size_t>(std::min(o.count, m.count)); ++i) {
         m.points[i].impulse = o.points[i].impulse, m.points[i].memory = o.points[i].memory;
@@ -41,7 +41,7 @@ struct MatchesByPlace final : ContactCache<D> {
 /// Forgets the children of shapes: the first pair of children inherits for all.
 template <int D>
 struct MatchesByShape final : ContactCache<D> {
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     const auto right = createStage<ContactCache<D>>({"by_feature", {}});
     for (Manifold<D>& m : fresh) {
       for (const Manifold<D>& o : in.old) {
@@ -62,7 +62,7 @@ struct MatchesByShape final : ContactCache<D> {
 /// Each point inherits from the nearest old one, even if another point already has.
 template <int D>
 struct GivesToAllAround final : ContactCache<D> {
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     forSamePairs<D>(in.old, fresh, [](const Manifold<D>& o, Manifold<D>& m) {
       for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
         std::size_t nearest = 0;
@@ -79,7 +79,7 @@ struct GivesToAllAround final : ContactCache<D> {
 /// Forgets that each normal has its own tangent basis.
 template <int D>
 struct FrictionAsNumbers final : ContactCache<D> {
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override {
     forSamePairs<D>(in.old, fresh, [](const Manifold<D>& o, Manifold<D>& m) {
       for (int i = 0; i < m.count; ++i) {
         for (int k = 0; k < o.count; ++k) {
@@ -97,26 +97,18 @@ template <int D>
 struct Recycled : ContactCache<D> {
   std::unique_ptr<ContactCache<D>> right = createStage<ContactCache<D>>({"recycling", {}});
   void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) override { right->select(in, regenerate); }
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override { right->carry(in, fresh); }
-};
-
-/// Leaves pairs out of `regenerate` and does not bring them back.
-template <int D>
-struct LosesWhatIsLeftOut final : Recycled<D> {
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
-    createStage<ContactCache<D>>({"by_feature", {}})->carry(in, fresh);
-  }
+  void carry(const CacheInput<D>& in, std::span<Manifold<D>> fresh) override { right->carry(in, fresh); }
+  void renew(const CacheInput<D>& in, std::span<Manifold<D>> pair) override { right->renew(in, pair); }
 };
 
 /// Keeps separations along with the anchors.
 template <int D>
 struct StaleSeparations final : Recycled<D> {
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
-    Recycled<D>::carry(in, fresh);
-    forSamePairs<D>(in.old, fresh, [](const Manifold<D>& o, Manifold<D>& m) {
-      for (std::size_t i = 0; i < static_cast<std::size_t>(std::min(o.count, m.count)); ++i) {
-        m.points[i].separation = o.points[i].separation;
-      }
+  void renew(const CacheInput<D>& in, std::span<Manifold<D>> pair) override {
+    const std::vector<Manifold<D>> old(pair.begin(), pair.end());
+    Recycled<D>::renew(in, pair);
+    forSamePairs<D>(old, pair, [](const Manifold<D>& o, Manifold<D>& m) {
+      for (int i = 0; i < m.count; ++i) m.points[i].separation = o.points[i].separation;
     });
   }
 };
@@ -124,9 +116,10 @@ struct StaleSeparations final : Recycled<D> {
 /// The normal does not turn with A.
 template <int D>
 struct StaleNormals final : Recycled<D> {
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
-    Recycled<D>::carry(in, fresh);
-    forSamePairs<D>(in.old, fresh, [](const Manifold<D>& o, Manifold<D>& m) { m.normal = o.normal; });
+  void renew(const CacheInput<D>& in, std::span<Manifold<D>> pair) override {
+    const std::vector<Manifold<D>> old(pair.begin(), pair.end());
+    Recycled<D>::renew(in, pair);
+    forSamePairs<D>(old, pair, [](const Manifold<D>& o, Manifold<D>& m) { m.normal = o.normal; });
   }
 };
 

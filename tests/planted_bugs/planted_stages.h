@@ -199,29 +199,6 @@ class PlantedBroadphase final : public Broadphase<D> {
 };
 LPC_REGISTER(Broadphase, PlantedBroadphase, 2, 3);
 
-/// by_feature that brings back the contacts of sleeping bodies whose shapes are no longer near each other.
-template <int D>
-class PlantedCache final : public ContactCache<D> {
- public:
-  using Params = NoParams;
-  explicit PlantedCache(const Params&) : m_right(createStage<ContactCache<D>>({"by_feature", {}})) {}
-  static AlgorithmInfo info() { return planted("cache"); }
-
-  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
-    m_right->carry(in, fresh);
-    const std::size_t right = fresh.size();
-    for (const Manifold<D>& old : in.old) {
-      const auto same = [&](const Manifold<D>& m) { return m.key() == old.key(); };
-      if (std::none_of(fresh.begin(), fresh.begin() + static_cast<std::ptrdiff_t>(right), same)) fresh.push_back(old);
-    }
-    std::sort(fresh.begin(), fresh.end(), [](const auto& a, const auto& b) { return a.key() < b.key(); });
-  }
-
- private:
-  std::unique_ptr<ContactCache<D>> m_right;
-};
-LPC_REGISTER(ContactCache, PlantedCache, 2, 3);
-
 /// Returns every manifold twice.
 template <int D>
 class PlantedContacts final : public ContactGenerator<D> {

@@ -325,12 +325,9 @@ void everyPolicy() {
           << c.name << ' ' << r->info.name << ' ' << D;
     }
     const std::string name = c.name;
-    if (name == "fixed body created beside") {
+    if (name == "fixed body created beside" || name == "ground set away") {
       const char* deaf = "sleep=planted_sleep{bug=deaf}";
       expectCaught(name + " with " + deaf, movesAsIfAwake<D>(c, deaf));
-    } else if (name == "ground set away") {  // thrown up by the contact with the old place of the ground
-      const char* stale = "sleep=split_average cache=planted_cache";
-      expectCaught(name + " with " + stale, movesAsIfAwake<D>(c, stale));
     }
   }
 }

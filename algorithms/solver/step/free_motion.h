@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "algorithms/solver/lanes/rotation_lanes.h"
 #include "framework/stage/stage_solver.h"
 
 namespace lpc { inline namespace LPC_PRECISION { namespace solver {
@@ -25,13 +26,6 @@ void kick(const IntegrateInput<D>& in, std::vector<Wrench<D>>& wrenches) {
   }
 }
 
-/// Moves one body at the constant velocity `m` for dt.
-template <int D>
-void moveBody(Pose<D>& x, const Motion<D>& m, Real dt, bool rotation) {
-  x.p += dt * m.v;
-  if (rotation && m.w.squaredNorm() > 0) x.q = integrateRotation(x.q, Ang<D>(dt * m.w));
-}
-
 /// Zeroes velocities that a step must not use: of bodies outside the step, of pinned ones, of ones that may not turn.
 template <int D>
 void haltUnmoving(Bodies<D>& bodies, bool rotation) {
@@ -47,5 +41,22 @@ template <int D>
 bool travels(const Bodies<D>& bodies, std::size_t i) {
   return bodies.used[i] && bodies.type[i] != BodyType::fixed && bodies.awake[i];
 }
+
+/// Moves all bodies that travel, at constant velocities for dt. `motion` is by slot.
+template <int D>
+class FreeMotion {
+ public:
+  void move(Bodies<D>& bodies, IndexedSpan<const Motion<D>> motion, Real dt, bool rotation) {
+    m_bodies.clear();
+    for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
+      if (travels(bodies, i)) m_bodies.push_back(static_cast<std::int32_t>(i));
+    }
+    for (const std::int32_t i : m_bodies) bodies.pose[i].p += dt * motion[i].v;
+    if (rotation) turnBodies(bodies.pose, motion, m_bodies, dt);
+  }
+
+ private:
+  std::vector<std::int32_t> m_bodies;  // that travel
+};
 
 }}}  // namespace lpc::LPC_PRECISION::solver

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "algorithms/solver/lanes/contact_lanes.h"
 #include "algorithms/solver/rows/body_displacements.h"
-#include "algorithms/solver/rows/contact_rows.h"
 #include "algorithms/solver/rows/joint_rows.h"
 #include "algorithms/solver/step/free_motion.h"
 #include "algorithms/solver/step/gyroscopic.h"
@@ -87,6 +87,8 @@ struct SubstepPlan {
   bool warmStart = true;  // from the impulses of the last step
   bool gyroscopic = false, armsAsMade = false;
   ContactsOf contacts = ContactsOf::step;
+  SweepOrder order = SweepOrder::stored;
+  SweepLanes lanes = SweepLanes::automatic;
 };
 
 /// The contacts and joints of a step of equal sub-steps. Directions of contacts are those of the detection, and so are
@@ -114,7 +116,6 @@ class Substeps {
       }
     }
     m_joints.clear();
-    measure(in);
   }
 
   Real h() const { return m_h; }  // s
@@ -133,16 +134,19 @@ class Substeps {
   /// Solves, warm started from the previous sub-step.
   void solve(const StepInput<D>& in, const ErrorFeedback& errors, int iterations) {
     Profiler::Scope scope(in.profiler, "solver.iterate");
-    applyAccumulated(in);
-    for (int i = 0; i < iterations; ++i) sweep(in, errors);
+    m_joints.applyAccumulated(in.bodies.motion);
+    m_contacts.loadMotion(in.bodies.motion);
+    applyBlocks(m_contacts, in.model.rotation);
+    sweep(in, errors, iterations);
+    m_contacts.storeMotion(in.bodies, in.bodies.motion);
   }
 
   /// Moves the bodies. Separations follow unless the method keeps those of the detection.
   void move(const StepInput<D>& in, bool separationsFollow = true) {
     Profiler::Scope scope(in.profiler, "solver.move");
+    m_motion.move(in.bodies, in.bodies.motion, m_h, in.model.rotation);
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
       if (!travels(in.bodies, k)) continue;
-      moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, in.model.rotation);
       m_displacement[k] += m_h * in.bodies.motion[k].v;
       in.bodies.pose[k].p = m_start[k] + m_displacement[k];
     }
@@ -157,21 +161,21 @@ class Substeps {
   /// the present poses have shared arms already.
   void turnArms(const StepInput<D>& in, bool shared) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
-    if (in.model.restitution && m_detected.empty()) m_detected = m_contacts.points;
-    for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
-      const Manifold<D>& m = in.manifolds[rows.manifold];
+    if (m_bounces && !m_turned) m_detected = m_contacts;
+    m_turned = true;
+    for (const ContactPlace& at : m_contacts.places) {
+      const Manifold<D>& m = in.manifolds[at.manifold];
       if (shared && m_plan.contacts == ContactsOf::substep && isMadeNow(in, m)) continue;
-      const auto a = rows.a, b = rows.b;
-      const auto [atA, atB] = displacements().pair(in.bodies, a, b);
-      countMadeRows<D>(in.work, rows.rows());
-      for (int k = 0; k < rows.count; ++k) {
+      const auto [atA, atB] = displacements().pair(in.bodies, at.a, at.b);
+      countMadeRows<D>(in.work, m_contacts.rowsOf(at));
+      for (int k = 0; k < at.count; ++k) {
         const ContactPoint<D>& c = m.points[k];
         if (shared) {
           const auto& inverse = in.bodies.invInertia;
-          const ContactArms<D> arms = sharedArms(c, m.normal, atA, atB, inverse[a], inverse[b]);
-          makeRows(in, rows, arms.rA, arms.rB, m_contacts.points[rows.first + k]);
+          const ContactArms<D> arms = sharedArms(c, m.normal, atA, atB, inverse[at.a], inverse[at.b]);
+          m_contacts.setRows(at, k, in.bodies, m, arms.rA, arms.rB);
         } else {
-          makeRows(in, rows, atA.q * c.localA, atB.q * c.localB, m_contacts.points[rows.first + k]);
+          m_contacts.setRows(at, k, in.bodies, m, atA.q * c.localA, atB.q * c.localB);
         }
       }
     }
@@ -179,19 +183,15 @@ class Substeps {
 
   /// Measures contacts again after another method has changed the poses.
   void measure(const StepInput<D>& in) {
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const auto [X_WA, X_WB] = displacements().pair(in.bodies, m.a, m.b);
-      for (int k = 0; k < m.count; ++k) {
-        State& state = m_states[m.first + k];
-        state.separation = ((X_WB.p - X_WA.p) + X_WB.q * state.localB - X_WA.q * state.localA).dot(m.n);
-      }
-    }
+    m_contacts.loadPose(in.bodies, m_displacement);
+    measureBlocks(m_contacts);
   }
 
-  /// Removes the velocity that pushing has added.
+  /// Removes the velocity that pushing has added. No velocity may change between solve() and this.
   void relax(const StepInput<D>& in, int iterations) {
     Profiler::Scope scope(in.profiler, "solver.relax");
-    for (int i = 0; i < iterations; ++i) sweep(in, {});
+    sweep(in, {}, iterations);
+    m_contacts.storeMotion(in.bodies, in.bodies.motion);
   }
 
   /// Runs sub-step i: solve with a push, move, relax.
@@ -206,7 +206,7 @@ class Substeps {
 
   /// Adds this sub-step's impulses to the loads of contacts and joints.
   void end() {
-    for (std::size_t p = 0; p < m_states.size(); ++p) m_states[p].load += m_contacts.points[p].impulse[0];
+    m_contacts.addLoads();
     for (const std::int32_t j : m_joints.rowless) m_jointImpulse[j].substep.fill(0);
     for (const JointBlock<D>& block : m_joints.blocks) {
       JointImpulse& kept = m_jointImpulse[block.joint];
@@ -222,13 +222,8 @@ class Substeps {
   /// Applies restitution, then stores the impulses. Contacts store those of the last sub-step, scaled to a whole step,
   /// for warm starting. A rolling ball, whose anchor turns up and away, carries load in the first sub-steps only.
   void finish(const StepInput<D>& in, BounceFriction how = BounceFriction::withFriction) {
-    if (in.model.restitution) bounce(in, how);
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      for (int k = 0; k < m.count; ++k) {
-        for (Real& x : m_contacts.points[m.first + k].impulse) x *= m_count;
-      }
-    }
-    storeContacts(in);
+    if (m_bounces) bounce(in, how);
+    storeContacts(in, m_count);
     const auto store = [&](std::int32_t j) {
       JointRecord<D>& joint = in.joints[j];
       const JointImpulse& sum = m_jointImpulse[j];
@@ -240,74 +235,59 @@ class Substeps {
   }
 
  private:
-  struct State {
-    Vec<D> localA, localB;
-    Real velocity;    // along the normal before the step, m/s
-    Real maxImpulse;  // largest of all sub-steps; 0: the contact was not hit
-    Real separation;  // m, present
-    Real load;        // sum of all sub-steps so far, N s
-  };
   struct JointImpulse {                        // by row
     IndexedArray<Real, kJointRows> substep{};  // of the last sub-step: warm starts the next one
     IndexedArray<Real, kJointRows> step{};     // of all sub-steps: the load of the joint
   };
-  // The sweeps overwrite the targets of ContactRows.
-  struct NoBias final : PositionResolver<D> {};
+  using Layout = BlockLayout<D>;
 
   // Contacts start with this multiple of their stored impulses.
   void prepareContacts(const StepInput<D>& in, Real warmStart) {
-    const NoBias none;
-    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.model,
-                        in.restitutionThreshold, in.work, in.profiler});
+    m_order.assign(in.active.begin(), in.active.end()), m_colours.clear();
+    if (m_plan.order == SweepOrder::coloured) in.graph.colour(in.active, m_order, m_colours);
+    const int lanes = m_plan.lanes == SweepLanes::scalar ? 1 : contactLanes();
+    m_contacts.arrange(in.bodies, in.manifolds, m_order, m_colours, lanes, in.model.friction);
+    m_turned = false;
+    countMadeRows<D>(in.work, m_contacts.rows());
+    m_contacts.loadFixed(in.bodies, [&](std::int32_t body) { return m_start[body]; });
+    m_contacts.loadPose(in.bodies);
+    prepareBlocks(m_contacts, in.manifolds, warmStart);
     if (m_plan.armsAsMade) keepArms(in);
-    m_detected.clear();
-    m_states.resize(m_contacts.points.size());
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Manifold<D>& from = in.manifolds[m.manifold];
-      const Motion<D>& a = in.bodies.motion[m.a];
-      const Motion<D>& b = in.bodies.motion[m.b];
-      for (int k = 0; k < m.count; ++k) {
-        const ContactPoint<D>& c = from.points[k];
-        PointRows<D>& row = m_contacts.points[m.first + k];
-        m_states[m.first + k] = {c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.model.rotation), 0, 0, 0};
-        if (!(warmStart > 0)) continue;
-        row.impulse[0] = std::max(warmStart * c.impulse[0], Real(0));
-        for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = warmStart * c.impulse[d];
-      }
-    }
+    m_bounces = in.model.restitution &&
+                std::any_of(m_contacts.places.begin(), m_contacts.places.end(),
+                            [&](const ContactPlace& at) { return in.manifolds[at.manifold].restitution > 0; });
+    if (!m_bounces && m_plan.contacts == ContactsOf::step) return;  // only a bounce needs the velocities
+    m_contacts.loadMotion(in.bodies.motion);
+    velocityBlocks(m_contacts, Layout::kVelocity, in.model.rotation);
   }
 
-  void storeContacts(const StepInput<D>& in) {
-    m_contacts.store(in.manifolds);
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      for (int k = 0; k < m.count; ++k) {
-        in.manifolds[m.manifold].points[k].load = m_states[m.first + k].load;
-      }
-    }
+  // Writes `scale` times the impulses, and the loads.
+  void storeContacts(const StepInput<D>& in, Real scale) {
+    m_contacts.forPoints([&](const ContactPlace& at, int k) {
+      ContactPoint<D>& c = in.manifolds[at.manifold].points[k];
+      for (int d = 0; d < D; ++d) c.impulse[d] = scale * m_contacts.of(at, k, Layout::kImpulse + d);
+      c.load = m_contacts.of(at, k, Layout::kLoad);
+    });
   }
 
   // Makes the contacts of the present poses. A point that was hit in this step rebounds from its velocity before that;
   // any other from its present velocity.
   void makeContacts(const StepInput<D>& in) {
-    storeContacts(in);
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      for (int k = 0; k < m.count; ++k) {
-        in.manifolds[m.manifold].points[k].memory[0] = m_states[m.first + k].velocity;
-      }
-    }
+    storeContacts(in, 1);
+    m_contacts.forPoints([&](const ContactPlace& at, int k) {
+      in.manifolds[at.manifold].points[k].memory[0] = m_contacts.of(at, k, Layout::kVelocity);
+    });
     m_remade.keep(in.manifolds, in.active);
     in.detect.again();
     Profiler::Scope scope(in.profiler, "solver.prepare");
     m_remade.restore(in.manifolds, in.active, PointImpulse::ofSubstep);
     prepareContacts(in, 1);
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      for (int k = 0; k < m.count; ++k) {
-        const ContactPoint<D>& c = in.manifolds[m.manifold].points[k];
-        State& state = m_states[m.first + k];
-        if (!(c.load > 0)) continue;
-        state.load = state.maxImpulse = c.load, state.velocity = c.memory[0];
-      }
-    }
+    m_contacts.forPoints([&](const ContactPlace& at, int k) {
+      const ContactPoint<D>& c = in.manifolds[at.manifold].points[k];
+      if (!(c.load > 0)) return;
+      m_contacts.of(at, k, Layout::kLoad) = m_contacts.of(at, k, Layout::kMaxImpulse) = c.load;
+      m_contacts.of(at, k, Layout::kVelocity) = c.memory[0];
+    });
     measure(in);
   }
 
@@ -327,127 +307,83 @@ class Substeps {
         std::copy(turn.begin(), turn.end(), m.points[k].memory.begin());
       }
     }
-    for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
-      const Manifold<D>& m = in.manifolds[rows.manifold];
+    for (const ContactPlace& at : m_contacts.places) {
+      const Manifold<D>& m = in.manifolds[at.manifold];
       if (isMadeNow(in, m)) continue;
-      countMadeRows<D>(in.work, rows.rows());
+      countMadeRows<D>(in.work, m_contacts.rowsOf(at));
       for (int k = 0; k < m.count; ++k) {
         const ContactPoint<D>& c = m.points[k];
         Ang<D> turn;
         std::copy_n(c.memory.begin(), turn.size(), turn.begin());
         const Rot<D> q = integrateRotation(Rot<D>{}, turn);
-        makeRows(in, rows, q * c.localA, q * (m.X_AB.q * c.localB), m_contacts.points[rows.first + k]);
+        m_contacts.setRows(at, k, in.bodies, m, q * c.localA, q * (m.X_AB.q * c.localB));
       }
     }
   }
 
-  void makeRows(const StepInput<D>& in, const ManifoldRows<D>& rows, const Vec<D>& rA, const Vec<D>& rB,
-                PointRows<D>& row) const {
-    const auto a = rows.a, b = rows.b;
-    const auto make = [&](const Vec<D>& d) {
-      return makeRow<D>(d, rA, rB, rows.invMassA + rows.invMassB, in.bodies.invInertia[a], in.bodies.invInertia[b]);
-    };
-    row.normal = make(rows.n);
-    if (!(rows.friction > 0)) return;
-    for (int d = 0; d < D - 1; ++d) row.tangent[d] = make(rows.t.col(d));
-    prepareFriction(row);
-  }
-
-  void applyAccumulated(const StepInput<D>& in) {
-    auto& motion = in.bodies.motion;
-    m_joints.applyAccumulated(motion);
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      Motion<D>&a = motion[m.a], &b = motion[m.b];
-      for (int k = 0; k < m.count; ++k) {
-        const PointRows<D>& row = m_contacts.points[m.first + k];
-        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, in.model.rotation);
-        for (int d = 0; d < D - 1 && m.friction > 0; ++d) {
-          applyRow<D>(row.tangent[d], m.t.col(d), m.invMassA, m.invMassB, row.impulse[d + 1], a, b, in.model.rotation);
-        }
+  void sweep(const StepInput<D>& in, const ErrorFeedback& errors, int iterations) {
+    const BlockSweep law{.contact = errors.contact,
+                         .contactFixed = errors.contactFixed,
+                         .slop = errors.slop,
+                         .maxSpeed = errors.maxSpeed,
+                         .h = m_h,
+                         .softGaps = errors.softGaps,
+                         .rotation = in.model.rotation};
+    for (int i = 0; i < iterations; ++i) {
+      if (!m_joints.blocks.empty()) {
+        m_contacts.storeMotion(in.bodies, in.bodies.motion);
+        m_joints.sweep(in.bodies.motion, m_h, errors.joint);
+        m_contacts.loadMotion(in.bodies.motion);
       }
-    }
-  }
-
-  void sweep(const StepInput<D>& in, const ErrorFeedback& errors) {
-    auto& motion = in.bodies.motion;
-    const bool rotation = in.model.rotation;
-    m_joints.sweep(motion, m_h, errors.joint);
-    m_joints.count(in.work);
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      Motion<D> a = motion[m.a], b = motion[m.b];
-      const Feedback& feedback = m.invMassA > 0 && m.invMassB > 0 ? errors.contact : errors.contactFixed;
-      for (int k = 0; k < m.count; ++k) {
-        PointRows<D>& row = m_contacts.points[m.first + k];
-        State& state = m_states[m.first + k];
-        const Real s = state.separation;
-        Real bias = 0, massScale = 1, impulseScale = 0;
-        if (s > 0) {
-          bias = s / m_h;
-        } else if (feedback.rate > 0) {
-          bias = std::max(feedback.rate * std::min(s + errors.slop, Real(0)), -errors.maxSpeed);
-        }
-        if (!(s > 0) || errors.softGaps) massScale = feedback.massScale, impulseScale = feedback.impulseScale;
-        const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
-        const Real old = row.impulse[0];
-        const Real wanted = old - massScale * row.normal.mass * (v + bias) - impulseScale * old;
-        row.impulse[0] = std::max(wanted, Real(0));
-        state.maxImpulse = std::max(state.maxImpulse, row.impulse[0]);
-        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
-      }
-      if (m.friction > 0) {
-        for (int k = 0; k < m.count; ++k) {
-          solveFrictionAt(m, m_contacts.points[m.first + k], a, b, rotation);
-        }
-      }
-      countRows<D>(in.work, m.rows());
-      motion[m.a] = a, motion[m.b] = b;
+      m_joints.count(in.work);
+      sweepBlocks(m_contacts, law);
+      countRows<D>(in.work, m_contacts.rows());
     }
   }
 
   // Uses the arms of the detection, as the measurement of the velocity before the step did.
   void bounce(const StepInput<D>& in, BounceFriction how) {
     const bool rotation = in.model.rotation;
-    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Real e = in.manifolds[m.manifold].restitution;
+    ContactBlocks<D>& detected = m_turned ? m_detected : m_contacts;
+    for (const ContactPlace& at : m_contacts.places) {
+      const Real e = in.manifolds[at.manifold].restitution;
       if (!(e > 0)) continue;
-      Motion<D>& a = in.bodies.motion[m.a];
-      Motion<D>& b = in.bodies.motion[m.b];
-      for (int k = 0; k < m.count; ++k) {
-        const auto at = m.first + k;
-        PointRows<D>& row = m_contacts.points[at];
-        State& state = m_states[at];
-        if (!(state.velocity < -in.restitutionThreshold) || !(state.maxImpulse > 0)) continue;
-        if (!m_detected.empty()) {
-          const IndexedArray<Real, D> impulse = row.impulse;
-          row = m_detected[at], row.impulse = impulse;
-        }
+      Motion<D>&a = in.bodies.motion[at.a], &b = in.bodies.motion[at.b];
+      const ManifoldRows<D> m = m_contacts.manifoldRows(at);
+      for (int k = 0; k < at.count; ++k) {
+        const Real before = m_contacts.of(at, k, Layout::kVelocity);
+        if (!(before < -in.restitutionThreshold) || !(m_contacts.of(at, k, Layout::kMaxImpulse) > 0)) continue;
+        PointRows<D> row = detected.pointRows(at, k);
+        for (int d = 0; d < D; ++d) row.impulse[d] = m_contacts.of(at, k, Layout::kImpulse + d);
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
         const Real old = row.impulse[0];
-        row.impulse[0] = std::max(old - row.normal.mass * (v + e * state.velocity), Real(0));
+        row.impulse[0] = std::max(old - row.normal.mass * (v + e * before), Real(0));
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
-        state.load += row.impulse[0] - old;
+        m_contacts.of(at, k, Layout::kLoad) += row.impulse[0] - old;
         countRows<D>(in.work, 1);
-        if (!(m.friction > 0) || row.impulse[0] == old) continue;
-        if (row.impulse[0] < old) {
-          solveFrictionAt(m, row, a, b, rotation);
-        } else if (how == BounceFriction::withFriction) {
-          solveFrictionBeside(m, row, row.impulse[0] - old, a, b, rotation);
-        } else {
-          continue;
+        if (m.friction > 0 && row.impulse[0] != old) {
+          const bool slides = row.impulse[0] < old || how == BounceFriction::withFriction;
+          if (row.impulse[0] < old) {
+            solveFrictionAt(m, row, a, b, rotation);
+          } else if (slides) {
+            solveFrictionBeside(m, row, row.impulse[0] - old, a, b, rotation);
+          }
+          if (slides) countRows<D>(in.work, D - 1);
         }
-        countRows<D>(in.work, D - 1);
+        for (int d = 0; d < D; ++d) m_contacts.of(at, k, Layout::kImpulse + d) = row.impulse[d];
       }
     }
   }
 
   SubstepPlan m_plan;
   Real m_count = 1, m_h = 0;
-  ContactRows<D> m_contacts;
+  ContactBlocks<D> m_contacts, m_detected;  // m_detected: before arms were turned, if m_turned
+  bool m_turned = false, m_bounces = false;
+  FreeMotion<D> m_motion;
+  std::vector<int> m_order, m_colours;  // of contacts, as VelocityInput has them
   JointSystem<D> m_joints;
   IndexedVector<Vec<D>> m_start, m_displacement;  // by body: position at the start of the step, displacement since, m
   RemadeContacts<D> m_remade;
-  IndexedVector<PointRows<D>> m_detected;      // by point, before arms were turned; empty if they were not
-  IndexedVector<State> m_states;               // by point
   IndexedVector<JointImpulse> m_jointImpulse;  // by joint slot
   IndexedVector<Wrench<D>> m_wrenches;
 };
