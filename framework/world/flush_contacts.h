@@ -21,8 +21,8 @@ namespace lpc { inline namespace LPC_PRECISION {
 /// the feature:
 ///
 /// - A covered contact whose normal is closer to the plane than to the plane's normal is removed.
-/// - Any other covered contact whose deepest point is at the plane gets the plane's normal. A point is removed
-///   if its closest point on P moves by more than kFlush.
+/// - Any other covered contact whose deepest point is at the plane gets the plane's normal. A point is removed if
+///   the closest point on P moves by more than kFlush.
 ///
 /// A covered contact does not cover others. Of two contacts that cover each other the deeper one stays; of equally deep
 /// ones both stay.

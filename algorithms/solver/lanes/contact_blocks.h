@@ -135,7 +135,6 @@ class ContactBlocks {
   /// A number of a manifold, or of its point i.
   Real& of(const ContactPlace& m, int field) { return numbers()[m.at + stride(m, field)]; }
   Real& of(const ContactPlace& m, int i, int field) { return of(m, ofPoint(i, field)); }
-  Real of(const ContactPlace& m, int i, int field) const { return const_cast<ContactBlocks*>(this)->of(m, i, field); }
 
   template <class M>
   void put(const ContactPlace& at, int field, const M& m) {
@@ -222,34 +221,27 @@ class ContactBlocks {
   }
 
   void loadMotion(IndexedSpan<const Motion<D>> from) {
-    Real* line = motion.data() + kReserved * kLine<D>;
-    for (const std::int32_t body : m_bodies) {
+    forLines<kLine<D>>(motion, [&](std::int32_t body, Real* line) {
       const Motion<D>& m = from[body];
       std::copy_n(m.v.data(), D, line), std::copy_n(m.w.data(), kAngDim<D>, line + kLineTurn<D>);
-      line += kLine<D>;
-    }
+    });
   }
-  void storeMotion(const Bodies<D>& bodies, IndexedVector<Motion<D>>& to) const {
-    const Real* line = motion.data() + kReserved * kLine<D>;
-    for (const std::int32_t body : m_bodies) {
-      if (bodies.type[body] == BodyType::dynamic) {
-        Motion<D>& m = to[body];
-        std::copy_n(line, D, m.v.data()), std::copy_n(line + kLineTurn<D>, kAngDim<D>, m.w.data());
-      }
-      line += kLine<D>;
-    }
+  void storeMotion(const Bodies<D>& bodies, IndexedVector<Motion<D>>& to) {
+    forLines<kLine<D>>(motion, [&](std::int32_t body, const Real* line) {
+      if (bodies.type[body] != BodyType::dynamic) return;
+      Motion<D>& m = to[body];
+      std::copy_n(line, D, m.v.data()), std::copy_n(line + kLineTurn<D>, kAngDim<D>, m.w.data());
+    });
   }
   /// `start(body)` is its position at the start of the step, m.
   template <class Start>
   void loadFixed(const Bodies<D>& bodies, const Start& start) {
-    Real* line = fixed.data() + kReserved * kFixedLine<D>;
-    for (const std::int32_t body : m_bodies) {
+    forLines<kFixedLine<D>>(fixed, [&](std::int32_t body, Real* line) {
       const Vec<D> at = start(body);
       std::copy_n(at.data(), D, line);
       line[D] = bodies.invMass[body];
       std::copy_n(bodies.invInertia[body].data(), Layout::kAng * Layout::kAng, line + D + 1);
-      line += kFixedLine<D>;
-    }
+    });
   }
   void loadPose(const Bodies<D>& bodies) {
     fillPose(bodies, [&](std::int32_t body) { return bodies.pose[body].p; });
@@ -260,10 +252,15 @@ class ContactBlocks {
   }
 
  private:
+  // Calls f(slot of the body, its line) for each body.
+  template <int kNumbers, class F>
+  void forLines(IndexedVector<Real>& lines, const F& f) {
+    Real* line = lines.data() + kReserved * kNumbers;
+    for (const std::int32_t body : m_bodies) f(body, line), line += kNumbers;
+  }
   template <class Place>
   void fillPose(const Bodies<D>& bodies, const Place& place) {
-    Real* line = pose.data() + kReserved * kLine<D>;
-    for (const std::int32_t body : m_bodies) {
+    forLines<kLine<D>>(pose, [&](std::int32_t body, Real* line) {
       const Vec<D> at = place(body);
       std::copy_n(at.data(), D, line);
       const Rot<D>& q = bodies.pose[body].q;
@@ -272,8 +269,7 @@ class ContactBlocks {
       } else {
         line[4] = q.w, line[5] = q.x, line[6] = q.y, line[7] = q.z;
       }
-      line += kLine<D>;
-    }
+    });
   }
 
   // Lines before those of the bodies. Unused lanes hold a copy of a manifold of their block; they read line 0, which is
