@@ -107,7 +107,7 @@ class ContactBlocks {
     }
     for (std::size_t c = 0; wide && c + 1 < colours.size(); ++c) {
       for (std::vector<int>& sorted : m_sorted) sorted.clear();
-      for (const int k : order.subspan(colours[c], colours[c + 1] - colours[c])) {
+      for (const int k : order.part(colours[c], colours[c + 1] - colours[c])) {
         const Manifold<D>& m = all[k];
         m_sorted[static_cast<std::size_t>(2 * m.count + (friction && m.friction > 0))].push_back(k);
       }
